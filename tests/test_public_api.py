@@ -35,7 +35,14 @@ def test_a_spec_is_loaded_and_generated(tmp_path: Path) -> None:
     specification = canwright.load(tmp_path / "lamp.yaml")
     files = canwright.generate([specification], ["c"])
     assert b"lamp_v1_dim_request_encode" in files["c/include/lamp/v1.h"]
-    assert {path.partition("/")[0] for path in canwright.generate([specification])} == {"c", "dbc", "docs", "python"}
+    assert {path.partition("/")[0] for path in canwright.generate([specification])} == {
+        "c",
+        "columns",
+        "dbc",
+        "docs",
+        "python",
+        "wireshark",
+    }
 
 
 def test_a_spec_with_an_error_raises_its_findings(tmp_path: Path) -> None:

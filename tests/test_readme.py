@@ -34,11 +34,14 @@ def printed(name: str) -> str:
     return match.group(1)
 
 
-@pytest.mark.parametrize("name", ["python", "nodes"])
+@pytest.mark.parametrize("name", ["columns", "python", "nodes"])
 def test_the_python_examples(name: str, tmp_path: Path) -> None:
     script = tmp_path / "example.py"
     script.write_text(example(name), "utf-8")
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "generated/python")}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(str(ROOT / "generated" / part) for part in ("python", "columns")),
+    }
     result = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, check=False)
     assert (result.stdout, result.stderr) == (printed(name), "")
 
@@ -112,6 +115,13 @@ def test_which_edition_a_log_fits(clone: Path) -> None:
     assert match
     (clone / "bus.log").write_text(match.group(1), "utf-8")
     assert run(example("identify"), clone) == printed("identify")
+    assert run(example("decode"), clone) == printed("decode")
+
+
+def test_a_single_frame_is_decoded(clone: Path) -> None:
+    assert "".join(run(line, clone) for line in example("frame-decoded").strip().split("\n")) == printed(
+        "frame-decoded"
+    )
 
 
 def test_a_frame_in_a_terminal() -> None:
@@ -122,6 +132,16 @@ def test_a_frame_in_a_terminal() -> None:
         [sys.executable, "-m", program, *arguments], input=given, cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == printed("dbc").strip()
+
+
+def test_dbc_files_of_some_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    arguments = [str(tmp_path) if word == "my-dbc" else word for word in example("dbc-nodes").split()[1:]]
+    result = CliRunner().invoke(main, arguments, catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / "dbc/mwd_motor-v2.35-MG-encoder_bits_18-reply-node5_7.dbc").read_text("ascii")
+    assert re.findall(r"^BO_ (\d+) ", text, re.MULTILINE) == [str(0x145), str(0x147)]
+    assert 'rA1_encoder m161 : 48|16@1+ (0.0054931640625,0) [0|359.9945068359375] "deg"' in text
 
 
 def test_a_command_in_a_terminal(clone: Path) -> None:

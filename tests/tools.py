@@ -17,8 +17,10 @@ PACKAGES: Mapping[str, str] = {
     "cppcheck": "cppcheck",
     "frama-c": "frama-c-base",
     "gcc": "gcc",
+    "java": "default-jre-headless",
     "sdcc": "sdcc",
     "simavr": "simavr",
+    "tshark": "tshark",
     "valgrind": "valgrind",
 }
 """Those of programs that begin with `qemu-` are in `qemu-user`."""

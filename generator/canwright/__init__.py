@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .semantics.encoder import Encoder
     from .semantics.exchange import check_reply
     from .semantics.frame import CanFrame
-    from .targets.base import NameProblem, Output, Specification, Target
+    from .targets.base import NameProblem, Options, Output, Specification, Target, TargetWithOptions
 
 __version__ = "0.1.0"
 
@@ -40,6 +40,7 @@ __all__ = [
     "Layout",
     "Message",
     "NameProblem",
+    "Options",
     "Output",
     "Position",
     "Refusal",
@@ -48,6 +49,7 @@ __all__ = [
     "SpecError",
     "Specification",
     "Target",
+    "TargetWithOptions",
     "Type",
     "check_reply",
     "generate",
@@ -65,7 +67,7 @@ _MODULES: Mapping[str, Sequence[str]] = {
     "semantics.encoder": ("Encoder",),
     "semantics.exchange": ("check_reply",),
     "semantics.frame": ("CanFrame",),
-    "targets.base": ("NameProblem", "Output", "Specification", "Target"),
+    "targets.base": ("NameProblem", "Options", "Output", "Specification", "Target", "TargetWithOptions"),
 }
 
 
@@ -85,16 +87,19 @@ def generate(
     specifications: Sequence[Specification],
     targets: Sequence[str] | None = None,
     parameters: Mapping[str, str] | None = None,
+    options: Options | None = None,
 ) -> Mapping[str, bytes]:
     """The generated files by path, such as `c/include/lamp/v1.h`; writes nothing.
 
-    `targets` are names of installed targets, all of them by default; `parameters` are values to fix in targets that can.
+    `targets` are names of installed targets, all of them by default; `parameters` are values to fix in targets that can;
+    `options` select nodes and the language of comments in a TargetWithOptions.
     """
     from .project import pipeline
+    from .targets.base import Options
     from .targets.registry import target_names
 
     names = target_names() if targets is None else targets
-    return pipeline.generate(specifications, names, parameters or {}).files
+    return pipeline.generate(specifications, names, parameters or {}, options or Options()).files
 
 
 def __getattr__(name: str) -> object:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 
 import pytest
@@ -25,7 +24,7 @@ class _Careless(ReferenceAdapter):
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
-        longer = dataclasses.replace(frame, data=frame.data.ljust(8, b"\0"))
+        longer = frame._replace(data=frame.data.ljust(8, b"\0"))
         return super().decode(direction, frame if frame.remote else longer, parameters, expected)
 
 

@@ -39,7 +39,15 @@ def test_generate_then_check_then_edit(folder: Path) -> None:
     assert "warning: there are no golden frames" in result.stderr
     listed = run("generate", "--spec", "my.yaml", "--out", "out", "--format", "json")
     assert [one["rule"] for one in json.loads(listed.stdout)["findings"]] == ["missing-frame"]
-    assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "c", "python", "dbc", "docs"}
+    assert {p.name for p in (folder / "out").iterdir()} == {
+        ".canwright.json",
+        "c",
+        "columns",
+        "python",
+        "dbc",
+        "docs",
+        "wireshark",
+    }
     assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
     (folder / "my.yaml").write_text(MINIMAL.replace("0..1000", "0..999"), "utf-8")
     result = run("check", "--spec", "my.yaml", "--out", "out")
@@ -169,6 +177,27 @@ def test_an_invalid_setting_is_rejected(setting: str, says: str, tmp_path: Path)
     result = run("generate", "--spec", ARM, "--target", "dbc", "--set", setting, "--out", str(tmp_path / "out"))
     assert (result.exit_code, says in result.output) == (2, True), result.output
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--target", "dbc", "--nodes", "5,x"], "--nodes 5,x: `x` is not a node; write nodes as 5,7 or 1..8"),
+        (["--target", "dbc", "--nodes", "1,99"], "--nodes 1,99: arm v1 has no node 99; its nodes are 1..15"),
+        (["--nodes", "1"], "--nodes affects only the target dbc; add --target dbc"),
+        (["--target", "c", "--comments", "zh"], "--comments affects only the target dbc; add --target dbc"),
+        (["--target", "dbc", "--comments", "fr"], "--comments fr: the target `dbc` has comments in en, zh"),
+    ],
+)
+def test_a_selection_that_is_not_possible(arguments: list[str], message: str, tmp_path: Path) -> None:
+    result = run("generate", "--spec", ARM, *arguments, "--out", str(tmp_path / "out"))
+    assert (result.exit_code, result.stderr) == (2, f"canwright: {message}\n")
+    assert not (tmp_path / "out").exists()
+
+
+def test_nodes_are_selected_singly_or_as_a_range(tmp_path: Path) -> None:
+    run("generate", "--spec", ARM, "--target", "dbc", "--nodes", "3,1..2", "--out", str(tmp_path / "out"))
+    assert (tmp_path / "out/dbc/arm-v1-star-reply-node1_2_3.dbc").is_file()
 
 
 def test_a_setting_affects_only_dbc_files(tmp_path: Path) -> None:

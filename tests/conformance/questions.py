@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
 import random
@@ -112,15 +111,15 @@ class Questions:
         ids = frame.id & message.id_mask
         for node in self._nodes(message)[:-1]:
             if node is not None:
-                yield dataclasses.replace(frame, id=message.id.base + node * message.id.node_step | ids)
+                yield frame._replace(id=message.id.base + node * message.id.node_step | ids)
         bits = 29 if message.id.extended else 11
         for bit in (chance.randrange(bits), chance.randrange(bits), chance.randrange(29)):
-            yield dataclasses.replace(frame, id=frame.id ^ 1 << bit)
-        yield dataclasses.replace(frame, extended=not frame.extended)
-        yield dataclasses.replace(frame, remote=not frame.remote)
+            yield frame._replace(id=frame.id ^ 1 << bit)
+        yield frame._replace(extended=not frame.extended)
+        yield frame._replace(remote=not frame.remote)
         if not frame.remote:
             for length in {0, 8, message.dlc - 1, message.dlc + 1} & set(range(9)):
-                yield dataclasses.replace(frame, data=frame.data[:length].ljust(length, b"\0"))
+                yield frame._replace(data=frame.data[:length].ljust(length, b"\0"))
             fixed = (f for f in message.layout.fields if f.fixed is not None)
             parts = [(k.space, bits_of(k.segments)) for k in message.keys]
             parts += [(f.space, e.bits) for f in fixed for e in f.elements]
@@ -167,7 +166,7 @@ class Questions:
                 else:
                     word = word & ~(1 << bit) | change
         data = (word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little")
-        return dataclasses.replace(frame, id=id_, data=data)
+        return frame._replace(id=id_, data=data)
 
     def _known(self, message: Message) -> Parameters:
         """Parameters under which the fields of a message are known."""
@@ -303,7 +302,7 @@ class Questions:
             for one in (*sorted(near), *((chance.choice(nodes),) if nodes is not None else (None,))):
                 answer = self._frame(reply, one)
                 if command.is_echoed and reply is command.reply and chance.random() < 0.8:
-                    answer = dataclasses.replace(answer, data=request.data)
+                    answer = answer._replace(data=request.data)
                 yield request, answer
                 yield from ((request, changed) for changed in self._changed(reply, answer))
 
@@ -314,7 +313,7 @@ class Questions:
         for byte in range(len(frame.data)):
             yield _flipped(frame, Space.DATA, 8 * byte + self._chance.randrange(8))
         for length in {len(frame.data) - 1, len(frame.data) + 1, 0} & set(range(9)):
-            yield dataclasses.replace(frame, data=frame.data[:length].ljust(length, b"\0"))
+            yield frame._replace(data=frame.data[:length].ljust(length, b"\0"))
 
     def _requests(self, message: Message) -> Iterator[tuple[CanFrame, CanFrame]]:
         """Frames that are nearly a request, with its reply."""
@@ -362,9 +361,9 @@ def _bit(frame: CanFrame, space: Space, bit: int) -> int:
 def _flipped(frame: CanFrame, space: Space, bit: int) -> CanFrame:
     """A frame with another value of one bit."""
     if space is Space.ID:
-        return dataclasses.replace(frame, id=frame.id ^ 1 << bit)
+        return frame._replace(id=frame.id ^ 1 << bit)
     word = int.from_bytes(frame.data, "little") ^ 1 << bit
-    return dataclasses.replace(frame, data=(word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little"))
+    return frame._replace(data=(word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little"))
 
 
 def disagreement(wanted: Answer, found: Answer, tolerance: float = 0.0) -> str:

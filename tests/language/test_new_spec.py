@@ -123,9 +123,9 @@ def test_a_dbc_has_identical_messages_once(tmp_path: Path) -> None:
     (tmp_path / "v1.yaml").write_text(text, "utf-8")
     result = CliRunner().invoke(main, ["generate", "--spec", str(tmp_path / "v1.yaml"), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
-    database = cantools.database.load_file(tmp_path / "out/dbc/lamp-v1-command-node1.dbc", strict=True)
+    database = cantools.database.load_file(tmp_path / "out/dbc/lamp-v1-command.dbc", strict=True)
     assert isinstance(database, cantools.database.can.Database)
-    assert [[signal.name for signal in message.signals] for message in database.messages] == [["c_level"]]
+    assert [[signal.name for signal in message.signals] for message in database.messages] == [["c_level"]] * 4
     guide = (tmp_path / "out/dbc/README.md").read_text("utf-8")
     assert "`other` (command)" in guide
 

@@ -61,6 +61,11 @@ def test_the_wheel_carries_the_schema(installed: Path, tmp_path: Path) -> None:
     assert schema == (ROOT / "spec/canwright.schema.json").read_text("utf-8")
 
 
+def test_the_wheel_identifies_editions_without_a_clone(installed: Path, tmp_path: Path) -> None:
+    (tmp_path / "bus.log").write_text("141#9A00000000000000\n141#9A32081364000000\n", "utf-8")
+    assert "node 1, 2 frames: fits v2.35-2024-02\n" in run(tmp_path, installed / "canwright", "identify", "bus.log")
+
+
 def test_the_generated_python_package_installs_and_needs_nothing_else(tmp_path: Path) -> None:
     python = empty(tmp_path / "empty")
     package = tmp_path / "python"
@@ -79,7 +84,7 @@ def with_csv(installed: Path) -> Path:
 
 
 def test_a_target_of_another_package_is_listed_and_generates(with_csv: Path, tmp_path: Path) -> None:
-    assert "[c|csv|dbc|docs|python]" in run(tmp_path, with_csv / "canwright", "generate", "--help")
+    assert "[c|columns|csv|dbc|docs|python|wireshark]" in run(tmp_path, with_csv / "canwright", "generate", "--help")
     (tmp_path / "my.yaml").write_text(MINIMAL, "utf-8")
     run(tmp_path, with_csv / "canwright", "generate", "--spec", "my.yaml", "--out", "out", "--target", "csv")
     assert [file.relative_to(tmp_path).as_posix() for file in (tmp_path / "out").rglob("*.csv")] == [

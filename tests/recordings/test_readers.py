@@ -10,8 +10,9 @@ from pathlib import Path
 
 import can
 import pytest
+from canwright.recordings import candump
 from canwright.recordings.readers import Log, LogError, open_log
-from canwright.recordings.recorded import Mark, Part, Recorded
+from canwright.recordings.recorded import Counts, Mark, Part, Recorded
 from canwright.semantics.frame import CanFrame
 
 START = 1_700_000_000
@@ -191,3 +192,17 @@ def test_a_log_without_frames_names_its_first_line() -> None:
         of("hello\n")
     with pytest.raises(LogError, match=r"the log has no frames;"):
         of("")
+
+
+LINE = "(1700000000.000001) can0 141#A10000006400FF01 R\n"
+
+
+@pytest.mark.parametrize("char", ["_", "+", "G", "#", ".", " ", "(", "\t", "f", "-", "\x1b", "\u0661", ""])
+def test_a_line_with_a_known_bus_and_id_is_read_as_any_other(char: str) -> None:
+    """Lines of known form take another way; wherever a line is changed, both ways give the same frames."""
+    for at in range(len(LINE)):
+        for changed in (LINE[:at] + char + LINE[at + 1 :], LINE[:at] + char + LINE[at:]):
+            first, known = Counts(), Counts()
+            alone = list(candump.read([changed], first))
+            assert list(candump.read([LINE, LINE, changed], known))[2:] == alone, changed
+            assert first.skipped == known.skipped, changed

@@ -20,6 +20,7 @@ from canwright.project.loader import load
 from canwright.project.pipeline import generate
 from canwright.targets.registry import target_names
 from click.testing import CliRunner
+from lupa import lua54
 from markdown_it import MarkdownIt
 
 from ..compilers import WARNINGS, Compiler, each_compiler
@@ -81,6 +82,7 @@ def _same_file(path: str, hostile: str, harmless: str) -> bool:
         "ino": _same_c,
         "py": _same_python,
         "dbc": _same_dbc,
+        "lua": _same_lua,
         "md": _any_page,
     }
     return same.get(path.rsplit(".", 1)[-1], _equal)(hostile, harmless)
@@ -123,6 +125,18 @@ def _tree(source: str) -> str:
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             node.value = ""
     return ast.dump(tree)
+
+
+def _same_lua(hostile: str, harmless: str) -> bool:
+    return _lua_tokens(hostile) == _lua_tokens(harmless)
+
+
+@functools.cache
+def _lua_tokens(source: str) -> str:
+    """A source that Lua compiles, without the contents of its literals and without layout."""
+    assert lua54.LuaRuntime().compile(source)
+    literals = re.sub(r'"(?:[^"\\]|\\.)*"', '""', _without_hash(source))
+    return re.sub(r",?}", "}", "".join(literals.split()))
 
 
 def _same_dbc(hostile: str, harmless: str) -> bool:

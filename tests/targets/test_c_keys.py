@@ -147,4 +147,4 @@ def test_the_second_key_tells_whose_answer_it_is(target: CAdapter) -> None:
     second = CanFrame(NODE_2, bytes.fromhex("91 00 03 02 00 00 00 00"), extended=True)
     assert target.answers(first, first) is None
     assert target.answers(first, second) == Refused(Refusal.NOT_ANSWER)
-    assert target.answers(second, dataclasses.replace(second, id=NODE_2 + 1)) == Refused(Refusal.NOT_ANSWER)
+    assert target.answers(second, second._replace(id=NODE_2 + 1)) == Refused(Refusal.NOT_ANSWER)

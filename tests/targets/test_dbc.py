@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+import cantools
 import pytest
 from canwright.language.golden_frames import GoldenFrame, GoldenFrames
+from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import dbc
-from canwright.targets.base import Specification
+from canwright.targets.base import Options, Specification
+from canwright.targets.dbc.frames import obstacle
 
 from ..spec_texts import MINIMAL, SMALL, called
 
@@ -23,6 +27,8 @@ ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
 MAIN = ROOT / "spec" / "mwd_motor" / "v2.35.yaml"
 SPECS = [MAIN, CASES / "tiny.yaml", CASES / "packed.yaml"]
+
+SERIES = ("MS", "MF", "MH", "MG")
 
 SECTIONS = [
     "VERSION",
@@ -53,9 +59,12 @@ def texts(request: pytest.FixtureRequest) -> Mapping[str, str]:
     return files(request.param)
 
 
-@pytest.mark.parametrize("name", ["lamp-v1-small-reply-node1.dbc", "lamp-v1-small-command.dbc"])
-def test_text_of_a_small_spec(name: str) -> None:
-    assert made(CASES / "tiny.yaml")[name] == (CASES / name).read_text("ascii")
+@pytest.mark.parametrize(
+    ("name", "nodes"), [("lamp-v1-small-reply-node1.dbc", (1,)), ("lamp-v1-small-command.dbc", ())]
+)
+def test_text_of_a_small_spec(name: str, nodes: tuple[int, ...]) -> None:
+    texts = {o.path: o.text for o in dbc.generate([specification(CASES / "tiny.yaml")], {}, Options(nodes=nodes))}
+    assert texts[name] == (CASES / name).read_text("ascii")
 
 
 def test_of_very_many_nodes_the_first_are_listed(tmp_path: Path) -> None:
@@ -68,15 +77,50 @@ def test_of_very_many_nodes_the_first_are_listed(tmp_path: Path) -> None:
 
 def test_a_choice_among_names_splits_the_files() -> None:
     expected = {
-        f"mwd_motor-v2.35-{series}-{kind}{part}.dbc"
-        for series in ("MS", "MF", "MH", "MG")
-        for kind in ("reply", "command")
-        for part in ("", "-node1")
+        f"mwd_motor-v2.35-{series}-{kind}.dbc" for series in ("MS", "MF", "MH", "MG") for kind in ("reply", "command")
     }
     assert set(made(MAIN)) == {*expected, "README.md"}
-    assert set(made(CASES / "packed.yaml")) == {
-        f"drive-v1-{kind}{part}.dbc" for kind in ("reply", "command") for part in ("", "-node1")
-    } | {"README.md"}
+    assert set(made(CASES / "packed.yaml")) == {"drive-v1-reply.dbc", "drive-v1-command.dbc", "README.md"}
+
+
+def test_directions_without_a_shared_id_are_in_one_file() -> None:
+    paths = set(files(ROOT / "spec/mwd_motor/v2.36-2025-03.yaml"))
+    prefix = "mwd_motor-v2.36-2025-03"
+    tables = {
+        f"{prefix}-{series}-{table}.dbc" for series in SERIES for table in ("control-parameters", "stored-settings")
+    }
+    assert paths == {f"{prefix}-{series}.dbc" for series in SERIES} | tables | {f"{prefix}-stored-settings-pid.dbc"}
+
+
+def test_files_of_both_directions_have_no_warning_about_a_shared_id() -> None:
+    for path, text in files(ROOT / "spec/mwd_motor/v2.36-2025-03.yaml").items():
+        assert "same id" not in text and "meaningless" not in text, path
+        assert " Motor7_reply: 8 Motor7\n" in text and " Motor7_command: 8 Master\n" in text, path
+
+
+def test_codes_of_tables_have_names_in_the_plain_file() -> None:
+    text = files(ROOT / "spec/mwd_motor/v2.36-2025-03.yaml")["mwd_motor-v2.36-2025-03-MG.dbc"]
+    assert ' 192 "read_control_parameter" 193 "write_control_parameter_ram" ' in text
+
+
+@pytest.mark.parametrize("nodes", [(5, 7), (32,)])
+def test_selected_nodes_are_the_only_ones(nodes: tuple[int, ...]) -> None:
+    outputs = {o.path: o.text for o in dbc.generate([specification(MAIN)], {"series": "MG"}, Options(nodes=nodes))}
+    listed = "_".join(map(str, nodes))
+    reply, command = (outputs[f"mwd_motor-v2.35-MG-{kind}-node{listed}.dbc"] for kind in ("reply", "command"))
+    assert re.findall(r"^BO_ (\d+)", reply, re.MULTILINE) == [str(0x140 + node) for node in nodes]
+    assert re.findall(r"^BO_ (\d+)", command, re.MULTILINE) == [*(str(0x140 + node) for node in nodes), "640"]
+
+
+def test_comments_in_chinese_are_utf_8_and_change_nothing_else() -> None:
+    main = specification(MAIN)
+    chinese = {o.path: o.text for o in dbc.generate([main], {"series": "MG"}, Options(language="zh"))}
+    for path, text in files(MAIN, series="MG").items():
+        other = chinese[path.replace(".dbc", "-zh.dbc")].replace('-zh";', '";')
+        assert [x for x in other.splitlines() if x[:3] != "CM_"] == [x for x in text.splitlines() if x[:3] != "CM_"]
+    text = chinese["mwd_motor-v2.35-MG-command-zh.dbc"]
+    assert 'CM_ SG_ 321 cA1_iq "转矩闭环控制：目标转矩电流。电机会转动。手册 2.5。";' in text
+    assert not re.search(r"[a-z]{4}", " ".join(re.findall(r'CM_ (?:BO|SG)_ .*?"(.*)";', text)).replace("canwright", ""))
 
 
 def test_a_set_choice_among_names_leaves_only_its_files() -> None:
@@ -236,13 +280,13 @@ def test_constants_and_floats_are_marked() -> None:
 
 
 def test_flags_have_the_byte_order_of_their_field() -> None:
-    text = files(CASES / "packed.yaml")["drive-v1-reply-node1.dbc"]
+    text = files(CASES / "packed.yaml")["drive-v1-reply.dbc"]
     orders = dict(re.findall(r"SG_ r01_(\w+) (?:\w+ )?: \d+\|\d+@(\d)", text))
     assert orders == {"state_ready": "0", "state_bits_1_8": "0", "state_on": "0", "state_bits_10": "0", "level": "1"}
 
 
 def test_an_id_that_both_directions_use_is_said_to_be_one() -> None:
-    text = files(CASES / "packed.yaml")["drive-v1-command-node1.dbc"]
+    text = files(CASES / "packed.yaml")["drive-v1-command.dbc"]
     assert '"Move: command. A reply has the same id.";' in text
     assert '"Stop: command.";' in text
 
@@ -316,11 +360,44 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_guide_speaks_of_files_for_one_node_where_there_are_some(tmp_path: Path) -> None:
+def test_the_guide_shows_how_to_select_nodes_where_there_are_several(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
-    for addresses, said in (("nodes: 1..4", True), ("nodes: 1..1", False)):
+    for addresses, shown in (("nodes: 1..4", True), ("nodes: 1..1", False)):
         spec.write_text(MINIMAL.replace("nodes: 1..4", addresses), "utf-8")
-        assert ("`node…`" in made(spec)["README.md"]) == said
+        assert ("canwright generate --target dbc --nodes 1,2 --out out" in made(spec)["README.md"]) == shown
+
+
+@pytest.mark.parametrize("fields_first", [False, True])
+def test_of_messages_with_one_code_the_one_with_fields_is_shown(fields_first: bool, tmp_path: Path) -> None:
+    short = "  ask: {code: 0x20, request: {dlc: 1, layout: {}}, reply: none}\n"
+    long = "  set: {code: 0x20, request: {dlc: 4, layout: {level: {at: 2, type: level}}}, reply: none}\n"
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(MINIMAL + (long + short if fields_first else short + long), "utf-8")
+    written = made(spec)
+    assert " SG_ c20_level m32 : 16|16@1+ " in written["lamp-v1-command.dbc"]
+    assert "- `ask` (command): omitted: only its length distinguishes it" in written["README.md"]
+
+
+def test_version_is_short_and_without_a_comma(texts: Mapping[str, str]) -> None:
+    for text in texts.values():
+        assert re.match(r'VERSION "[^",]{1,32}"\n', text), text[:60]
+
+
+def test_start_values_are_in_range(texts: Mapping[str, str]) -> None:
+    for path, text in texts.items():
+        starts = dict(re.findall(r'^BA_ "GenSigStartValue" SG_ (\d+ \w+) (-?\d+);$', text, re.MULTILINE))
+        for id_, body in re.findall(r"^BO_ (\d+) .*\n((?: SG_ .*\n)*)", text, re.MULTILINE):
+            for name, *words in re.findall(r" SG_ (\w+) .*\((.*),(.*)\) \[(.*)\|(.*)\]", body):
+                factor, offset, low, high = map(Fraction, words)
+                start = starts.get(f"{id_} {name}")
+                value = Fraction(0) if start is None else Fraction(start) * factor + offset
+                assert low <= value <= high, f"{path} {name}"
+
+
+def test_each_comment_is_printed_once(texts: Mapping[str, str]) -> None:
+    for path, text in texts.items():
+        comments = re.findall(r'^CM_ (?:BO_ \d+|SG_ \d+ (\w+)) "(.*)";$', text, re.MULTILINE)
+        assert len(comments) == len(set(comments)), path
 
 
 def test_links_of_the_guide_lead_to_all_files(folder: Path) -> None:
@@ -328,24 +405,84 @@ def test_links_of_the_guide_lead_to_all_files(folder: Path) -> None:
     assert sorted(links) == sorted(file.name for file in folder.glob("*.dbc"))
 
 
-def test_the_guides_python_works_as_printed(folder: Path) -> None:
-    code = re.search(r"```python\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+def guide_of(spec: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The guide of a spec; its files are in the current folder."""
+    for path, text in made(spec).items():
+        (folder / path).write_text(text, "utf-8")
+    monkeypatch.chdir(folder)
+    return (folder / "README.md").read_text("utf-8")
+
+
+def standard_input(monkeypatch: pytest.MonkeyPatch, lines: Sequence[str]) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
+
+
+def golden_of(spec: Path, file: str) -> list[GoldenFrame]:
+    """The golden frames of the directions of a file that no DBC has to leave out, for the parameters in its name."""
+    one = specification(spec)
+    assert one.frames
+    kinds = {Direction.REPLY} if file.endswith("reply.dbc") else {*Direction}
+    messages = {m.name for m in one.edition.all_messages() if not obstacle(m)}
+    known = {p.name: v.name for p in one.edition.parameters for v in p.values if v.name in file.split("-")}
+    of_command = ((f, one.edition.command(f.command)) for f in one.frames.frames if f.direction in kinds)
+    described = ((f, c.message(f.direction)) for f, c in of_command if c.available(known) and not f.decode_only)
+    return [f for f, m in described if m and m.name in messages]
+
+
+def id_text(frame: GoldenFrame) -> str:
+    return f"{frame.id:0{8 if frame.extended else 3}X}"
+
+
+@pytest.mark.parametrize("spec", [MAIN, *SMALL], ids=called)
+def test_commands_of_the_guide_decode_the_golden_frames(
+    spec: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    guide = guide_of(spec, tmp_path, monkeypatch)
+    commands = re.findall(
+        r"^(candump [^|\n]*|echo '.*') \| (?:sed -un '(.*?)' \| )?(cantools decode .*)$", guide, re.MULTILINE
+    )
+    programs = re.findall(r"python3 -c '\n(.*?)^'$", guide, re.MULTILINE | re.DOTALL)
+    assert bool(commands) is not bool(programs)
+    for source, _, command in commands:
+        frames = golden_of(spec, command.split()[-1])
+        logged = [f"  can0  {id_text(f)}   [{len(f.data)}]  {f.data.hex(' ').upper()}" for f in frames]
+        lines = [source.split("'")[1]] if source.startswith("echo") else logged
+        standard_input(monkeypatch, lines)
+        monkeypatch.setattr(sys, "argv", command.split())
+        cantools._main()  # type: ignore[no-untyped-call]
+        shown = capsys.readouterr().out
+        assert len(re.findall(r" ::\s+\w+\(", shown)) == len(lines) > 0, shown
+    for program in programs:
+        (file,) = re.findall(r'load_file\("(.*)"\)', program)
+        frames = golden_of(spec, file)
+        standard_input(monkeypatch, [f"(1.0) can0 {id_text(f)}#{f.data.hex()}" for f in frames])
+        exec(program, {})
+        shown = capsys.readouterr().out
+        assert len(re.findall(r"^\w+ {", shown, re.MULTILINE)) == len(frames) > 0, shown
+
+
+@pytest.mark.parametrize("spec", [MAIN, *(s for s in SMALL if s.parent.name in ("pump", "blower"))], ids=called)
+def test_python_of_the_guide_works_as_printed(
+    spec: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = re.search(r"```python\n(.*?)```", guide_of(spec, tmp_path, monkeypatch), re.DOTALL)
     assert code
-    run = subprocess.run([sys.executable, "-c", code.group(1)], cwd=folder, capture_output=True, text=True, check=True)
-    assert "mwd_motor-v2.35-MG-reply.dbc" in code.group(1)
-    shown, sent = run.stdout.splitlines()
-    assert "'r9A_voltage': 48.0" in shown
-    assert sent == "143#a501000039300000"
-    assert f"# {sent}" in code.group(1)
+    exec(code[1], {})
+    shown = capsys.readouterr().out.splitlines()
+    sent = re.search(r"  # (.*#.*)$", code[1], re.MULTILINE)
+    assert len(shown) == code[1].count("print(") > 0
+    assert not sent or shown[-1] == sent[1]
 
 
-def test_the_guides_lines_for_the_terminal_work(folder: Path) -> None:
+def test_the_sed_commands_of_the_guide_select_the_frames_of_nodes(folder: Path) -> None:
     guide = (folder / "README.md").read_text("utf-8")
-    by_hand = re.search(r"^echo '(.*)' \| cantools decode (\S+)$", guide, re.MULTILINE)
-    live = re.search(r"^candump -x can0 \| sed -n '(.*)' \| cantools decode --single-line (\S+)$", guide, re.MULTILINE)
-    assert by_hand and live and live.group(1) == "s/ RX - - //p"
-    marked = "  can0  RX - -  142   [8]  9A E2 00 E0 01 00 00 08"
-    for line, file in ((by_hand.group(1), by_hand.group(2)), (marked.replace(" RX - - ", ""), live.group(2))):
-        command = [sys.executable, "-m", "cantools", "decode", "--single-line", file]
-        run = subprocess.run(command, cwd=folder, input=line + "\n", capture_output=True, text=True, check=True)
-        assert "Motor2_reply(r_code: read_status_1, r9A_temperature: -30 degC, r9A_voltage: 48.0 V" in run.stdout
+    (script,) = re.findall(r"^candump -x can0 \| sed -un '(.*?)'", guide, re.MULTILINE)
+    log = "  can0  RX - -  142   [1]  9A\n  can0  TX - -  142   [1]  9A\n"
+    run = subprocess.run(["sed", "-un", script], input=log, capture_output=True, text=True, check=True)
+    assert run.stdout == "  can0  142   [1]  9A\n"
+
+
+def test_example_of_the_guide_is_complete(folder: Path) -> None:
+    guide = (folder / "README.md").read_text("utf-8")
+    assert "cantools decode mwd_motor-v2.35-MG-reply.dbc" in guide
+    assert "# 143#a501000039300000" in guide

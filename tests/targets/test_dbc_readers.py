@@ -162,7 +162,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     for code in message.claims or [None]:
         if code is not None and message.keys[0].space is Space.DATA:
             key = dataclasses.replace(message.keys[0], value=code)
-            frame = dataclasses.replace(frame, data=packed(dataclasses.replace(message, keys=(key,)), raw))
+            frame = frame._replace(data=packed(dataclasses.replace(message, keys=(key,)), raw))
         read = adapter(spec).decode(message.direction, frame, assignment, None)
         assert isinstance(read, Decoded)
         assert (read.command, read.node, read.raw) == (message.command, node, flat)
@@ -218,8 +218,7 @@ def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:
         "r1B_0B_faults_dead": 1,
         "r1B_0B_faults_bits_6_7": 0,
     }
-    assert "lamp-v1-small-reply-index-node1.dbc" in texts
-    assert "- `index`: `shine` and 1 more\n" in texts["README.md"]
+    assert "- `index`, `shine`, `turn`: [small reply](" in texts["README.md"]
     comment = plain.get_message_by_frame_id(0x101).get_signal_by_name("r1B_data").comment
     assert comment == "Bits whose meaning depends on the other selector; a separate file shows them as fields."
 
@@ -273,12 +272,16 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
     gains, level = (gains + rest).splitlines(keepends=True)
     text = head + (level + gains if longer_first else gains + level)
     texts = {o.path: o.text for o in dbc.generate([Specification(edition(tmp_path, text), None)], {})}
-    plain, one, two = (loaded(texts[f"lamp-v1-command{which}.dbc"]) for which in ("", "-index", "-index-index_2"))
+    plain, one, two = (loaded(texts[f"lamp-v1-command{which}.dbc"]) for which in ("", "-settings", "-settings-level"))
     short, long = bytes.fromhex("42 A0 07 00 09 00 00 00"), bytes.fromhex("42 05 0A 00 03 00 00 00")
     name = "write_setting_gains"
-    assert plain.decode_message(0x101, short) == {"c_code": 0x42, "c42_index": name, "c42_data": 0x0000_0009_0007}
+    assert plain.decode_message(0x101, short) == {
+        "c_code": "write_setting",
+        "c42_index": name,
+        "c42_data": 0x0000_0009_0007,
+    }
     assert plain.decode_message(0x101, long) == {
-        "c_code": 0x42,
+        "c_code": "write_setting",
         "c42_index": "write_setting_level",
         "c42_data": 0x0000_0003_000A,
     }
@@ -291,4 +294,4 @@ def test_no_name_is_given_to_a_selector_that_does_not_decide(tmp_path: Path) -> 
     text = TABLE + "      hue: {index: [5, 0x0B], layout: {hue: {at: 4, raw: u8}}}\n"
     texts = {o.path: o.text for o in dbc.generate([Specification(edition(tmp_path, text), None)], {})}
     read = loaded(texts["lamp-v1-command.dbc"]).decode_message(0x101, bytes.fromhex("42 05 0B 00 03 00 00 00"))
-    assert read == {"c_code": 0x42, "c42_index": 5, "c42_data": 0x0000_0003_000B}
+    assert read == {"c_code": "write_setting", "c42_index": 5, "c42_data": 0x0000_0003_000B}

@@ -26,6 +26,7 @@ class Summary(NamedTuple):
 COMMANDS = {
     "check": Summary("generate", "Check the specs, and compare the output with them."),
     "copy": Summary("copy", "Start the edition NEW as a copy of OLD, with its golden frames."),
+    "decode": Summary("decode", "Decode a log, or explain one frame."),
     "diff": Summary("diff", "Show what changed from OLD to NEW, and who is affected."),
     "editions": Summary("diff", "List the editions: family, name, date, commands, title."),
     "explain": Summary("explain", "Explain a RULE by example, or the meaning of a KEY."),
@@ -46,6 +47,7 @@ HELP = """Usage: canwright [OPTIONS] COMMAND [ARGS]...
     canwright check                                 compare generated/ with spec/
     canwright explain RULE                          explain a rule or a key
     canwright copy OLD NEW                          start a new edition
+    canwright decode LOG                            decode a log, both directions
     canwright diff OLD NEW                          show changes between editions and who is affected
     canwright identify LOG                          identify the edition of recorded frames
     canwright editions                              list the editions

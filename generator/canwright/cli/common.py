@@ -15,9 +15,10 @@ from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
 from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
-from ..project.loader import Loaded, all_loaded, frames_file, spec_files
+from ..project.loader import Loaded, all_loaded, frames_file, spec_files, specs_below
 from ..targets.base import Specification
 from ..targets.registry import target_names
+from ..templating.resources import SPECS
 from . import COULD_NOT_RUN
 from .printers import PRINTERS
 from .run_record import Printed, RunRecord
@@ -63,12 +64,26 @@ class OfSpecs(click.Command):
             raise click.UsageError(f"{error.message.rstrip('.')}; give a spec as --spec my.yaml", ctx) from None
 
 
+def _specs(ctx: click.Context, param: click.Parameter, given: Sequence[Path]) -> list[Path]:
+    """The specs that are given, and all specs in the folders that are given."""
+    files: list[Path] = []
+    for path in given:
+        found = specs_below(path) if path.is_dir() else [path]
+        if not found:
+            raise click.BadParameter(
+                f"The folder '{visible(path.as_posix())}' has no spec; expected *.yaml or */*.yaml.", ctx, param
+            )
+        files += found
+    return files
+
+
 spec_option = click.option(
     "--spec",
     "specs",
     multiple=True,
-    type=FilePath(exists=True, dir_okay=False),
-    help="A spec to read; may be given several times.  [default: spec/*/*.yaml]",
+    type=FilePath(exists=True),
+    callback=_specs,
+    help="A spec, or a folder of specs, to read; may be given several times.  [default: spec/*/*.yaml]",
 )
 target_option = click.option(
     "--target",
@@ -99,6 +114,20 @@ set_option = click.option(
     help="Fix a parameter in the DBC files, for example --set size=12.",
 )
 
+nodes_option = click.option(
+    "--nodes",
+    default="",
+    metavar="NODES",
+    help="List only these nodes in the DBC files, for example --nodes 5,7 or --nodes 1..8.",
+)
+comments_option = click.option(
+    "--comments",
+    "language",
+    default="",
+    metavar="LANGUAGE",
+    help="The language of comments in DBC files, for example --comments zh. Files with non-English comments are UTF-8.",
+)
+
 
 def configuration() -> tuple[Configuration, Path]:
     """The configuration of the project and its folder. Errors are printed and exit the command."""
@@ -112,8 +141,13 @@ def configuration() -> tuple[Configuration, Path]:
         stop(str(error))
 
 
-def read(specs: Sequence[Path], printer: str = "text") -> list[Specification]:
-    """The editions of the given specs, or of all specs. Errors are printed and exit the command."""
+def read(specs: Sequence[Path], printer: str = "text", *, packaged: bool = False) -> list[Specification]:
+    """The editions of the given specs, or of all specs. Errors are printed and exit the command.
+
+    If `packaged`, the editions in the package are the default where there is no spec.
+    """
+    if packaged and not specs and not spec_files(SPEC_FOLDER):
+        specs = spec_files(SPECS)
     return [one.specification for one in load(specs, printer)]
 
 

@@ -19,9 +19,11 @@ from .common import (
     FilePath,
     OfSpecs,
     cache_option,
+    comments_option,
     findings_text,
     format_option,
     load,
+    nodes_option,
     record_argument,
     set_option,
     show,
@@ -31,7 +33,7 @@ from .common import (
     target_option,
 )
 from .run_record import Printed, RunRecord
-from .settings import assignment
+from .settings import assignment, options
 from .terminal import print_text
 
 
@@ -39,6 +41,8 @@ from .terminal import print_text
 @spec_option
 @target_option
 @set_option
+@nodes_option
+@comments_option
 @format_option
 @click.option(
     "--out",
@@ -57,6 +61,8 @@ def generate(
     specs: Sequence[Path],
     targets: Sequence[str],
     settings: Sequence[str],
+    nodes: str,
+    language: str,
     printer: str,
     out: Path,
     force: bool,
@@ -71,8 +77,9 @@ def generate(
     specifications = [one.specification for one in loaded]
     warnings = [warning for one in loaded for warning in one.warnings]
     set_parameters = assignment(specifications, settings)
+    selected = options(specifications, targets, nodes, language)
     try:
-        content = make(specifications, targets or target_names(), set_parameters)
+        content = make(specifications, targets or target_names(), set_parameters, selected)
         changes = write(out, content, force=force)
     except OutputError as error:
         stop(str(error))
@@ -96,6 +103,8 @@ def _summary(content: Content, changes: FileChanges, out: Path) -> str:
 @spec_option
 @target_option
 @set_option
+@nodes_option
+@comments_option
 @format_option
 @click.option(
     "--out", type=FilePath(file_okay=False, readable=False), help="Folder to compare with.  [default: generated]"
@@ -108,6 +117,8 @@ def check(
     specs: Sequence[Path],
     targets: Sequence[str],
     settings: Sequence[str],
+    nodes: str,
+    language: str,
     printer: str,
     out: Path | None,
     strict: bool,
@@ -122,12 +133,13 @@ def check(
     warnings = [warning for one in loaded for warning in one.warnings]
     names = ", ".join(f"{d.edition.family} {d.edition.name}" for d in specifications)
     set_parameters = assignment(specifications, settings)
+    selected = options(specifications, targets, nodes, language)
     if specs and out is None:
         show(_report(warnings, f"{names}: OK", printer))
         sys.exit(FINDINGS if warnings and strict else 0)
     out = out or OUT_FOLDER
     try:
-        content = make(specifications, targets or target_names(), set_parameters)
+        content = make(specifications, targets or target_names(), set_parameters, selected)
         found = list(difference(out, content))
     except OutputError as error:
         stop(str(error))

@@ -11,8 +11,10 @@ import click
 
 from ..model.edition import Edition
 from ..model.formatting import counted, sent
-from ..recordings.identify import EditionScore, Evidence, NodeResult, identify as look
+from ..recordings.grouping import groups
+from ..recordings.identify import EditionScore, Evidence, Identification, Identifier, NodeResult
 from ..recordings.readers import LogError, open_log
+from ..recordings.recorded import Counts
 from .common import FINDINGS, read, spec_option, stop
 from .terminal import print_json, print_text
 
@@ -27,48 +29,58 @@ SHOWN = 4
 def identify(log: str, specs: Sequence[Path], form: str) -> None:
     """Show which editions a recorded exchange fits, and why.
 
-    Each node is identified separately. LOG is a log of candump or of any format that python-can reads. No frame
-    contains its edition; the result follows from ids, codes, reserved bits and plausible ranges, and may be undecided.
+    Each node of each bus is identified separately. LOG is a log of candump or of any format that python-can reads, or
+    - for the standard input. No frame contains its edition; the result follows from ids, codes, replies, reserved bits
+    and plausible ranges of all frames, and may be undecided. Without --spec and without a folder spec/, the editions
+    in the package are compared.
 
     Exit status: 0 if the edition of every node is identified, 1 if not, 2 if it could not run.
     """
-    editions = [one.edition for one in read(specs)]
+    editions = [one.edition for one in read(specs, packaged=True)]
     families = dict.fromkeys(edition.family for edition in editions)
+    identifiers = [Identifier([e for e in editions if e.family == family]) for family in families]
     try:
         with open_log(log) as read_log:
-            recorded = [one.frame for one in read_log]
+            for one in read_log:
+                for identifier in identifiers:
+                    identifier.add(one)
     except (LogError, OSError) as error:
         stop(str(error))
-    by_family = [(family, *look(recorded, [e for e in editions if e.family == family])) for family in families]
-    family, results, foreign = max(by_family, key=lambda one: sum(result.frames for result in one[1]))
+    identified = [identifier.result() for identifier in identifiers]
+    family, found = min(zip(families, identified, strict=True), key=lambda item: item[1].foreign)
     if form == "json":
-        print_json(_facts(family, results, foreign))
+        print_json(_facts(family, found, read_log.counts))
     else:
-        _text(family, results, foreign, len(recorded))
-    if not results or any(len(result.editions) != 1 for result in results):
+        _text(family, found, read_log.counts)
+    if not found.nodes or any(len(result.editions) != 1 for result in found.nodes):
         sys.exit(FINDINGS)
 
 
-def _text(family: str, results: Sequence[NodeResult], foreign: Counter[int], count: int) -> None:
-    if foreign:
-        ids = _some([f"0x{id_:X}" for id_, _ in foreign.most_common()])
+def _text(family: str, found: Identification, counts: Counts) -> None:
+    if counts.skipped:
+        parts = ", ".join(f"{part.value} ({count})" for part, count in counts.skipped.items())
+        print_text(f"skipped: {parts}\n\n")
+    if found.foreign:
+        ids = _some([f"0x{id_:X}" for id_ in found.foreign_ids])
         print_text(
-            f"{foreign.total()} of {count} frames are ignored, since their ids do not belong to {family}: {ids}\n\n"
+            f"{found.foreign} of {found.frames} frames are ignored, since their ids do not belong to {family}: {ids}\n\n"
         )
-    for result in results:
-        node = "no node" if result.node is None else f"node {result.node}"
-        print_text(f"{family}, {node}, {counted(result.frames, 'frame')}: {_outcome(result)}\n")
+    has_buses = len({result.bus for result in found.nodes}) > 1
+    for group in groups(found.nodes):
+        result = group.result
+        where = ", ".join([family, *([result.bus] if has_buses else []), _nodes(group.nodes)])
+        print_text(f"{where}, {counted(result.frames, 'frame')}: {_outcome(result)}\n")
         if result.unexplained:
             ignored = _some([f"{sent(frame)} ({n})" for frame, n in result.unexplained])
-            print_text(f"  {counted(result.frames - result.scored, 'frame')} of no edition, ignored: {ignored}\n")
-        for score in result.scores if result.scored else ():
-            print_text(f"  {score.edition.name:<16} {_summary(score, result.scored)}\n")
+            print_text(f"  {counted(result.frames - result.judged, 'frame')} of no edition, ignored: {ignored}\n")
+        for score in result.scores if result.judged else ():
+            print_text(f"  {score.edition.name:<16} {_summary(score, result.judged)}\n")
             for evidence in score.against[:SHOWN]:
                 print_text(f"    {_evidence(evidence)}\n")
         if result.distinguishing:
             print_text(f"  to decide, record the reply to {_some(list(result.distinguishing))}\n")
         print_text("\n")
-    if not results:
+    if not found.nodes:
         print_text(f"undecided: no frame has an id of {family}\n")
 
 
@@ -76,12 +88,29 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
 
 
+def _nodes(nodes: Sequence[int | None]) -> str:
+    """`node 1`, `nodes 1..3, 7`."""
+    numbers = [node for node in nodes if node is not None]
+    if not numbers:
+        return "no node"
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and runs[-1][-1] == number - 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    listed = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}..{run[-1]}" for run in runs)
+    return f"node{'s' if len(numbers) > 1 else ''} {listed}"
+
+
 def _outcome(result: NodeResult) -> str:
     if len(result.editions) == 1:
         return f"fits {result.editions[0].name}"
-    if not result.editions:
-        return "no edition fits"
-    return f"undecided, {_listed(result.editions)} fit equally well"
+    if result.editions:
+        return f"undecided, {_listed(result.editions)} fit equally well"
+    if not result.is_judged:
+        return f"no edition fits, since only {result.judged} of {result.frames} are of one"
+    return "no edition fits"
 
 
 def _listed(editions: Sequence[Edition]) -> str:
@@ -90,9 +119,14 @@ def _listed(editions: Sequence[Edition]) -> str:
 
 
 def _summary(score: EditionScore, count: int) -> str:
-    if not score.against:
-        return "explains every frame"
-    return f"explains {score.explained} of {count} frames; {counted(score.score, 'point')} against it"
+    explained = (
+        "every frame" if score.explained == count and not score.against else f"{score.explained} of {count} frames"
+    )
+    if not score.unanswered:
+        return f"explains {explained}"
+    commands = _some([f"{name} ({n})" for name, n in Counter(score.unanswered).most_common()])
+    unanswered = sum(score.unanswered.values())
+    return f"explains {explained}; {unanswered} of {counted(score.requests, 'request')} without a reply: {commands}"
 
 
 def _evidence(evidence: Evidence) -> str:
@@ -101,7 +135,7 @@ def _evidence(evidence: Evidence) -> str:
     return f"{evidence.text} ({among}, as in {sent(evidence.example)})"
 
 
-def _facts(family: str, results: Sequence[NodeResult], foreign: Counter[int]) -> dict[str, object]:
+def _facts(family: str, found: Identification, counts: Counts) -> dict[str, object]:
     def score(one: EditionScore) -> dict[str, object]:
         against = [
             {
@@ -113,17 +147,26 @@ def _facts(family: str, results: Sequence[NodeResult], foreign: Counter[int]) ->
             }
             for e in one.against
         ]
-        return {"edition": one.edition.name, "explained": one.explained, "score": one.score, "against": against}
+        return {
+            "edition": one.edition.name,
+            "explained": one.explained,
+            "score": one.score,
+            "requests": one.requests,
+            "unanswered": dict(one.unanswered),
+            "against": against,
+        }
 
     nodes = [
         {
+            "bus": result.bus,
             "node": result.node,
             "frames": result.frames,
             "fits": [edition.name for edition in result.editions],
-            "of_no_edition": result.frames - result.scored,
-            "would_tell": list(result.distinguishing),
+            "of_no_edition": result.frames - result.judged,
+            "distinguishing": list(result.distinguishing),
             "editions": [score(one) for one in result.scores],
         }
-        for result in results
+        for result in found.nodes
     ]
-    return {"family": family, "foreign": foreign.total(), "nodes": nodes}
+    skipped = {part.value: count for part, count in counts.skipped.items()}
+    return {"family": family, "frames": found.frames, "foreign": found.foreign, "skipped": skipped, "nodes": nodes}

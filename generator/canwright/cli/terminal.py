@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
 import os
 import re
 import sys
+from collections.abc import Callable, Iterator
 from typing import TextIO
 
 import click
@@ -50,6 +52,21 @@ def json_text(data: object) -> str:
 def bold(text: str, colour: str | None = None) -> str:
     """A bold text, in a colour, unless the user wants none (`NO_COLOR`)."""
     return text if os.environ.get("NO_COLOR") else click.style(text, fg=colour, bold=True)
+
+
+@contextlib.contextmanager
+def progress(noun: str, *, shown: bool) -> Iterator[Callable[[int], object]]:
+    """Shows a count on standard error, if it is a terminal, until the end; the function adds to it."""
+    if not (shown and sys.stderr.isatty()):
+        yield lambda _: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("{task.completed:,.0f} {task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(noun, total=None)
+        yield lambda count: bar.advance(task, count)
 
 
 def _echo(text: str, stream: TextIO) -> None:

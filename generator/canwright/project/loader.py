@@ -17,6 +17,7 @@ from ..rules.checker import check
 from ..rules.rule import Subject
 from ..targets.base import Specification
 from ..targets.registry import targets
+from ..templating.resources import UNITS
 from .golden_file import GoldenFile, read_golden_file
 
 FRAMES_SUFFIX = ".frames.yaml"
@@ -122,3 +123,9 @@ def frames_file(file: Path) -> Path:
 def spec_files(folder: Path) -> list[Path]:
     """The specs below a folder: `FAMILY/EDITION.yaml`, without golden frames."""
     return sorted(f for f in folder.glob("*/*.yaml") if not f.name.endswith(FRAMES_SUFFIX))
+
+
+def specs_below(folder: Path) -> list[Path]:
+    """The specs in a folder and in its folders: `FAMILY/EDITION.yaml` and `EDITION.yaml`."""
+    own = (f for f in folder.glob("*.yaml") if not f.name.endswith(FRAMES_SUFFIX) and f.name != UNITS.name)
+    return sorted([*own, *spec_files(folder)])

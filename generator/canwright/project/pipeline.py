@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from ..model.types import Assignment
 from ..output.writer import Content
 from ..targets import registry
-from ..targets.base import Specification
+from ..targets.base import EVERYTHING, Options, Output, Specification, Target, TargetWithOptions
 
 
-def generate(specifications: Sequence[Specification], targets: Sequence[str], set_parameters: Assignment) -> Content:
+def generate(
+    specifications: Sequence[Specification],
+    targets: Sequence[str],
+    set_parameters: Assignment,
+    options: Options = EVERYTHING,
+) -> Content:
     """The files that `targets` generate from the editions, in memory.
 
-    Raises TargetError, also where a target generates two files whose paths are equal, or are on some systems because
+    `options` affect a TargetWithOptions. Raises TargetError, also where a target generates two files whose paths are equal, or are on some systems because
     they differ in upper case only.
     """
     files: dict[str, bytes] = {}
     paths: dict[str, str] = {}
     for target in targets:
-        for output in registry.target(target).generate(specifications, set_parameters):
+        for output in _outputs(registry.target(target), specifications, set_parameters, options):
             path = f"{target}/{output.path}"
             other = paths.setdefault(path.casefold(), path)
             if path in files or other != path:
@@ -29,3 +34,11 @@ def generate(specifications: Sequence[Specification], targets: Sequence[str], se
                 )
             files[path] = output.text.encode("utf-8")
     return Content(tuple(f"{d.edition.family} {d.edition.name}" for d in specifications), tuple(targets), files)
+
+
+def _outputs(
+    target: Target, specifications: Sequence[Specification], set_parameters: Assignment, options: Options
+) -> Iterator[Output]:
+    if isinstance(target, TargetWithOptions):
+        return target.generate(specifications, set_parameters, options)
+    return target.generate(specifications, set_parameters)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
@@ -145,7 +144,7 @@ def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
         from_hex = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
-        is_decimal = difference(message, dataclasses.replace(can, id=from_hex)) is None
+        is_decimal = difference(message, can._replace(id=from_hex)) is None
         hint = f"did you mean 0x{from_hex:X}?" if is_decimal else _id_of(message, frame)
         return ("id",), wrong.text, hint
     if wrong.part == "length":

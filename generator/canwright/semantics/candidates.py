@@ -10,6 +10,15 @@ from .decoder import Decoder, Identified
 from .frame import CanFrame, data_bits, has_id, is_message
 
 
+def answers_by_request(edition: Edition) -> Sequence[Message]:
+    """The replies that can have a code which, without the request, belongs to another message."""
+    return [
+        reply
+        for reply in edition.messages(Direction.REPLY)
+        if reply.keys and not {reply.keys[0].value, *reply.accept} <= {*reply.claims}
+    ]
+
+
 class Candidates:
     """What the dispatch plan makes of a frame in each direction, and the replies that only a request explains.
 
@@ -19,25 +28,30 @@ class Candidates:
     def __init__(self, edition: Edition) -> None:
         self._decoder = Decoder(edition)
         self._messages = edition.all_messages()
-        self._answers = [
-            reply
-            for reply in edition.messages(Direction.REPLY)
-            if reply.keys and not {reply.keys[0].value, *reply.accept} <= {*reply.claims}
-        ]
+        self._answers = answers_by_request(edition)
         self._key_bits: dict[tuple[int, bool, bool], int | None] = {}
         self._known: dict[tuple[int, bool, bool, int, int], Sequence[Message]] = {}
 
     def has_id(self, frame: CanFrame) -> bool:
         """Whether some message has the id of a frame."""
-        return self._bits(frame) is not None
+        return self.key_bits(frame) is not None
 
     def of(self, frame: CanFrame) -> Sequence[Message]:
         """The messages that a frame can be, replies first; cached by id, length and the bits of all keys."""
-        bits = int.from_bytes(frame.data, "little") & (self._bits(frame) or 0)
+        bits = int.from_bytes(frame.data, "little") & (self.key_bits(frame) or 0)
         known = (frame.id, frame.extended, frame.remote, len(frame.data), bits)
         if known not in self._known:
             self._known[known] = self._candidates(frame)
         return self._known[known]
+
+    def key_bits(self, frame: CanFrame) -> int | None:
+        """The data bits of all keys of the messages with this id; None without such a message."""
+        known = (frame.id, frame.extended, frame.remote)
+        if known not in self._key_bits:
+            having = [message for message in self._messages if has_id(message, frame)]
+            bits = data_bits((key.space, key.segments) for message in having for key in message.keys)
+            self._key_bits[known] = bits if having else None
+        return self._key_bits[known]
 
     def _candidates(self, frame: CanFrame) -> Sequence[Message]:
         reply, request = (
@@ -46,12 +60,3 @@ class Candidates:
         replies = [reply.message] if isinstance(reply, Identified) else []
         replies += [answer for answer in self._answers if answer not in replies and is_message(answer, frame)]
         return [*replies, request.message] if isinstance(request, Identified) else replies
-
-    def _bits(self, frame: CanFrame) -> int | None:
-        """The data bits of all keys of the messages with this id; None without such a message."""
-        known = (frame.id, frame.extended, frame.remote)
-        if known not in self._key_bits:
-            having = [message for message in self._messages if has_id(message, frame)]
-            bits = data_bits((key.space, key.segments) for message in having for key in message.keys)
-            self._key_bits[known] = bits if having else None
-        return self._key_bits[known]

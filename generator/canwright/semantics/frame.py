@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..model import formatting
@@ -15,8 +14,7 @@ from .dispatch import node_of_id
 Raw = int | list[int]
 
 
-@dataclass(frozen=True)
-class CanFrame:
+class CanFrame(NamedTuple):
     """A frame on the bus; `extended` means a 29-bit id, `remote` a frame without data that requests some."""
 
     id: int

@@ -40,6 +40,18 @@ class NameProblem(NamedTuple):
     """The path of another item with that name, and what it is."""
 
 
+class Options(NamedTuple):
+    """What a user selects of the output of targets that can leave something out."""
+
+    nodes: tuple[int, ...] = ()
+    """The nodes to list, in ascending order; empty for all."""
+    language: str = ""
+    """The language of comments; empty for the default of the target."""
+
+
+EVERYTHING = Options()
+
+
 class Target(ABC):
     """A kind of output. An instance is registered in the entry point group `canwright.targets`, under its name.
 
@@ -68,6 +80,19 @@ class Target(ABC):
     def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
         """What users of the output write for an item of the spec, by the path of the item; for `canwright diff`."""
         return {}
+
+
+class TargetWithOptions(Target):
+    """A target whose output lists nodes one by one, and has comments in one language: both can be selected."""
+
+    languages: ClassVar[Sequence[str]]
+    """The languages that comments can have."""
+
+    @abstractmethod
+    def generate(
+        self, specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
+    ) -> Iterator[Output]:
+        """As in `Target`; `options` are what the user selected."""
 
 
 def header(edition: Edition) -> str:

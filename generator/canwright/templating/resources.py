@@ -12,8 +12,10 @@ _INSTALLED = PACKAGE / "data"
 _ROOT = _INSTALLED if _INSTALLED.is_dir() else PACKAGE.parent.parent
 
 TEMPLATES = _ROOT / "templates"
-UNITS = _ROOT / "spec" / "units.yaml"
-SCHEMA = _ROOT / "spec" / "canwright.schema.json"
+SPECS = _ROOT / "spec"
+"""The editions that come with canwright, for commands that read logs."""
+UNITS = SPECS / "units.yaml"
+SCHEMA = SPECS / "canwright.schema.json"
 
 EXAMPLES = PACKAGE / "rules" / "examples"
 """A folder for each rule, with an invalid spec, a valid one, and the expected findings."""

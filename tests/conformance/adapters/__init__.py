@@ -6,13 +6,24 @@ from collections.abc import Mapping
 
 from ..adapter import Adapter
 from .c import CAdapter
+from .columns import ColumnsAdapter
 from .cxx import CxxAdapter
 from .dbc import DbcAdapter
 from .docs import DocsAdapter
 from .python import PythonAdapter
 from .reference import ReferenceAdapter
+from .wireshark import WiresharkAdapter
 
 ADAPTERS: Mapping[str, type[Adapter]] = {
     adapter.name: adapter
-    for adapter in (ReferenceAdapter, CAdapter, CxxAdapter, PythonAdapter, DbcAdapter, DocsAdapter)
+    for adapter in (
+        ReferenceAdapter,
+        CAdapter,
+        CxxAdapter,
+        PythonAdapter,
+        DbcAdapter,
+        DocsAdapter,
+        WiresharkAdapter,
+        ColumnsAdapter,
+    )
 }

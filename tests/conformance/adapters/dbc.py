@@ -7,7 +7,6 @@ can: such a case is a named exception.
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,12 +19,14 @@ from canwright.model.types import Assignment
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.dispatch import dispatch_plan
 from canwright.semantics.frame import has_id, is_message, raw_of, wrong_constants
-from canwright.targets import dbc
-from canwright.targets.base import Specification
-from canwright.targets.dbc.frames import Traffic, obstacle
+from canwright.targets.base import Options, Specification
+from canwright.targets.dbc.files import files, traffics
+from canwright.targets.dbc.frames import obstacle
+from canwright.targets.dbc.printer import printed
+from canwright.targets.dbc.view import File
 
 from ..adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
-from .dbc_file import KIND, DbcFile
+from .dbc_file import DbcFile
 
 Result = TypeVar("Result", Decoded, Encoded)
 
@@ -52,14 +53,13 @@ class DbcAdapter(Adapter):
 
     def __init__(self, specification: Specification) -> None:
         super().__init__(specification.edition)
-        self._described = specification
         self._decoder = Decoder(specification.edition)
-        self._texts: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
-        self._paths: dict[tuple[str, tuple[tuple[str, str], ...]], list[list[str]]] = {}
+        self._traffics = traffics(self.edition)
+        self._made: dict[tuple[tuple[str, str], ...], Sequence[File]] = {}
         self._loaded: dict[str, DbcFile] = {}
         self._left_out = {m.name for m in self.edition.all_messages() if obstacle(m)}
-        for direction in Direction:
-            for frame in Traffic(self.edition, direction).frames({}):
+        for traffic in self._traffics.values():
+            for frame in traffic.frames({}):
                 self._left_out |= set(frame.hidden)
         self._routes = {direction: dispatch_plan(self.edition.messages(direction)).routes for direction in Direction}
         self._fixed_in_id = {
@@ -136,8 +136,8 @@ class DbcAdapter(Adapter):
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         raise Cannot("exchanges")
 
-    def _names(self, direction: Direction, parameters: Parameters) -> Iterator[tuple[str, Assignment]]:
-        """The files that a node with these parameters may need: one, or several where a parameter is not given."""
+    def _names(self, parameters: Parameters) -> Iterator[tuple[frozenset[str], Assignment]]:
+        """The known values of the files that a node with these parameters may need: one, or several where one is not given."""
         choices: list[list[str]] = []
         fixed: dict[str, str] = {}
         for parameter in self.edition.parameters:
@@ -148,40 +148,31 @@ class DbcAdapter(Adapter):
                 fixed[parameter.name] = str(given)
         words = [f"{name}_{value}" for name, value in fixed.items()]
         for combination in itertools.product(*choices):
-            names = (self.edition.family, self.edition.name, *combination, *words, KIND[direction])
-            yield "-".join(names), fixed
+            yield frozenset((*combination, *words)), fixed
 
-    def _files(self, name: str, fixed: Assignment) -> Iterator[list[DbcFile]]:
-        """The files of a name: those of one node, which load fast, then those of all. The plain one is always last."""
+    def _files(self, direction: Direction, known: frozenset[str], fixed: Assignment) -> Sequence[DbcFile]:
+        """The files of a direction for known values: those of tables, then the plain one."""
         variant = tuple(fixed.items())
-        if (name, variant) not in self._paths:
-            self._paths[name, variant] = list(self._paths_of(name, variant))
-        for paths in self._paths[name, variant]:
-            yield [self._file(path, variant) for path in paths]
+        if variant not in self._made:
+            self._made[variant] = files(self.edition, self._traffics, dict(variant), Options())
+        found = [
+            file
+            for file in self._made[variant]
+            if direction in file.directions and (known.issuperset(file.known) if file.table else known == {*file.known})
+        ]
+        return [self._file(file) for file in sorted(found, key=lambda file: not file.table)]
 
-    def _paths_of(self, name: str, variant: tuple[tuple[str, str], ...]) -> Iterator[list[str]]:
-        if variant not in self._texts:
-            self._texts[variant] = {
-                output.path: output.text for output in dbc.generate([self._described], dict(variant))
-            }
-        paths = [path for path in self._texts[variant] if re.match(re.escape(name) + "[-.]", path)]
-        for of_one_node in (True, False):
-            some = [path for path in paths if ("-node" in path) is of_one_node]
-            if some:
-                yield sorted(some, key=len, reverse=True)
-
-    def _file(self, path: str, variant: tuple[tuple[str, str], ...]) -> DbcFile:
-        if path not in self._loaded:
-            self._loaded[path] = DbcFile(self.edition, self._texts[variant][path])
-        return self._loaded[path]
+    def _file(self, file: File) -> DbcFile:
+        if file.name not in self._loaded:
+            self._loaded[file.name] = DbcFile(self.edition, printed(file), bool(file.table))
+        return self._loaded[file.name]
 
     def _read(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> list[Decoded | Refused]:
         """What the files say, for each combination of parameters that are not given."""
         read: list[Decoded | Refused] = []
-        for name, fixed in self._names(direction, parameters):
-            results = (_read(files, direction, frame) for files in self._files(name, fixed))
-            known = (result for result in results if result != Refused(Refusal.UNKNOWN_ID))
-            read.append(next(known, Refused(Refusal.UNKNOWN_ID)))
+        for known, fixed in self._names(parameters):
+            found = self._files(direction, known, fixed)
+            read.append(_read(found, direction, frame) if found else Refused(Refusal.UNKNOWN_ID))
         return read
 
     def _encode(
@@ -197,13 +188,9 @@ class DbcAdapter(Adapter):
         if message.name in self._left_out:
             raise Cannot("left_out")
         written = []
-        for name, fixed in self._names(direction, parameters):
-            results = (
-                file.write(message, node, given, parameters, scaled)
-                for files in self._files(name, fixed)
-                for file in files
-            )
-            written.append(_first(results))
+        for known, fixed in self._names(parameters):
+            found = self._files(direction, known, fixed)
+            written.append(_first(file.write(message, node, given, parameters, scaled) for file in found))
         if all(result is None for result in written):
             raise Cannot("selectors_apart" if len(message.keys) > 1 else "other_value")
         result = _agreed([result for result in written if result is not None])

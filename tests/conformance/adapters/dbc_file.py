@@ -17,11 +17,13 @@ from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
 from canwright.semantics.frame import has_id
+from canwright.targets.dbc.text import fitting
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_fields import Data, Number, cells, float_of, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
+LETTER = {Direction.REQUEST: "c", Direction.REPLY: "r"}
 EXTENDED = 1 << 31
 """What a DBC adds to an id of 29 bits."""
 
@@ -65,8 +67,9 @@ class DbcMessages:
 
 
 class DbcFile:
-    def __init__(self, edition: Edition, text: str) -> None:
+    def __init__(self, edition: Edition, text: str, is_of_table: bool) -> None:
         self._edition = edition
+        self._is_of_table = is_of_table
         self._messages = DbcMessages(text)
         self._numbers = {*self._messages.names.values()}
 
@@ -75,6 +78,8 @@ class DbcFile:
         if number not in self._numbers:
             return Refused(Refusal.UNKNOWN_ID)
         found = self._messages.message(number)
+        if (fitting(self._edition.bus.host, ()) in found.senders) is not (direction is Direction.REQUEST):
+            return Refused(Refusal.UNKNOWN_ID)
         try:
             numbers = _mapping(found.decode(frame.data, decode_choices=False, scaling=False, allow_excess=False))
             shown = _mapping(found.decode(frame.data))
@@ -89,12 +94,24 @@ class DbcFile:
             return Refused(Refusal.WRONG_LENGTH)
         selector = _selector(found)
         name = shown[selector.name] if selector else found.name.partition("_")[2]
-        if isinstance(name, (int, float)):
+        command = None if isinstance(name, (int, float)) else self._command(str(name))
+        if command is None:
             raise Cannot("selectors_apart")
-        command = self._command(str(name))
         message = message_of(command, direction)
+        if not self._is_of_table and sum(key.space is Space.DATA for key in message.keys) > 1:
+            raise Cannot("selectors_apart")
         if message.dlc != found.length:
             raise Cannot("lengths")
+        return self._decoded(message, found, numbers, shown, selector)
+
+    def _decoded(
+        self,
+        message: Message,
+        found: CanMessage,
+        numbers: Mapping[str, Number],
+        shown: Mapping[str, object],
+        selector: Signal | None,
+    ) -> Decoded:
         raw, values = {}, {}
         prefix = _prefix(message, numbers[selector.name] if selector else None)
         for field in message.layout.fields:
@@ -106,12 +123,23 @@ class DbcFile:
                 if field.fixed is None:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = values_of(places, shown)
-        return Decoded(command.name, _node(message, found), raw, values)
+        return Decoded(message.command, _node(message, found), raw, values)
 
-    def _command(self, name: str) -> Command:
-        """The command of a selector's text, which ends in the code where a command has several."""
+    def _command(self, name: str) -> Command | None:
+        """The command of a text, which ends in the code where a command has several, or in the direction.
+
+        None for a text that several commands of a table share.
+        """
         known = {command.name: command for command in self._edition.commands}
-        return known.get(name) or known[name.rpartition("_")[0]]
+        return known.get(name) or known.get(name.rpartition("_")[0])
+
+    def _code(self, message: Message, selector: Signal) -> int | None:
+        """What the selector holds for a message; None when the file does not have it, or shows raw bits in its place."""
+        choices = {int(value): str(text) for value, text in (selector.choices or {}).items()}
+        if self._is_of_table:
+            return next((value for value, text in choices.items() if text == message.command), None)
+        is_only_key = sum(key.space is Space.DATA for key in message.keys) == 1
+        return message.keys[0].value if is_only_key and message.keys[0].value in choices else None
 
     def write(
         self,
@@ -128,10 +156,12 @@ class DbcFile:
         if not of_node:
             return Refused(Refusal.UNKNOWN_NODE)
         in_id = [f"{key.value:0{-(-key.width // 4)}X}" for key in message.keys if key.space is Space.ID]
-        number = of_node.get("_".join((KIND[message.direction], *in_id)), of_node.get(message.command))
+        kind = KIND[message.direction]
+        endings = ("_".join((kind, *in_id)), f"{message.command}_{kind}", message.command)
+        number = next((of_node[ending] for ending in endings if ending in of_node), None)
         found = None if number is None else self._messages.message(number)
         selector = _selector(found) if found else None
-        code = _code(message, selector) if selector else None
+        code = self._code(message, selector) if selector else None
         if found is None or (selector and code is None):
             return None
         if message.dlc != found.length:
@@ -199,17 +229,9 @@ def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: 
             raise Cannot("reply_limits")
 
 
-def _code(message: Message, selector: Signal) -> int | None:
-    """What the selector holds for a message; None when the file does not have it."""
-    choices = {int(value): str(text) for value, text in (selector.choices or {}).items()}
-    if sum(key.space is Space.DATA for key in message.keys) > 1:
-        return next((value for value, text in choices.items() if text == message.command), None)
-    return message.keys[0].value if message.keys[0].value in choices else None
-
-
 def _prefix(message: Message, code: Number | None) -> str:
     """What the names of a message's signals start with: direction and code."""
-    letter = "c" if message.direction is Direction.REQUEST else "r"
+    letter = LETTER[message.direction]
     values = [key.value for key in message.keys]
     if code is not None and len(values) == 1:
         values = [int(code)]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from enum import IntEnum, IntFlag
 from fractions import Fraction
@@ -34,21 +32,12 @@ from ..adapter import (
     Value,
     write_files,
 )
+from . import modules
 
 
 def load(folder: Path, edition: Edition) -> ModuleType:
-    """The module of an edition, freshly imported, so that several versions of it can be in one process."""
-    stale = [name for name in sys.modules if name.split(".")[0] == edition.family]
-    kept = {name: sys.modules.pop(name) for name in stale}
-    sys.path.insert(0, str(folder))
-    importlib.invalidate_caches()
-    try:
-        return importlib.import_module(f"{edition.family}.{edition.identifier}")
-    finally:
-        sys.path.remove(str(folder))
-        for name in [name for name in sys.modules if name.split(".")[0] == edition.family]:
-            del sys.modules[name]
-        sys.modules.update(kept)
+    """The module of an edition, freshly imported."""
+    return modules.load(folder, f"{edition.family}.{edition.identifier}")[0]
 
 
 class PythonAdapter(Adapter):

@@ -1,4 +1,4 @@
-"""The DBC target: one file for each direction and each value of the parameters with named values.
+"""The DBC target: a file for each value of the parameters with named values, and for each direction if they share ids.
 
 A parameter with numbers does not multiply the files: its fields are raw unless the parameter is set. If it is set, its
 value is part of the file name.
@@ -10,15 +10,17 @@ from collections.abc import Iterator, Sequence
 
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import Output, Specification
+from ..base import EVERYTHING, Options, Output, Specification
 from .files import files, traffics
 from .guide import Made, guide
 from .printer import printed
 
 
-def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+def generate(
+    specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
+) -> Iterator[Output]:
     """The files of every edition, and a README.md with instructions."""
-    made = [_made(one, set_parameters) for one in specifications]
+    made = [_made(one, set_parameters, options) for one in specifications]
     for one in made:
         for file in one.files:
             yield Output(f"{file.name}.dbc", printed(file))
@@ -26,6 +28,6 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(made)))
 
 
-def _made(specification: Specification, set_parameters: Assignment) -> Made:
+def _made(specification: Specification, set_parameters: Assignment, options: Options) -> Made:
     both = traffics(specification.edition)
-    return Made(specification, both, tuple(files(specification.edition, both, set_parameters)))
+    return Made(specification, both, tuple(files(specification.edition, both, set_parameters, options)))

@@ -12,9 +12,10 @@ from ...model.layout import Element, Field, ReservedRole, Space
 from ...model.message import Direction
 from ...model.metadata import Level
 from ...model.types import IDENTITY, Assignment, Encoding, Linear, Order, Type
+from .comments import Comments
 from .frames import Part
 from .selectors import runs, selector_bits
-from .text import in_ascii, number
+from .text import any_text, number
 from .view import Signal
 
 RAW_UNIT = "raw"
@@ -71,8 +72,11 @@ def bare(
 class Fields:
     """Builds the signals of messages for given parameter values; names may be too long or not unique."""
 
-    def __init__(self, direction: Direction, assignment: Assignment, numbers: Mapping[str, Fraction]) -> None:
+    def __init__(
+        self, direction: Direction, assignment: Assignment, numbers: Mapping[str, Fraction], comments: Comments
+    ) -> None:
         self._direction = direction
+        self._comments = comments
         self._assignment = assignment
         self._numbers = numbers
         self._messages: dict[tuple[Part, str, range], Sequence[Signal]] = {}
@@ -90,16 +94,17 @@ class Fields:
         variant = layout.variant(self._assignment)
         fields = variant.fields if variant else tuple(f for f in layout.fields if not f.only)
         places = [(f, e) for f in fields if f.space is Space.DATA for e in f.elements if e.bits[0] not in taken]
-        prefix, title, about = self._prefix(part), in_ascii(part.command.title), _about(part)
+        prefix, title, about = self._prefix(part), self._comments.of(part.command.title), list(self._about(part))
         for field, element in places:
             yield from self._field(f"{prefix}_{field.name}", mux, title, field, element, about)
-            about = ""
+            about = []
 
     def _reserved(self, part: Part, mux: str, taken: range) -> Iterator[Signal]:
         free = runs(set(range(part.message.dlc * 8)) - selector_bits(part) - set(taken))
         if free:
             place = Place(f"{self._prefix(part)}_reserved", mux, max(free, key=len))
-            comment = f"{in_ascii(part.command.title)}: reserved, sent as 0.{_about(part)}"
+            reserved = self._comments.labelled(self._comments.of(part.command.title), self._comments.fixed("reserved"))
+            comment = self._comments.sentences([reserved, *self._about(part)])
             yield bare(place, comment, limits=self._sent((0, 0)))
 
     def _prefix(self, part: Part) -> str:
@@ -109,25 +114,30 @@ class Fields:
         """Limits for encoders; None for a direction that is only decoded, where all bit patterns are valid."""
         return limits if self._direction is Direction.REQUEST else None
 
-    def _field(self, name: str, mux: str, title: str, field: Field, element: Element, about: str) -> Iterator[Signal]:
-        type_ = field.type
+    def _field(
+        self, name: str, mux: str, title: str, field: Field, element: Element, about: Sequence[str]
+    ) -> Iterator[Signal]:
+        """The signals of a field; `about` are sentences about the message."""
+        comments, type_ = self._comments, field.type
         index = "" if element.index is None else str(element.index)
         place = Place(f"{name}_{index}" if index else name, mux, element.bits, type_.order)
-        which = f"{in_ascii(field.title)} {index}".strip()
-        is_included = f": {title}".lower().endswith(f": {which}".lower())
-        whole = title if is_included else f"{title}: {which}"
+        which = f"{comments.of(field.title)} {index}".strip()
+        is_included = comments.labelled("", title).lower().endswith(comments.labelled("", which).lower())
+        whole = title if is_included else comments.labelled(title, which)
         reading = self._reading(type_)
-        comment = f"{whole}.{_sentence(in_ascii(field.about) or in_ascii(type_.about))}{reading.step}{about}"
+        sentences = [whole, comments.of(field.about) or comments.of(type_.about), reading.step, *about]
         if field.fixed is not None:
             numbers, _ = self._integers(type_, (field.fixed, field.fixed))
-            always = f"Sent as {field.fixed}." if isinstance(field.role, ReservedRole) else f"Always {field.fixed}."
-            yield _signal(place, f"{comment} {always}", numbers, start_value=field.fixed)
+            word = "sent_as" if isinstance(field.role, ReservedRole) else "always"
+            comment = comments.sentences([*sentences, comments.fixed(word, raw=field.fixed)])
+            yield _signal(place, comment, numbers, start_value=field.fixed)
         elif type_.flags:
-            yield from self._flags(place, comment, type_)
+            yield from self._flags(place, sentences, type_)
         else:
+            comment = comments.sentences(sentences)
             yield _signal(place, comment, reading.numbers, reading.values, reading.start_value, reading.float_kind)
 
-    def _flags(self, place: Place, comment: str, type_: Type) -> Iterator[Signal]:
+    def _flags(self, place: Place, sentences: Sequence[str], type_: Type) -> Iterator[Signal]:
         """One signal for each flag, and one for each run of bits without a name, so that no bit is missing."""
         named = {flag.value: flag for flag in type_.flags}
         for run in runs(range(type_.width), split=named):
@@ -135,11 +145,12 @@ class Fields:
             flag = named.get(run[0])
             if flag:
                 one = Place(f"{place.name}_{flag.name}", place.mux, raw_bits, place.order)
-                yield bare(one, f"{comment} {in_ascii(flag.title)}.")
+                yield bare(one, self._comments.sentences([*sentences, self._comments.of(flag.title)]))
             else:
                 name = "_".join((place.name, "bits", *(str(i) for i in sorted({run[0], run[-1]}))))
                 unnamed = Place(name, place.mux, raw_bits, place.order)
-                yield bare(unnamed, f"{comment} Bits without a name.", limits=self._sent((0, 0)))
+                comment = self._comments.sentences([*sentences, self._comments.fixed("unnamed_bits")])
+                yield bare(unnamed, comment, limits=self._sent((0, 0)))
 
     def _reading(self, type_: Type) -> _Reading:
         if type_ not in self._types:
@@ -148,7 +159,8 @@ class Fields:
 
     def _made_reading(self, type_: Type) -> _Reading:
         if type_.encoding is Encoding.FLOAT:
-            return _Reading(self._floats(type_), (), 0, _FLOAT_KINDS[type_.width], self._step(type_))
+            numbers, start_value = self._floats(type_)
+            return _Reading(numbers, (), start_value, _FLOAT_KINDS[type_.width], self._step(type_))
         values = tuple(sorted((member.value, member.name) for member in type_.enum))
         documented = (values[0][0], values[-1][0]) if values else self._documented(type_)
         numbers, start_value = self._integers(type_, documented)
@@ -177,13 +189,16 @@ class Fields:
         numbers = _Numbers(signed, number(linear.scale), number(linear.offset), number(low), number(high), unit)
         return numbers, 0 if limits[0] <= 0 <= limits[1] else limits[0]
 
-    def _floats(self, type_: Type) -> _Numbers:
+    def _floats(self, type_: Type) -> tuple[_Numbers, int]:
+        """The numbers of a float signal, and its start value: 0, or the first integer in its range."""
         linear, unit = self._scale(type_)
         low, high = self._range(type_)
-        limits = ("0", "0")
+        limits, start_value = ("0", "0"), 0
         if self._direction is Direction.REQUEST and low is not None and high is not None:
             limits = (number(low), number(high))
-        return _Numbers(True, number(linear.scale), number(linear.offset), *limits, unit)
+            first, last = sorted((end - linear.offset) / linear.scale for end in (low, high))
+            start_value = 0 if first <= 0 <= last else math.ceil(first)
+        return _Numbers(True, number(linear.scale), number(linear.offset), *limits, unit), start_value
 
     def _scale(self, type_: Type) -> tuple[Linear, str]:
         line = type_.linear.at(self._assignment)
@@ -198,8 +213,20 @@ class Fields:
         if line is None or line.at(self._numbers) is not None:
             return ""
         unit = f" {type_.unit.dbc}" if type_.unit else ""
-        offset = f", offset {formatting.offset(line)}{unit}" if line.offset else ""
-        return _sentence(f"Raw integer: resolution (1 LSB) {formatting.step(line)}{unit}{offset}")
+        parts = [self._comments.fixed("raw_integer", step=f"{formatting.step(line)}{unit}")]
+        if line.offset:
+            parts.append(self._comments.fixed("offset", offset=f"{formatting.offset(line)}{unit}"))
+        return self._comments.listed(parts)
+
+    def _about(self, part: Part) -> Iterator[str]:
+        """Warnings and manual section of a command, as sentences."""
+        command = part.command
+        if part.message.direction is Direction.REQUEST:
+            yield from (self._comments.of(e.title) for e in command.effects if e.level is not Level.NOTE)
+            if not command.implemented:
+                yield self._comments.fixed("not_implemented")
+        if command.manual:
+            yield self._comments.fixed("manual", section=any_text(command.manual))
 
 
 def _signal(
@@ -223,18 +250,3 @@ def _signal(
         start_value,
         float_kind,
     )
-
-
-def _about(part: Part) -> str:
-    """Warnings and manual section of a command, as sentences with a leading space."""
-    command = part.command
-    sentences: list[str] = []
-    if part.message.direction is Direction.REQUEST:
-        sentences += [in_ascii(e.title) for e in command.effects if e.level is not Level.NOTE]
-        sentences += [] if command.implemented else ["Not implemented yet according to the manual"]
-    sentences += [f"Manual {command.manual}"] if command.manual else []
-    return "".join(map(_sentence, sentences))
-
-
-def _sentence(text: str) -> str:
-    return f" {text.rstrip('.')}." if text else ""

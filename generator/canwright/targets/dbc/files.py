@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...language import notation
 from ...model.edition import Edition
-from ...model.message import Direction, IdRule
+from ...model.message import Direction
 from ...model.types import Assignment
-from ..base import header
+from ..base import Options, header
+from .comments import ENGLISH, Comments
 from .frames import Frame, Part, Scope, Traffic, partners
 from .selectors import joined_span
 from .signals import Signals
-from .text import camel, fitting, in_ascii, number
-from .view import EXTENDED, File, Message, Signal, fitted
-
-KIND = {Direction.REPLY: "reply", Direction.REQUEST: "command"}
-"""Direction as it appears in names of files and messages."""
+from .tables import table_key, table_names
+from .text import camel, fitting, number
+from .view import KIND, File, Message, Signal, fitted
 
 _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
 _NO_NODE = "Vector__XXX"
+_VERSION_LENGTH = 32
+"""A longer VERSION is an error in some readers, and so is a comma in it."""
+_MOST_NODES_IN_NAME = 8
 
 
 Traffics = Mapping[Direction, Traffic]
@@ -33,39 +35,18 @@ def traffics(edition: Edition) -> Traffics:
     return {direction: Traffic(edition, direction) for direction in KIND}
 
 
-def files(edition: Edition, both: Traffics, set_parameters: Assignment) -> Iterator[File]:
-    """All files of an edition that contain frames; files for all nodes precede those for the first node."""
-    return (file for file in _files(edition, both, set_parameters) if file.messages)
+def files(edition: Edition, both: Traffics, set_parameters: Assignment, options: Options) -> Sequence[File]:
+    """All files of an edition that contain frames: those of the first selector precede those of tables.
 
-
-def _files(edition: Edition, both: Traffics, set_parameters: Assignment) -> Iterator[File]:
-    numbers = {
-        p.name: notation.rational(set_parameters[p.name])
-        for p in edition.parameters
-        if not p.is_choice and p.name in set_parameters
-    }
-    signals = {direction: Signals(direction, numbers) for direction in KIND}
-    for assignment in _assignments(edition, set_parameters):
-        frames = {direction: one.frames(assignment) for direction, one in both.items()}
-        for direction in KIND:
-            scope = Scope(edition, direction, assignment, numbers)
-            contents = list(_contents(frames[direction], signals[direction], assignment))
-            shared = {(frame.rule, frame.id_bits) for frame in frames[_OTHER[direction]]}
-            yield from (_file(scope, joined, (), found, shared) for joined, found in contents)
-            nodes = next((m.id.nodes for m in edition.messages(direction) if m.id.nodes), None)
-            if nodes and len(nodes) > 1:
-                first = replace(scope, first_node_only=True)
-                yield from (_file(first, joined, (f"node{nodes[0]}",), found, shared) for joined, found in contents)
-
-
-def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assignment]:
-    """The combinations of parameter values that have files of their own."""
-    choices = []
-    for parameter in (p for p in edition.parameters if p.is_choice):
-        wanted = set_parameters.get(parameter.name)
-        if wanted is not None or not parameter.is_numeric:
-            choices.append([(parameter.name, v.name) for v in parameter.values if wanted in (None, v.name)])
-    yield from map(dict, itertools.product(*choices))
+    Files of a table that are the same for every value of the parameters are one file.
+    """
+    made = _Files(edition, both, set_parameters, options)
+    plain = [file for one in made.assignments for file in made.plain(one)]
+    of_tables: dict[tuple[Sequence[Direction], str], list[File]] = {}
+    for assignment in made.assignments:
+        for file in made.tables(assignment):
+            of_tables.setdefault((file.directions, file.table), []).append(file)
+    return [*plain, *(file for same in of_tables.values() for file in made.merged(same))]
 
 
 def stems(edition: Edition) -> Iterator[str]:
@@ -80,89 +61,174 @@ def node_name(address: str, node: int | None) -> str:
     return fitting(camel(address), (), room=len(number_)) + number_
 
 
-Contents = Sequence[tuple[Frame, tuple[Signal, ...]]]
-"""Frames with their signals."""
+class _Content(NamedTuple):
+    """A frame with its direction and signals."""
+
+    direction: Direction
+    frame: Frame
+    signals: tuple[Signal, ...]
 
 
-def _contents(frames: Sequence[Frame], signals: Signals, assignment: Assignment) -> Iterator[tuple[str, Contents]]:
-    """The contents of the file of the first selector, and of one file for each span of selectors read as one number.
+class _Files:
+    """Builds the files of an edition."""
 
-    Each comes with the part of the file name that names the joined selectors.
-    """
-    yield "", [(frame, signals.of(frame.parts, assignment)) for frame in frames]
-    joined: dict[range, list[tuple[Frame, tuple[Signal, ...]]]] = {}
-    names: dict[range, str] = {}
-    for frame in frames:
-        by_span: dict[range, list[Part]] = {}
-        for one in frame.parts:
-            span = joined_span(one)
-            if span:
-                by_span.setdefault(span, []).append(one)
-        for span, parts in by_span.items():
-            if span not in names:
-                names[span] = fitting("-".join(key.name for key, _ in parts[0].selectors[1:]), names.values())
-            read = signals.joined(parts, assignment, span)
-            joined.setdefault(span, []).append((frame._replace(parts=tuple(parts)), read))
-    for span, found in joined.items():
-        yield names[span], found
+    def __init__(self, edition: Edition, both: Traffics, set_parameters: Assignment, options: Options) -> None:
+        self._edition = edition
+        self._both = both
+        self._options = options
+        self._comments = Comments(options.language or ENGLISH)
+        self._numbers: Mapping[str, Fraction] = {
+            p.name: notation.rational(set_parameters[p.name])
+            for p in edition.parameters
+            if not p.is_choice and p.name in set_parameters
+        }
+        self._signals = {one: Signals(one, self._numbers, self._comments) for one in KIND}
+        self.assignments = list(_assignments(edition, set_parameters))
+        every_frame = {direction: traffic.frames({}) for direction, traffic in both.items()}
+        every_node = Scope(edition, {}, self._numbers)
+        ids = [{id_ for frame in frames for id_ in every_node.ids(frame)} for frames in every_frame.values()]
+        self._shared = set.intersection(*ids)
+        used = tuple(direction for direction in KIND if every_frame[direction])
+        self._groups = [(direction,) for direction in used] if self._shared else [used]
+        self._names = table_names(part for frames in every_frame.values() for frame in frames for part in frame.parts)
+
+    def plain(self, assignment: Assignment) -> Iterator[File]:
+        """The files of the first selector: one for each direction, or one for both if they share no id."""
+        for group in self._groups:
+            yield from self._file(group, assignment, "", list(self._plain_contents(group, assignment)))
+
+    def tables(self, assignment: Assignment) -> Iterator[File]:
+        """The files that read the selectors of a table as one number."""
+        for group in self._groups:
+            contents: dict[str, list[_Content]] = {}
+            for name, content in self._table_contents(group, assignment):
+                contents.setdefault(name, []).append(content)
+            for name, found in contents.items():
+                yield from self._file(group, assignment, name, found)
+
+    def merged(self, same: Sequence[File]) -> Sequence[File]:
+        """The files of a table for all values of the parameters; a single one if their messages are the same."""
+        first = same[0]
+        if len(same) < len(self.assignments) or any(file.messages != first.messages for file in same):
+            return same
+        scope = self._scope({})
+        comment = self._about(scope, first.directions, first.table)
+        return [first._replace(known=tuple(self._known(scope)), comment=comment)]
+
+    def _scope(self, assignment: Assignment) -> Scope:
+        return Scope(self._edition, assignment, self._numbers, self._options.nodes)
+
+    def _plain_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[_Content]:
+        for direction in group:
+            for frame in self._both[direction].frames(assignment):
+                yield _Content(direction, frame, self._signals[direction].of(frame.parts, assignment))
+
+    def _table_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[tuple[str, _Content]]:
+        for direction in group:
+            for frame in self._both[direction].frames(assignment):
+                by_name: dict[str, list[Part]] = {}
+                for part in frame.parts:
+                    if joined_span(part):
+                        by_name.setdefault(self._names[table_key(part)], []).append(part)
+                for name, parts in by_name.items():
+                    span = joined_span(parts[0])
+                    assert span
+                    signals = self._signals[direction].joined(parts, assignment, span)
+                    yield name, _Content(direction, frame._replace(parts=tuple(parts)), signals)
+
+    def _file(
+        self, group: tuple[Direction, ...], assignment: Assignment, table: str, contents: Sequence[_Content]
+    ) -> Iterator[File]:
+        """A file with these frames; none without messages."""
+        scope = self._scope(assignment)
+        host = fitting(self._edition.bus.host, ())
+        messages = fitted(message for one in contents for message in self._messages(scope, one, host, len(group) > 1))
+        ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NO_NODE]
+        if messages:
+            yield File(
+                f"{self._edition.family}-{self._edition.name}",
+                tuple(self._known(scope)),
+                group,
+                table,
+                tuple(self._variant()),
+                _version(self._edition),
+                self._about(scope, group, table),
+                tuple(dict.fromkeys((host, *ends))),
+                messages,
+            )
+
+    def _messages(self, scope: Scope, content: _Content, host: str, with_direction: bool) -> Iterator[Message]:
+        """One message for each node, named by direction and a code in the id, or by the command if there is no selector."""
+        direction, frame, signals = content
+        first = frame.parts[0]
+        kind = KIND[direction]
+        ending = "_".join((kind, *first.codes_in_id)) if first.selectors else first.command.name
+        if with_direction and not first.selectors and first.command.request and first.command.reply:
+            ending = f"{ending}_{kind}"
+        length = max(part.message.dlc for part in frame.parts)
+        nodes_of_rule = scope.nodes(frame.rule)
+        for node in (None,) if nodes_of_rule is None else nodes_of_rule:
+            name = node_name(first.message.address, node)
+            nodes: tuple[str, ...] = (name,)
+            if node is None:
+                ends = (node_name(*end) for part in frame.parts for end in partners(scope, part))
+                nodes = tuple(dict.fromkeys(ends)) or (_NO_NODE,)
+            is_request = direction is Direction.REQUEST
+            id_ = frame.dbc_id(node)
+            yield Message(
+                id_,
+                f"{name}_{ending}",
+                length,
+                frame.shortest,
+                (host,) if is_request else nodes,
+                nodes if is_request else (host,),
+                self._comment(content, id_ in self._shared),
+                signals,
+            )
+
+    def _comment(self, content: _Content, is_shared: bool) -> str:
+        comments, first = self._comments, content.frame.parts[0]
+        address = self._edition.address(first.message.address)
+        about = comments.of(first.command.title if not first.selectors else address.title)
+        warning = comments.fixed("same_id", other=comments.fixed(KIND[_OTHER[content.direction]]))
+        kind = comments.fixed(KIND[content.direction])
+        return comments.sentences([comments.labelled(about, kind), warning if is_shared else ""])
+
+    def _known(self, scope: Scope) -> Iterator[str]:
+        return _known(self._edition, scope.assignment, self._numbers)
+
+    def _variant(self) -> Iterator[str]:
+        """The selected nodes and the language, as parts of a file name."""
+        nodes = self._options.nodes
+        if nodes:
+            listed = "_".join(map(str, nodes)) if len(nodes) <= _MOST_NODES_IN_NAME else f"{nodes[0]}_to_{nodes[-1]}"
+            yield f"node{listed}"
+        if self._comments.language != ENGLISH:
+            yield self._comments.language
+
+    def _about(self, scope: Scope, group: Sequence[Direction], table: str) -> str:
+        """The comment of a file: its origin, and what it describes."""
+        comments = self._comments
+        known = comments.listed(self._known(scope))
+        sentences = [header(self._edition), comments.labelled(comments.fixed("parameters"), known) if known else ""]
+        if len(group) == 1:
+            other = comments.fixed(KIND[_OTHER[group[0]]])
+            sentences.append(comments.fixed("one_direction", kind=comments.fixed(KIND[group[0]])))
+            sentences.append(comments.fixed("meaningless", other=other) if self._shared else "")
+        else:
+            sentences.append(comments.fixed("both_directions"))
+        sentences.append(comments.fixed("table", table=table) if table else "")
+        return comments.sentences(sentences)
 
 
-def _file(
-    scope: Scope, joined: str, part: tuple[str, ...], found: Contents, shared: Container[tuple[IdRule, int]]
-) -> File:
-    """A file with the frames `found`; `shared` are the ids that are also used by the other direction."""
-    edition = scope.edition
-    host = fitting(edition.bus.host, ())
-    messages = fitted(
-        message
-        for frame, signals in found
-        for message in _messages(scope, frame, host, signals, (frame.rule, frame.id_bits) in shared)
-    )
-    ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NO_NODE]
-    return File(
-        f"{edition.family}-{edition.name}",
-        tuple(_known(scope.edition, scope.assignment, scope.numbers)),
-        KIND[scope.direction],
-        joined,
-        (*filter(None, [joined]), *part),
-        header(edition),
-        _about(scope),
-        tuple(dict.fromkeys((host, *ends))),
-        messages,
-    )
-
-
-def _messages(scope: Scope, frame: Frame, host: str, signals: tuple[Signal, ...], shared: bool) -> Iterator[Message]:
-    """One message for each node, named by direction and a code in the id, or by the command if there is no selector."""
-    first = frame.parts[0]
-    address = first.message.address
-    ending = "_".join((KIND[scope.direction], *first.codes_in_id)) if first.selectors else first.command.name
-    length = max(part.message.dlc for part in frame.parts)
-    comment = _comment(scope, frame, shared)
-    for node in scope.nodes(frame.rule) or (None,):
-        name = node_name(address, node)
-        nodes: tuple[str, ...] = (name,)
-        if node is None:
-            ends = (node_name(*end) for part in frame.parts for end in partners(scope, part))
-            nodes = tuple(dict.fromkeys(ends)) or (_NO_NODE,)
-        is_request = scope.direction is Direction.REQUEST
-        yield Message(
-            frame.id(node) | (EXTENDED if frame.rule.extended else 0),
-            f"{name}_{ending}",
-            length,
-            (host,) if is_request else nodes,
-            nodes if is_request else (host,),
-            comment,
-            signals,
-        )
-
-
-def _comment(scope: Scope, frame: Frame, shared: bool) -> str:
-    first = frame.parts[0]
-    address = scope.edition.address(first.message.address)
-    about = first.command.title if not first.selectors else address.title
-    warning = f" A {KIND[_OTHER[scope.direction]]} has the same id." if shared else ""
-    return f"{in_ascii(about)}: {KIND[scope.direction]}.{warning}"
+def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assignment]:
+    """The combinations of parameter values that have files of their own."""
+    choices = []
+    for parameter in (p for p in edition.parameters if p.is_choice):
+        wanted = set_parameters.get(parameter.name)
+        if wanted is not None or not parameter.is_numeric:
+            choices.append([(parameter.name, v.name) for v in parameter.values if wanted in (None, v.name)])
+    yield from map(dict, itertools.product(*choices))
 
 
 def _known(edition: Edition, assignment: Assignment, numbers: Mapping[str, Fraction]) -> Iterator[str]:
@@ -173,10 +239,7 @@ def _known(edition: Edition, assignment: Assignment, numbers: Mapping[str, Fract
         yield f"{name}_{number(fixed)}"
 
 
-def _about(scope: Scope) -> str:
-    kind, other = KIND[scope.direction], KIND[_OTHER[scope.direction]]
-    known = "".join(f", {word}" for word in _known(scope.edition, scope.assignment, scope.numbers))
-    return (
-        f"{scope.edition.family} {scope.edition.name}{known}: {kind} frames only. "
-        f"DBC files do not specify directions: a {other} frame decoded with this file shows meaningless values."
-    )
+def _version(edition: Edition) -> str:
+    """The edition and the hash of its spec, as far as they fit."""
+    digest = edition.hash[:12]
+    return f"{edition.name[: _VERSION_LENGTH - len(digest) - 1]} {digest}"

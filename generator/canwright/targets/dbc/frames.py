@@ -11,21 +11,29 @@ from ...model.edition import Edition
 from ...model.layout import Field, Space
 from ...model.message import LISTED_NODES, Address, Command, Direction, IdRule, Key, Message
 from ...model.types import Assignment
+from .view import EXTENDED
 
 
 @dataclass(frozen=True)
 class Scope:
-    """The scope of one file: a direction of an edition, with the known parameters of its nodes."""
+    """The scope of one file: the known parameters of the nodes, and the selected nodes."""
 
     edition: Edition
-    direction: Direction
     assignment: Assignment
     numbers: Mapping[str, Fraction]
-    first_node_only: bool = False
+    selected: Sequence[int] = ()
+    """The nodes to list; empty for all."""
 
-    def nodes(self, rule: IdRule) -> range | None:
+    def nodes(self, rule: IdRule) -> Sequence[int] | None:
         """The nodes of a rule that the file lists; None if the id is fixed."""
-        return rule.nodes[: 1 if self.first_node_only else LISTED_NODES] if rule.nodes else rule.nodes
+        if rule.nodes is None:
+            return None
+        return [n for n in self.selected if n in rule.nodes] if self.selected else rule.nodes[:LISTED_NODES]
+
+    def ids(self, frame: Frame) -> Iterator[int]:
+        """The ids of a frame as they are in a file."""
+        nodes = self.nodes(frame.rule)
+        return (frame.dbc_id(node) for node in ((None,) if nodes is None else nodes))
 
 
 class Part:
@@ -62,15 +70,19 @@ class Frame(NamedTuple):
     """The messages of one id of each node; `rule` and `id_bits` define the id.
 
     `hidden` are messages that one multiplexor cannot distinguish from the others, each with the only difference.
+    `shortest` is the length of the shortest message of the id, hidden ones included.
     """
 
     rule: IdRule
     id_bits: int
     parts: tuple[Part, ...]
     hidden: Mapping[str, str]
+    shortest: int
 
-    def id(self, node: int | None) -> int:
-        return self.rule.base + (node or 0) * self.rule.node_step + self.id_bits
+    def dbc_id(self, node: int | None) -> int:
+        """The id as it is in a file: with bit 31 set if it has 29 bits."""
+        id_ = self.rule.base + (node or 0) * self.rule.node_step + self.id_bits
+        return id_ | (EXTENDED if self.rule.extended else 0)
 
 
 class Traffic:
@@ -115,24 +127,33 @@ def _parts(edition: Edition, direction: Direction) -> Iterator[Part]:
 def _frame(rule: IdRule, id_bits: int, parts: Sequence[Part]) -> Frame:
     """The parts of an id that are shown: those without a selector, otherwise those with the same selector position.
 
-    Of parts with the same selector values, the first is shown.
+    Of parts with the same selector values, one with fields is shown, or the longest, or else the first.
     """
     places = [part.selectors[0][0].segments if part.selectors else () for part in parts]
     shown_place = () if () in places else places[0]
+    alike: dict[tuple[tuple[Key, int], ...], list[Message]] = {}
+    for part in parts:
+        alike.setdefault(part.selectors, []).append(part.message)
+    kept = {selectors: max(messages, key=_content) for selectors, messages in alike.items()}
     shown: list[Part] = []
     hidden: dict[str, str] = {}
-    alike: dict[tuple[tuple[Key, int], ...], Message] = {}
     for part, place in zip(parts, places, strict=True):
-        first = alike.setdefault(part.selectors, part.message)
-        if first.dlc != part.message.dlc:
+        message = kept[part.selectors]
+        if message.dlc != part.message.dlc:
             hidden[part.message.name] = "only its length"
         elif place != shown_place:
             hidden[part.message.name] = "only the data at other positions"
-        elif first is not part.message:
+        elif message is not part.message:
             hidden[part.message.name] = "nothing"
         else:
             shown.append(part)
-    return Frame(rule, id_bits, tuple(shown), hidden)
+    return Frame(rule, id_bits, tuple(shown), hidden, min(part.message.dlc for part in parts))
+
+
+def _content(message: Message) -> tuple[bool, int]:
+    """Whether a message has fields, and its length; `max` takes the first of several messages with the same content."""
+    has_fields = any(f.fixed is None for f in message.layout.fields if f.space is Space.DATA)
+    return has_fields, message.dlc
 
 
 def partners(scope: Scope, part: Part) -> Sequence[tuple[str, int | None]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -12,12 +12,13 @@ from ...model.message import LISTED_NODES, Direction
 from ...model.types import Parameter
 from ...semantics import parameters
 from ..base import Specification, header
+from .comments import ENGLISH, languages
 from .fields import LETTER
-from .files import KIND, Traffics
+from .files import Traffics
 from .frames import Part, obstacle
 from .selectors import joined_span
 from .text import number
-from .view import EXTENDED, File, Message, Signal
+from .view import EXTENDED, KIND, File, Message, Signal
 
 _HIGHEST_STANDARD_ID = 0x7FF
 
@@ -25,9 +26,9 @@ _HIGHEST_STANDARD_ID = 0x7FF
 class Section(NamedTuple):
     """The files of one edition as a table: a row for each combination of parameter values.
 
-    `joined` are the name parts of joined selectors, with the commands of such a file.
-    `open_choices` are parameters that are not set, with their values; `open_numbers` are parameters that scales are
-    multiples of, with an example; `lacking` is direction, command and reason.
+    `tables` are the names of tables, with their commands and files. `open_choices` are parameters that are not set, with
+    their values; `open_numbers` are parameters that scales are multiples of, with an example; `lacking` is direction,
+    command and reason.
     """
 
     edition: str
@@ -35,7 +36,7 @@ class Section(NamedTuple):
     parameters: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, tuple[File, ...]], ...]
-    joined: tuple[tuple[str, tuple[str, ...]], ...]
+    tables: tuple[tuple[str, tuple[str, ...], tuple[File, ...]], ...]
     open_choices: tuple[tuple[str, tuple[str, ...]], ...]
     open_numbers: tuple[tuple[str, str], ...]
     lacking: tuple[tuple[str, str, str], ...]
@@ -60,11 +61,6 @@ class Example(NamedTuple):
         return f"{self.frame.id:0{self.digits}X}"
 
     @property
-    def is_seen_in_a_log(self) -> bool:
-        """False for a 29-bit id that fits into 11 bits: `cantools decode` reads it as an 11-bit id."""
-        return not self.message.extended or self.frame.id > _HIGHEST_STANDARD_ID
-
-    @property
     def data(self) -> str:
         return self.frame.data.hex(" ").upper()
 
@@ -78,13 +74,21 @@ class Made(NamedTuple):
 
 
 class Guide(NamedTuple):
-    """Content of README.md; an example is None if there is no golden frame for it."""
+    """Content of README.md; an example is None if there is no golden frame for it.
+
+    `kinds` are the directions of the files. `selection` are the options of `generate` that select nodes and parameters of
+    the first edition, and `translations` the other languages of its texts. `first_needs_program` means that `cantools decode`
+    rejects frames of the first file.
+    """
 
     sections: tuple[Section, ...]
     first: File | None
+    first_needs_program: bool
     reading: Example | None
     sending: Example | None
-    for_one_node: bool
+    kinds: frozenset[str]
+    selection: str
+    translations: tuple[str, ...]
 
 
 def guide(made: Sequence[Made]) -> Guide:
@@ -93,9 +97,37 @@ def guide(made: Sequence[Made]) -> Guide:
     requests = (e for one in made for e in _examples(one.specification, one.files, Direction.REQUEST))
     sending = next((e for e in requests if len(e.values) == len(e.frame.raw)), None)
     best = max(reading, key=lambda e: len(e.values), default=None)
-    first = next((file for one in made for file in one.files), None)
-    for_one_node = any(file.part for one in made for file in one.files)
-    return Guide(sections, best.file if best else first, best, sending, for_one_node)
+    first = best.file if best else next((file for one in made for file in one.files), None)
+    return Guide(
+        sections,
+        first,
+        any(map(_is_rejected, first.messages)) if first else False,
+        best,
+        sending,
+        frozenset(file.kind for one in made for file in one.files),
+        " ".join(_selection(made[0])) if made else "",
+        tuple(
+            one for one in languages() if one != ENGLISH and any(one in m.specification.edition.languages for m in made)
+        ),
+    )
+
+
+def _is_rejected(message: Message) -> bool:
+    """Whether `cantools decode` rejects frames of a message.
+
+    It rejects a frame that is shorter than the message, and reads a 29-bit id that fits into 11 bits as an 11-bit id.
+    """
+    has_small_id = message.extended and message.id & ~EXTENDED <= _HIGHEST_STANDARD_ID
+    return has_small_id or message.shortest < message.length
+
+
+def _selection(made: Made) -> Iterator[str]:
+    """Options of `generate` that select two nodes and the last value of each parameter."""
+    edition = made.specification.edition
+    nodes = next((m.id.nodes for m in edition.all_messages() if m.id.nodes), range(0))
+    if len(nodes) > 1:
+        yield f"--nodes {nodes[0]},{nodes[1]}"
+    yield from (f"--set {p.name}={p.values[-1].name}" for p in edition.parameters if p.is_choice)
 
 
 def _usual(specification: Specification, parameter: Parameter) -> str:
@@ -110,27 +142,30 @@ def _section(made: Made) -> Section:
     specification, traffics, files = made
     edition = specification.edition
     rows: dict[tuple[str, ...], list[File]] = {}
+    tables: dict[str, list[File]] = {}
     for file in files:
-        rows.setdefault(file.known, []).append(file)
+        if file.table:
+            tables.setdefault(file.table, []).append(file)
+        else:
+            rows.setdefault(file.known, []).append(file)
     return Section(
         f"{edition.family} {edition.name}",
         header(edition),
         ", ".join(p.name for p in edition.parameters if p.is_choice and not p.is_numeric) or "for",
-        tuple(" ".join((file.kind, *file.part)) for file in next(iter(rows.values()), ())),
+        tuple(file.kind or "requests and replies" for file in next(iter(rows.values()), ())),
         tuple((" ".join(known) or "all", tuple(row)) for known, row in rows.items()),
-        tuple((name, tuple(dict.fromkeys(commands))) for name, commands in _joined(files).items()),
+        tuple((name, tuple(_commands(edition, some)), tuple(some)) for name, some in tables.items()),
         tuple((p.name, tuple(v.name for v in p.values)) for p in edition.parameters if p.is_choice and p.is_numeric),
         tuple((p.name, _usual(specification, p)) for p in edition.parameters if edition.is_factor(p)),
         tuple(_lacking(edition, traffics)),
     )
 
 
-def _joined(files: Sequence[File]) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for file in files:
-        if file.joined:
-            found.setdefault(file.joined, []).extend(name for _, name in file.messages[0].signals[0].values)
-    return found
+def _commands(edition: Edition, files: Sequence[File]) -> Iterable[str]:
+    """The commands of the files of a table, by their names in the spec."""
+    groups = {command.name: command.group for command in edition.commands}
+    selectors = (message.signals[0] for file in files for message in file.messages[:1])
+    return dict.fromkeys(groups[name] for signal in selectors for _, name in signal.values if name in groups)
 
 
 def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, str]]:
@@ -177,7 +212,7 @@ def _examples(specification: Specification, files: Sequence[File], direction: Di
     whole = [
         (file, set(file.known), {message.id & ~EXTENDED: message for message in reversed(file.messages)})
         for file in files
-        if file.kind == KIND[direction] and not file.part
+        if direction in file.directions and not file.table
     ]
     for frame in golden:
         known = {str(value) for value in frame.parameters.values()}

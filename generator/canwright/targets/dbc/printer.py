@@ -32,7 +32,7 @@ def printed(file: File) -> str:
 
 
 def _lines(file: File) -> Iterator[str]:
-    yield f'VERSION "{text(file.header)}"\n\nNS_ :\n\nBS_:\n\nBU_: {" ".join(file.nodes)}\n'
+    yield f'VERSION "{file.version}"\n\nNS_ :\n\nBS_:\n\nBU_: {" ".join(file.nodes)}\n'
     for message in file.messages:
         yield f"BO_ {message.id} {message.name}: {message.length} {message.senders[0]}"
         yield from (_signal(signal, message) for signal in message.signals)
@@ -57,12 +57,17 @@ def _signals(file: File) -> Iterator[tuple[Message, Signal]]:
 
 
 def _comments(file: File) -> Iterator[str]:
-    yield f'CM_ "{text(file.comment)}";'
+    """Each comment once: that of a signal which every node has is in the message of the first node."""
+    yield f'CM_ "{file.comment}";'
+    seen: set[tuple[str, str]] = {("", "")}
     for message in file.messages:
-        yield f'CM_ BO_ {message.id} "{text(message.comment)}";'
+        if ("", message.comment) not in seen:
+            seen.add(("", message.comment))
+            yield f'CM_ BO_ {message.id} "{message.comment}";'
         for signal in message.signals:
-            if signal.comment:
-                yield f'CM_ SG_ {message.id} {signal.name} "{text(signal.comment)}";'
+            if signal.comment and (signal.name, signal.comment) not in seen:
+                seen.add((signal.name, signal.comment))
+                yield f'CM_ SG_ {message.id} {signal.name} "{signal.comment}";'
 
 
 def _attributes(file: File) -> Iterator[str]:
@@ -71,7 +76,7 @@ def _attributes(file: File) -> Iterator[str]:
         if message.extended:
             yield f'BA_ "VFrameFormat" BO_ {message.id} 1;'
     for message, signal in _signals(file):
-        if signal.start_value:
+        if signal.start_value or not float(signal.minimum) <= 0 <= float(signal.maximum):
             yield f'BA_ "GenSigStartValue" SG_ {message.id} {signal.name} {signal.start_value};'
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from ...model.message import Direction, Key
 from ...model.types import Assignment
+from .comments import Comments
 from .fields import LETTER, Fields, Place, bare
 from .frames import Part
 from .selectors import bits, joined_span, joined_value, runs
@@ -16,10 +17,11 @@ from .view import Signal, fitted
 class Signals:
     """Builds the signals of the frames of one direction; those of a message once for each set of parameters it uses."""
 
-    def __init__(self, direction: Direction, numbers: Mapping[str, Fraction]) -> None:
+    def __init__(self, direction: Direction, numbers: Mapping[str, Fraction], comments: Comments) -> None:
         self._direction = direction
         self._letter = LETTER[direction]
         self._numbers = numbers
+        self._comments = comments
         self._fields: dict[tuple[tuple[str, str], ...], Fields] = {}
 
     def of(self, parts: Sequence[Part], assignment: Assignment) -> tuple[Signal, ...]:
@@ -38,9 +40,11 @@ class Signals:
         by_value: dict[int, list[Part]] = {}
         for part in parts:
             by_value.setdefault(part.selectors[0][1], []).append(part)
-        names = _names({value: under[0] for value, under in by_value.items() if len(under[0].selectors) == 1})
         key = parts[0].selectors[0][0]
-        yield _selector(f"{self._letter}_{key.name}", "M", key, names, "Identifies the command.")
+        names = _names(
+            (value, _shared_name(under), under[0].code.partition("_")[0]) for value, under in by_value.items()
+        )
+        yield self._selector(f"{self._letter}_{key.name}", "M", key, names, "selector")
         for value, under in by_value.items():
             if len(under[0].selectors) == 1:
                 yield from self._fields_of(under[0], assignment).of(under[0], f"m{value}")
@@ -50,7 +54,8 @@ class Signals:
     def _joined(self, parts: Sequence[Part], assignment: Assignment, span: range) -> Iterator[Signal]:
         by_value = {joined_value(part, span): part for part in parts}
         name = "_".join((self._letter, *(key.name for key, _ in parts[0].selectors)))
-        yield bare(Place(name, "M", tuple(span)), "All selectors, read as one number.", _names(by_value))
+        names = _names((value, part.command.name, part.code) for value, part in by_value.items())
+        yield bare(Place(name, "M", tuple(span)), self._sentence("joined"), names)
         for value, part in by_value.items():
             yield from self._fields_of(part, assignment).of(part, f"m{value}", span)
 
@@ -58,7 +63,7 @@ class Signals:
         """The builder of the fields of a message for the values of the parameters it depends on."""
         known = tuple((name, assignment[name]) for name in part.message.layout.parameters if name in assignment)
         if known not in self._fields:
-            self._fields[known] = Fields(self._direction, dict(known), self._numbers)
+            self._fields[known] = Fields(self._direction, dict(known), self._numbers, self._comments)
         return self._fields[known]
 
     def _undecided(self, parts: Sequence[Part], mux: str) -> Iterator[Signal]:
@@ -69,24 +74,31 @@ class Signals:
             named = [(part.selectors[i][1], part.command.name) for part in parts]
             values = [value for value, _ in named]
             names = [(value, command) for value, command in named if values.count(value) == 1]
-            yield _selector(
-                f"{self._letter}{code}_{key.name}", mux, key, names, "Determines the meaning of the other bits."
-            )
+            yield self._selector(f"{self._letter}{code}_{key.name}", mux, key, names, "index")
         free = set(range(max(part.message.dlc for part in parts) * 8)) - {b for key, _ in shared for b in bits(key)}
-        elsewhere = "; a separate file shows them as fields" if all(map(joined_span, parts)) else ""
+        comment = self._sentence("separate_file" if all(map(joined_span, parts)) else "undecided")
         for run in runs(free):
-            place = Place(f"{self._letter}{code}_data", mux, run)
-            yield bare(place, f"Bits whose meaning depends on the other selector{elsewhere}.")
+            yield bare(Place(f"{self._letter}{code}_data", mux, run), comment)
+
+    def _selector(self, name: str, mux: str, key: Key, names: Sequence[tuple[int, str]], comment: str) -> Signal:
+        return bare(Place(name, mux, bits(key), key.order), self._sentence(comment), names)
+
+    def _sentence(self, name: str) -> str:
+        return self._comments.sentences([self._comments.fixed(name)])
 
 
-def _selector(name: str, mux: str, key: Key, names: Sequence[tuple[int, str]], comment: str) -> Signal:
-    return bare(Place(name, mux, bits(key), key.order), comment, names)
+def _shared_name(parts: Sequence[Part]) -> str:
+    """The command of a selector value: of messages with one more selector, the name of all of them; empty if they differ."""
+    first, *others = parts
+    if len(first.selectors) == 1:
+        return first.command.name
+    return first.command.group if all(other.command.group == first.command.group for other in others) else ""
 
 
-def _names(parts: Mapping[int, Part]) -> list[tuple[int, str]]:
-    """The commands of selector values. Names are unique, because readers look values up by name."""
-    named: dict[str, int] = {}
-    for value, part in parts.items():
-        name = part.command.name
-        named[f"{name}_{part.code}" if name in named else name] = value
-    return [(value, name) for name, value in named.items()]
+def _names(named: Iterable[tuple[int, str, str]]) -> list[tuple[int, str]]:
+    """Values with names from value, name and code. Names are unique, because readers look values up by name."""
+    values: dict[str, int] = {}
+    for value, name, code in named:
+        if name:
+            values[f"{name}_{code}" if name in values else name] = value
+    return [(value, name) for name, value in values.items()]

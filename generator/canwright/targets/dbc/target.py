@@ -8,19 +8,23 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.layout import Space
 from ...model.types import Assignment
-from ..base import NameProblem, Output, Specification, Target
+from ..base import EVERYTHING, NameProblem, Options, Output, Specification, TargetWithOptions
 from . import generate
+from .comments import languages
 from .files import stems
 from .names import long_names
 
 
-class DbcTarget(Target):
+class DbcTarget(TargetWithOptions):
     """Generates DBC files."""
 
     title = "DBC"
+    languages = tuple(languages())
 
-    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
-        return generate(specifications, set_parameters)
+    def generate(
+        self, specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
+    ) -> Iterator[Output]:
+        return generate(specifications, set_parameters, options)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
         return long_names(edition)

@@ -18,6 +18,8 @@ _ASCII = str.maketrans(
     | {"\u2044": "/", '"': "'", "\\": "/"}
 )
 
+_QUOTES = str.maketrans({'"': "'", "\\": "/"})
+
 
 def number(value: Fraction) -> str:
     """A number without exponent: all digits of a finite decimal, otherwise those of the nearest double."""
@@ -40,6 +42,11 @@ def text(written: str) -> str:
     if any(c.isalpha() and not c.isascii() for c in kept):
         return ""
     return " ".join("".join(c if c.isascii() else "?" for c in kept).split())
+
+
+def any_text(written: str) -> str:
+    """A text as one line without quotes and backslashes, in any letters."""
+    return " ".join("".join(c if c.isprintable() else " " for c in written.translate(_QUOTES)).split())
 
 
 def in_ascii(texts: Mapping[str, str]) -> str:

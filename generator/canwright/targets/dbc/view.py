@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple, TypeVar
 
+from ...model.message import Direction
 from .text import fitting
+
+KIND = {Direction.REPLY: "reply", Direction.REQUEST: "command"}
+"""Direction as it appears in names of files and messages."""
 
 EXTENDED = 1 << 31
 """Marks a 29-bit id."""
@@ -38,6 +42,8 @@ class Message(NamedTuple):
     id: int
     name: str
     length: int
+    shortest: int
+    """Length of the shortest frame with this id."""
     senders: tuple[str, ...]
     receivers: tuple[str, ...]
     comment: str
@@ -61,21 +67,27 @@ def fitted(views: Iterable[Named]) -> tuple[Named, ...]:
 
 
 class File(NamedTuple):
-    """One DBC file. `known` are the parameter values it is valid for; `part` is the rest of its name.
+    """One DBC file. `directions` are those it describes; `known` are the parameter values it is valid for.
 
-    `joined` is the name of selectors that are read as one number; empty in a file of the first selector.
+    `table` names the table whose selectors are read as one number; it is empty in a file of the first selector.
+    `variant` are the words of the name for what the user selected.
     """
 
     edition: str
     known: tuple[str, ...]
-    kind: str
-    joined: str
-    part: tuple[str, ...]
-    header: str
+    directions: tuple[Direction, ...]
+    table: str
+    variant: tuple[str, ...]
+    version: str
     comment: str
     nodes: tuple[str, ...]
     messages: tuple[Message, ...]
 
     @property
     def name(self) -> str:
-        return "-".join((self.edition, *self.known, self.kind, *self.part))
+        return "-".join(filter(None, (self.edition, *self.known, self.kind, self.table, *self.variant)))
+
+    @property
+    def kind(self) -> str:
+        """The direction in the name of the file; empty if it describes both."""
+        return KIND[self.directions[0]] if len(self.directions) == 1 else ""

@@ -1,0 +1,298 @@
+"""`decode`."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+
+from ..diagnostics.diagnostic import nearest
+from ..diagnostics.unicode_safety import visible
+from ..model.edition import Edition
+from ..model.message import Direction
+from ..recordings import candump, plot as pictures, split as split_logs
+from ..recordings.directions import WINDOW, Directions
+from ..recordings.exports import CsvLines, bus_name, json_line
+from ..recordings.new_files import new_file, new_folder
+from ..recordings.nodes import IDENTIFIED_FROM, Nodes, NodeSetting, family_of, nodes_of
+from ..recordings.packages import MissingPackageError
+from ..recordings.parquet import ParquetTables
+from ..recordings.readers import Log, LogError, open_log
+from ..recordings.recorded import Counts, Part
+from ..recordings.rows import Row, RowReader
+from ..recordings.summary import Summary
+from ..semantics.frame import CanFrame
+from .common import FINDINGS, FilePath, read, spec_option, stop
+from .decode_view import Table, summary_text
+from .explain_view import explanation, golden_entries
+from .settings import node_settings
+from .terminal import print_data, print_text, progress
+
+BLOCK = 500
+"""The number of rows that are printed at once."""
+
+
+class LogOrFrame(click.Path):
+    """The name of a log, or a frame in the notation of candump."""
+
+    name = "log or frame"
+
+    def __init__(self) -> None:
+        super().__init__(exists=True, dir_okay=False, allow_dash=True)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if isinstance(value, str) and "#" in value and not Path(value).exists():
+            counts = Counts()
+            found = [one.frame for one in candump.read([f"{value}\n"], counts)]
+            if not found:
+                part = next(iter(counts.skipped)).value
+                self.fail(f"`{visible(value)}` is neither a file nor a frame such as 141#A100FF ({part})", param, ctx)
+            return found[0]
+        return super().convert(value, param, ctx)
+
+
+class OutputPath(FilePath):
+    """The name of a file whose ending selects its format."""
+
+    def __init__(self, formats: Sequence[str]) -> None:
+        super().__init__(dir_okay=False)
+        self.formats = formats
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        path: Path = super().convert(value, param, ctx)
+        if path.suffix not in self.formats:
+            self.fail(f"{visible(path.name)} must end in {', '.join(self.formats)}", param, ctx)
+        return path
+
+
+class Outputs(NamedTuple):
+    """What is written of a log."""
+
+    form: str
+    out: Path | None
+    split: Path | None
+    plot: Path | None
+    fields: Sequence[str]
+
+    @property
+    def prints_rows(self) -> bool:
+        """Whether the rows are on the standard output."""
+        return self.out is None and self.form != "none"
+
+
+@click.command()
+@click.argument("log", type=LogOrFrame())
+@spec_option
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="[[BUS:]NODE:]NAME=VALUE",
+    help="A parameter or the edition, of all nodes or of one: --set size=12 --set 3:edition=v2.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "csv", "jsonl", "parquet"]),
+    help="The format of rows: a table, CSV with one line for each value, JSON Lines, or a folder of Parquet files, one "
+    "for each layout.  [default: text]",
+)
+@click.option("--out", type=FilePath(), help="File or folder for the rows.  [default: standard output]")
+@click.option(
+    "--split",
+    type=OutputPath(split_logs.FORMATS),
+    help="A log to write (.asc, .blf, or .log for candump) with requests on channel 1, replies on 2, other frames on "
+    "3; on 4 to 6 for the next bus.",
+)
+@click.option(
+    "--plot", type=OutputPath(pictures.FORMATS), help="A picture to write (.pdf, .png, .svg) of each --field."
+)
+@click.option("--field", "fields", multiple=True, help="A field for --plot; may be given several times.")
+@click.option("--golden", is_flag=True, help="Print a single frame as golden frames, for review.")
+@click.option(
+    "--window",
+    type=click.FloatRange(min=0, min_open=True, max=1e9),
+    metavar="MS",
+    help="The time within which a request is answered.  [default: 2, or twice that of the spec]",
+)
+@click.option(
+    "--recorder",
+    type=click.Choice(["host", "node"]),
+    default="host",
+    show_default=True,
+    help="Who recorded the log, and so sent the frames that it marks as sent (Tx).",
+)
+def decode(
+    log: str | CanFrame,
+    specs: Sequence[Path],
+    settings: Sequence[str],
+    form: str | None,
+    out: Path | None,
+    split: Path | None,
+    plot: Path | None,
+    fields: Sequence[str],
+    golden: bool,
+    window: float | None,
+    recorder: str,
+) -> None:
+    """Decode a log, or explain one frame.
+
+    LOG is a log of candump or of any format that python-can reads, `-` for the standard input, or a frame such as
+    141#A100FF. Each row has the direction of the frame and the rule that decided on it, the values of its fields, and
+    the request that it answers. The edition of a node is given by --set, or identified from the first frames.
+
+    At the end, a summary lists missing, late, unexpected and rejected frames for each node, and everything that was
+    skipped. With --split or --plot, rows are printed only if --format is given.
+
+    Exit status: 0 if all lines and all frames of the nodes are decoded, 1 if not, 2 if it could not run.
+    """
+    editions = [one.edition for one in read(specs, packaged=True)]
+    set_ = node_settings(editions, settings)
+    if isinstance(log, CanFrame):
+        if form or out or split or plot:
+            raise click.UsageError("--format, --out, --split and --plot are for logs, not for a single frame")
+        _explain(log, editions, set_, golden=golden)
+        return
+    if golden:
+        raise click.UsageError("--golden is for a single frame, such as 141#A100FF")
+    outputs = Outputs(form or ("none" if split or plot else "text"), out, split, plot, fields)
+    _check(outputs)
+    direction = Direction.REQUEST if recorder == "host" else Direction.REPLY
+    try:
+        with open_log(log) as recording:
+            _decode(recording, editions, set_, outputs, window, direction)
+    except (LogError, MissingPackageError, OSError) as error:
+        if isinstance(error, BrokenPipeError):  # of the standard output
+            raise
+        stop(str(error))
+
+
+def _explain(frame: CanFrame, editions: Sequence[Edition], settings: Sequence[NodeSetting], *, golden: bool) -> None:
+    only = next((setting.value for setting in settings if isinstance(setting.value, Edition)), None)
+    chosen = [only] if isinstance(only, Edition) else editions
+    assignment = Nodes({}, None, {}, settings).assignment("", None)
+    if golden:
+        text = golden_entries(chosen, frame, assignment)
+        print_data(text)
+        found = bool(text)
+        if not found:
+            print_text("canwright: no message fits, or its fields depend on a parameter; see --set\n", error=True)
+    else:
+        text, found = explanation(chosen, frame, assignment)
+        print_text(text)
+    if not found:
+        sys.exit(FINDINGS)
+
+
+def _check(outputs: Outputs) -> None:
+    if bool(outputs.plot) != bool(outputs.fields):
+        raise click.UsageError("--plot and --field need each other: --plot current.png --field current")
+    if outputs.form == "parquet" and outputs.out is None:
+        raise click.UsageError("--format parquet needs a folder: --out tables")
+    if outputs.form == "none" and outputs.out:
+        raise click.UsageError("--out needs a --format")
+
+
+def _decode(
+    log: Log,
+    editions: Sequence[Edition],
+    settings: Sequence[NodeSetting],
+    outputs: Outputs,
+    window: float | None,
+    recorder: Direction,
+) -> None:
+    frames = iter(log)
+    start = list(itertools.islice(frames, IDENTIFIED_FROM))
+    family = family_of(start, editions)
+    _check_fields(outputs.fields, family)
+    nodes = nodes_of(start, family, settings)
+    directions = Directions(nodes.editions, nodes.default, window=_window(window, family), recorder=recorder)
+    rows = RowReader(nodes.assignment).rows(directions.judge(itertools.chain(start, frames)))
+    del start
+    summary = Summary()
+    remarks = _write(rows, outputs, summary)
+    summary.finish()
+    print_text(summary_text(summary, nodes, log.counts), error=outputs.prints_rows and outputs.form != "text")
+    for remark in remarks:
+        print_text(f"{remark}\n", error=outputs.prints_rows and outputs.form != "text")
+    unread = log.counts.skipped[Part.MALFORMED] + log.counts.skipped[Part.TRUNCATED]
+    if unread or summary.has_rejected or any(choice.edition is None for choice in nodes.identified.values()):
+        sys.exit(FINDINGS)
+
+
+def _check_fields(fields: Sequence[str], editions: Iterable[Edition]) -> None:
+    messages = (message for edition in editions for message in edition.all_messages())
+    known = dict.fromkeys(field.name for message in messages for field in message.layout.fields)
+    for name in fields:
+        if name.partition("[")[0] not in known:
+            stop(f"there is no field `{visible(name)}`; {nearest(name, known) or 'see `canwright show COMMAND`'}")
+
+
+def _window(given: float | None, editions: Iterable[Edition]) -> int:
+    """The time in ns within which a request is answered."""
+    if given is not None:
+        return int(given * 1_000_000)
+    within = [edition.bus.reply_within_ms or 0 for edition in editions]
+    return max(WINDOW, int(2 * max(within) * 1_000_000))
+
+
+def _write(rows: Iterator[Row], outputs: Outputs, summary: Summary) -> list[str]:
+    """Writes rows to all outputs, and counts them. Returns remarks."""
+    remarks: list[str] = []
+    with contextlib.ExitStack() as stack:
+        writers: list[Callable[[Row], object]] = [summary.add]
+        split = plot = picture = None
+        if outputs.split:
+            file = stack.enter_context(new_file(outputs.split))
+            split = stack.enter_context(contextlib.closing(split_logs.SplitLog(file, outputs.split.suffix)))
+            writers.append(split.write)
+        if outputs.plot:
+            picture = stack.enter_context(new_file(outputs.plot))
+            plot = pictures.Plot(outputs.fields)
+            writers.append(plot.write)
+        if outputs.form == "parquet" and outputs.out:
+            folder = stack.enter_context(new_folder(outputs.out))
+            writers.append(stack.enter_context(contextlib.closing(ParquetTables(folder))).write)
+        emit = _emitter(outputs, stack)
+        header, line, rows = _lines(outputs.form, rows)
+        emit(header)
+        advance = stack.enter_context(progress("frames", shown=not (outputs.prints_rows and sys.stdout.isatty())))
+        while block := list(itertools.islice(rows, BLOCK)):
+            for row in block:
+                for write in writers:
+                    write(row)
+            emit("".join(map(line, block)))
+            advance(len(block))
+        if plot and picture and outputs.plot:
+            remarks += [f"{outputs.plot}: no frame has a field {name}" for name in plot.missing]
+            plot.save(picture, outputs.plot.suffix)
+    for bus, first in split.buses.items() if split else ():
+        name = f"of {bus_name(bus)} " if bus else ""
+        remarks.append(
+            f"{outputs.split}: requests {name}on channel {first}, replies on {first + 1}, others on {first + 2}"
+        )
+    return remarks
+
+
+def _emitter(outputs: Outputs, stack: contextlib.ExitStack) -> Callable[[str], object]:
+    """Where lines are written to."""
+    if outputs.out and outputs.form != "parquet":
+        file = stack.enter_context(new_file(outputs.out))
+        return stack.enter_context(file.open("w", encoding="utf-8", newline="\n")).write
+    return print_text if outputs.form == "text" else print_data
+
+
+def _lines(form: str, rows: Iterator[Row]) -> tuple[str, Callable[[Row], str], Iterator[Row]]:
+    """The header, the function that prints a row, and all rows."""
+    if form == "text":
+        first = list(itertools.islice(rows, BLOCK))
+        table = Table(first)
+        return table.header, table.line, itertools.chain(first, rows)
+    if form == "csv":
+        return CsvLines.header, CsvLines(), rows
+    return "", json_line if form == "jsonl" else lambda _: "", rows

@@ -1,0 +1,505 @@
+"""The direction of each frame of a log: by its mark, its id, its content, or the request that it answers.
+
+Requests and replies can share an id and a code. The rules are tried in this order:
+
+- mark: the log marks the frames that its recorder sent. If it marks none on a bus, the recorder only listened.
+- id: only requests, or only replies, have it.
+- content: only one direction has this length, these keys and constants; or the frame sets bits that the request
+  reserves, or has a value that the request does not allow: then it is a reply.
+- pairing: a request opens an exchange on each channel on which it is answered, and a reply within the window closes it.
+- retry: a frame with the bytes of an open request repeats it.
+
+Where both directions remain possible, a frame waits for the next frames of its exchange, at most for the window: a
+reply follows its own request sooner than a repeated request follows the first.
+
+Buses are independent of each other. A log can be divided by bus, and after each frame that `ends_part`; also where a bus
+is silent for more than the window. No exchange is split there, and the parts have the same results as the whole.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import operator
+from collections import deque
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from enum import Enum
+from typing import NamedTuple
+
+from ..model.edition import Edition
+from ..model.message import Direction, Message
+from ..semantics.decoder import Identified, Rejection, rejects_constants
+from ..semantics.frame import CanFrame
+from .frame_kinds import Channel, FrameKind, FrameKinds, Opened
+from .recorded import Mark, Recorded
+
+WINDOW = 2_000_000
+"""The time in ns within which a request is answered, unless another is given."""
+LOOKED_AHEAD = 4096
+"""The number of frames at the start of a log that are searched for marks."""
+UNTIMED = 64
+"""The number of frames without times on a bus that count as the window."""
+MAX_OPEN = 16
+"""The maximum number of open exchanges on a channel, and of frames that wait in one."""
+MAX_WAITING = 4096
+"""The maximum number of frames that wait for an earlier frame."""
+MAX_KINDS = 1 << 16
+"""The maximum number of kinds of frames that are remembered for a bus."""
+
+
+class DecidedBy(str, Enum):
+    """The rule that decided on a direction."""
+
+    MARK = "mark"
+    ID = "id"
+    CONTENT = "content"
+    PAIRING = "pairing"
+    RETRY = "retry"
+    NONE = "none"
+    """No message has the id, or none the content."""
+
+
+class Judged(NamedTuple):
+    """A frame of a log, its direction, and the message that it is.
+
+    `edition` is None for an id of no edition, `direction` if no message of either direction fits, `node` for a frame
+    without a node, as a broadcast is. If `message` is None, `rejection` states why. `request` is the number of the
+    frame that a reply answers, and `latency` the time since then in ns. If `ends_part`, no exchange is open on the bus
+    after this frame.
+    """
+
+    recorded: Recorded
+    number: int
+    node: int | None
+    edition: Edition | None
+    direction: Direction | None
+    decided_by: DecidedBy
+    message: Message | None
+    rejection: Rejection | None
+    request: int | None
+    latency: int | None
+    ends_part: bool
+
+
+class _Known(NamedTuple):
+    """A kind of frames, and what it opens as a request: in each edition, on each channel of a node of this edition."""
+
+    kind: FrameKind
+    opens: Sequence[tuple[FrameKind, Opened]]
+
+
+class _Line:
+    """The frames of one id and length on a bus: the editions that have the id, and the kinds of frames.
+
+    There are several editions if nodes of different editions obey one broadcast; the first decides on the direction.
+    """
+
+    __slots__ = ("editions", "key_bits", "known", "node")
+
+    def __init__(self, editions: list[FrameKinds], frame: CanFrame, node: int | None) -> None:
+        self.editions = editions
+        self.node = node
+        self.key_bits = functools.reduce(operator.or_, (kinds.key_bits(frame) for kinds in editions), 0)
+        self.known: dict[int, _Known] = {}
+
+
+class _Arrived:
+    """A frame at its time on the clock of its bus."""
+
+    __slots__ = ("bus", "clock", "exchange", "judged", "known", "line", "number", "recorded")
+
+    def __init__(self, bus: _Bus, recorded: Recorded, number: int, line: _Line, known: _Known) -> None:
+        self.bus = bus
+        self.clock = bus.clock
+        self.recorded = recorded
+        self.number = number
+        self.line = line
+        self.known = known
+        self.judged: Judged | None = None
+        self.exchange: _Exchange | None = None
+        """The exchange in which it waits."""
+
+
+class _Exchange:
+    """A request that waits for replies on a channel, and the frames after it that can be replies or requests."""
+
+    __slots__ = ("channel", "kind", "missing", "request", "until", "waiting", "within")
+
+    def __init__(self, kind: FrameKind, request: _Arrived, opened: Opened, window: int) -> None:
+        self.kind = kind
+        self.request = request
+        self.channel, self.missing = opened
+        """The number of replies that it waits for."""
+        self.until = request.clock + window
+        self.within = min(window, kind.reply_within or window // 4)
+        """The time within which a reply is expected; a frame that can be a request waits if it comes later."""
+        self.waiting: list[_Arrived] = []
+
+    @property
+    def last(self) -> _Arrived:
+        return self.waiting[-1] if self.waiting else self.request
+
+
+class _Answered(NamedTuple):
+    """The exchange that a frame can close, and the reply that it is."""
+
+    exchange: _Exchange
+    reply: Identified
+
+
+class _Bus:
+    """The state of one bus: its clock, which never runs backwards, and the open exchanges."""
+
+    __slots__ = ("clock", "count", "is_marked", "lines", "open", "time", "until", "waiting")
+
+    def __init__(self, *, is_marked: bool) -> None:
+        self.is_marked = is_marked
+        self.clock = 0
+        self.time: int | None = None
+        self.lines: dict[tuple[int, bool, bool, int], _Line] = {}
+        self.count = 0
+        """The number of kinds."""
+        self.open: dict[Channel, list[_Exchange]] = {}
+        self.until = 0
+        """The time at which the last exchange ends."""
+        self.waiting: list[_Exchange] = []
+        """The exchanges with waiting frames."""
+
+
+class Directions:
+    """Decides on the direction of each frame of a log. Memory does not grow with the log.
+
+    `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
+    `window` ns. `recorder` is the direction of the frames that are marked as sent. `marked` are the buses with marks;
+    None if the first frames of the log decide. `first` is the number of the first frame.
+    """
+
+    def __init__(
+        self,
+        editions: Mapping[tuple[str, int | None], Edition],
+        default: Edition | None = None,
+        *,
+        window: int = WINDOW,
+        recorder: Direction = Direction.REQUEST,
+        marked: Collection[str] | None = None,
+        first: int = 0,
+    ) -> None:
+        self._editions = editions
+        self._default = default
+        used = dict.fromkeys([*editions.values(), *([default] if default else [])])
+        self._kinds = [FrameKinds(edition, number) for number, edition in enumerate(used)]
+        self._window = window
+        other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
+        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: other}
+        self._marked = marked
+        self._number = first
+        self._buses: dict[str, _Bus] = {}
+
+    def judge(self, recorded: Iterable[Recorded]) -> Iterator[Judged]:
+        """The frames of a log in their order, with their directions."""
+        iterator = iter(recorded)
+        if self._marked is None:
+            start = list(itertools.islice(iterator, LOOKED_AHEAD))
+            self._marked = {one.bus for one in start if one.mark is Mark.SENT and self._has_id(one)}
+            iterator = itertools.chain(start, iterator)
+        held: deque[_Arrived | Judged] = deque()
+        for one in iterator:
+            judged = self._judge(one)
+            if isinstance(judged, Judged) and not held:
+                yield judged
+                continue
+            held.append(judged)
+            if len(held) > MAX_WAITING and isinstance(held[0], _Arrived) and held[0].exchange is not None:
+                self._settle(held[0].exchange)
+            yield from _released(held)
+        for bus in self._buses.values():
+            for exchange in [*bus.waiting]:
+                self._settle(exchange)
+        yield from _released(held)
+
+    def _has_id(self, one: Recorded) -> bool:
+        return any(kinds.nodes(one.frame) for kinds in self._kinds)
+
+    def _judge(self, one: Recorded) -> Judged | _Arrived:
+        """The result for a frame; the frame itself if it has to wait."""
+        number = self._number
+        self._number = number + 1
+        bus = self._buses.get(one.bus)
+        if bus is None:
+            bus = self._buses[one.bus] = _Bus(is_marked=one.bus in (self._marked or ()))
+        self._advance(bus, one.time)
+        frame = one.frame
+        if bus.count >= MAX_KINDS:
+            self._forget(bus)
+        line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, one)
+        if not line.editions:
+            return Judged(one, number, None, None, None, DecidedBy.NONE, None, None, None, None, not bus.open)
+        data = int.from_bytes(frame.data, "little")
+        known = line.known.get(data & line.key_bits) or self._known(bus, line, one, data)
+        arrived = _Arrived(bus, one, number, line, known)
+        if one.mark is not None and bus.is_marked:
+            direction: Direction | None = self._of_mark[one.mark]
+            decided_by = DecidedBy.MARK
+        else:
+            found = _by_content(known.kind, data)
+            if found is None:
+                return self._by_exchange(arrived)
+            direction, decided_by = found
+        if direction is Direction.REQUEST:
+            return self._request(arrived, decided_by)
+        if direction is Direction.REPLY:
+            return self._reply(arrived, decided_by, self._answered(arrived, replies_only=True))
+        rejection = known.kind.rejection(Direction.REQUEST, frame)
+        return _judged(arrived, None, decided_by, line.node, None, rejection)
+
+    def _by_exchange(self, arrived: _Arrived) -> Judged | _Arrived:
+        """The result for a frame that can be a request or a reply; the frame itself if it has to wait."""
+        answered = self._answered(arrived)
+        if answered is None:
+            return self._request(arrived, DecidedBy.PAIRING)
+        exchange, first = answered.exchange, answered.exchange.request
+        is_soon = arrived.clock - exchange.last.clock <= exchange.within
+        if exchange.kind.is_echoed:
+            if is_soon:
+                self._repeat(exchange)
+                return self._reply(arrived, DecidedBy.PAIRING, self._answered(arrived))
+            return self._wait(arrived, exchange)
+        if exchange.waiting:
+            self._settle(exchange)
+            return self._by_exchange(arrived)
+        if is_soon and arrived.known.kind.is_distinct:
+            return self._wait(arrived, exchange)
+        if arrived.recorded.frame == first.recorded.frame and not is_soon:
+            return self._request(arrived, DecidedBy.RETRY)
+        if arrived.known.kind.is_distinct:
+            return self._request(arrived, DecidedBy.PAIRING)
+        return self._reply(arrived, DecidedBy.PAIRING, answered)
+
+    def _wait(self, arrived: _Arrived, exchange: _Exchange) -> Judged | _Arrived:
+        if len(exchange.waiting) >= MAX_OPEN:
+            self._settle(exchange)
+            return self._by_exchange(arrived)
+        if not exchange.waiting:
+            arrived.bus.waiting.append(exchange)
+        exchange.waiting.append(arrived)
+        exchange.until = arrived.bus.until = arrived.clock + self._window
+        arrived.exchange = exchange
+        return arrived
+
+    def _repeat(self, exchange: _Exchange) -> None:
+        """Decides that the waiting frames of an exchange are requests: only the last one is answered."""
+        for arrived in self._take_waiting(exchange):
+            arrived.judged = self._request(arrived, self._repeated(exchange, arrived))
+
+    def _settle(self, exchange: _Exchange) -> None:
+        """Decides on the waiting frames of an exchange in which no reply follows soon: replies and requests alternate."""
+        answered: _Answered | None = None
+        for arrived in self._take_waiting(exchange):
+            answered = None if answered else self._answered(arrived)
+            if answered is None:
+                arrived.judged = self._request(arrived, self._repeated(exchange, arrived))
+            else:
+                arrived.judged = self._reply(arrived, DecidedBy.PAIRING, answered)
+
+    def _take_waiting(self, exchange: _Exchange) -> Sequence[_Arrived]:
+        waiting = exchange.waiting
+        if waiting:
+            exchange.waiting = []
+            waiting[0].bus.waiting.remove(exchange)
+        return waiting
+
+    def _repeated(self, exchange: _Exchange, arrived: _Arrived) -> DecidedBy:
+        is_same = arrived.recorded.frame == exchange.request.recorded.frame
+        return DecidedBy.RETRY if is_same else DecidedBy.PAIRING
+
+    def _answered(self, arrived: _Arrived, *, replies_only: bool = False) -> _Answered | None:
+        """The oldest open exchange that a frame can close."""
+        open_, kind, frame = arrived.bus.open, arrived.known.kind, arrived.recorded.frame
+        if not open_:
+            return None
+        for channel in kind.answers:
+            for exchange in open_.get(channel, ()):
+                if exchange.until >= arrived.clock:
+                    reply = kind.reply_to(exchange.kind, exchange.request.recorded.frame, frame)
+                    if reply is not None and replies_only and exchange.waiting:
+                        self._repeat(exchange)
+                        return self._answered(arrived)
+                    if reply is not None:
+                        return _Answered(exchange, reply)
+        return None
+
+    def _request(self, arrived: _Arrived, decided_by: DecidedBy) -> Judged:
+        kind = arrived.known.kind
+        rejection = kind.rejection(Direction.REQUEST, arrived.recorded.frame)
+        if rejection is not None or kind.request is None:
+            return _judged(arrived, Direction.REQUEST, decided_by, arrived.line.node, None, rejection)
+        for asking, opened in arrived.known.opens:
+            self._open(_Exchange(asking, arrived, opened, self._window))
+        return _judged(arrived, Direction.REQUEST, decided_by, kind.request.node, kind.request.message)
+
+    def _open(self, exchange: _Exchange) -> None:
+        """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes."""
+        bus, kind, frame = exchange.request.bus, exchange.kind, exchange.request.recorded.frame
+        others = bus.open.get(exchange.channel)
+        if others:
+            replaced = [
+                other
+                for other in others
+                if other.kind.request is kind.request and (not kind.is_echoed or other.request.recorded.frame == frame)
+            ]
+            for other in replaced:
+                self._settle(other)
+            kept = [o for o in others if o not in replaced and o.until >= exchange.request.clock]
+            for other in kept[: 1 - MAX_OPEN]:
+                self._settle(other)
+            bus.open[exchange.channel] = [*kept[1 - MAX_OPEN :], exchange]
+        else:
+            bus.open[exchange.channel] = [exchange]
+        bus.until = max(bus.until, exchange.until)
+
+    def _reply(self, arrived: _Arrived, decided_by: DecidedBy, answered: _Answered | None) -> Judged:
+        kind, one = arrived.known.kind, arrived.recorded
+        if answered is None:
+            identified = kind.identified[Direction.REPLY]
+            rejection = kind.rejection(Direction.REPLY, one.frame)
+            node = arrived.line.node if isinstance(identified, Rejection) else identified.node
+            message = None if isinstance(identified, Rejection) or rejection else identified.message
+            return _judged(arrived, Direction.REPLY, decided_by, node, message, rejection)
+        exchange, (message, node) = answered
+        self._close(exchange)
+        rejection = rejects_constants(message, one.frame, {}) if message in kind.with_constants else None
+        asked = exchange.request
+        latency = None
+        if one.time is not None and asked.recorded.time is not None and one.time >= asked.recorded.time:
+            latency = one.time - asked.recorded.time
+        return Judged(
+            one,
+            arrived.number,
+            node,
+            kind.edition,
+            Direction.REPLY,
+            decided_by,
+            None if rejection else message,
+            rejection,
+            asked.number,
+            latency,
+            arrived.exchange is None and not arrived.bus.open,
+        )
+
+    def _close(self, exchange: _Exchange) -> None:
+        """Counts a reply; the last one closes the exchange."""
+        exchange.missing -= 1
+        open_ = exchange.request.bus.open
+        channel = open_.get(exchange.channel)
+        if not exchange.missing and channel and exchange in channel:
+            channel.remove(exchange)
+            if not channel:
+                del open_[exchange.channel]
+
+    def _advance(self, bus: _Bus, time: int | None) -> None:
+        """Advances the clock of a bus by the time since the last frame; a jump backwards counts as no time."""
+        if time is None:
+            bus.clock += self._window // UNTIMED
+        else:
+            if bus.time is not None and time > bus.time:
+                bus.clock += time - bus.time
+            bus.time = time
+        for exchange in [*bus.waiting] if bus.waiting else ():
+            if exchange.until < bus.clock:
+                self._settle(exchange)
+        if bus.open and bus.until < bus.clock:
+            bus.open.clear()
+
+    def _forget(self, bus: _Bus) -> None:
+        """Forgets the kinds of frames, which a log with random frames has without end."""
+        bus.lines.clear()
+        bus.count = 0
+        self._kinds = [FrameKinds(kinds.edition, kinds.number) for kinds in self._kinds]
+
+    def _known(self, bus: _Bus, line: _Line, one: Recorded, data: int) -> _Known:
+        """The kind of a frame of a known id and length."""
+        kinds = [each.kind(one.frame) for each in line.editions]
+        opens = [
+            (kind, opened)
+            for kind in kinds
+            for opened in kind.opens
+            if self._is_of(one.bus, kind.edition, opened.channel.node)
+        ]
+        known = line.known[data & line.key_bits] = _Known(kinds[0], opens)
+        bus.count += 1
+        return known
+
+    def _line(self, bus: _Bus, one: Recorded) -> _Line:
+        """The frames of the id and the length of a frame."""
+        frame = one.frame
+        having = [
+            (kinds, node)
+            for kinds in self._kinds
+            for node in kinds.nodes(frame)
+            if self._is_of(one.bus, kinds.edition, node)
+        ]
+        node = having[0][1] if having else None
+        editions = [kinds for kinds, other in having if other == node]
+        line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _Line(editions, frame, node)
+        bus.count += 1
+        return line
+
+    def _is_of(self, bus: str, edition: Edition, node: int | None) -> bool:
+        """Whether an edition is that of a node on a bus; for frames without a node, that of any node on the bus."""
+        known = self._editions.get((bus, node), self._default if node is not None else None)
+        if known is not None or node is not None:
+            return known is edition
+        return edition is self._default or any(
+            other is edition and where == bus for (where, _), other in self._editions.items()
+        )
+
+
+def _released(held: deque[_Arrived | Judged]) -> Iterator[Judged]:
+    """Takes the frames from the left that do not wait."""
+    while held:
+        judged = held[0].judged if isinstance(held[0], _Arrived) else held[0]
+        if judged is None:
+            return
+        held.popleft()
+        yield judged
+
+
+def _judged(
+    arrived: _Arrived,
+    direction: Direction | None,
+    decided_by: DecidedBy,
+    node: int | None,
+    message: Message | None,
+    rejection: Rejection | None = None,
+) -> Judged:
+    """The result for a frame that answers no request."""
+    edition, ends_part = arrived.known.kind.edition, arrived.exchange is None and not arrived.bus.open
+    return Judged(
+        arrived.recorded,
+        arrived.number,
+        node,
+        edition,
+        direction,
+        decided_by,
+        message,
+        rejection,
+        None,
+        None,
+        ends_part,
+    )
+
+
+def _by_content(kind: FrameKind, data: int) -> tuple[Direction | None, DecidedBy] | None:
+    """The direction of a frame by its id and content; None if both directions are possible."""
+    if kind.is_shared and kind.request is not None:
+        return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
+    if kind.only is not None:
+        return kind.only, DecidedBy.ID
+    request = kind.request is not None and kind.request.has_constants(data)
+    reply = any(form.has_constants(data) for form in kind.replies)
+    if request and reply:
+        assert kind.request is not None
+        return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
+    if request or reply:
+        return (Direction.REQUEST if request else Direction.REPLY), DecidedBy.CONTENT
+    return None, DecidedBy.NONE

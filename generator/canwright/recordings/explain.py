@@ -1,0 +1,101 @@
+"""Every meaning of a single frame: all messages that it can be, in both directions, in all editions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ..model import formatting
+from ..model.edition import Edition
+from ..model.layout import Field
+from ..model.message import Direction, Message
+from ..model.types import Assignment
+from ..semantics.decoder import Rejection, rejects_constants
+from ..semantics.frame import CanFrame, raw_of
+from .frame_kinds import Form, FrameKinds
+from .rows import CellValue, value_reader
+
+
+@dataclass(frozen=True)
+class FieldMeaning:
+    """A field in a frame: its position, its raw integer, and its value under each value of an unknown parameter.
+
+    `only` is the condition under which the field exists.
+    """
+
+    name: str
+    place: str
+    raw: int
+    values: Sequence[tuple[str, CellValue]]
+    unit: str
+    only: str
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a frame is in one direction of an edition: a message, or the reason why it is none.
+
+    `is_regular` is False if a sender that obeys the spec does not send these reserved bits, names or values.
+    """
+
+    direction: Direction
+    message: Message | None
+    node: int | None
+    is_regular: bool
+    fields: tuple[FieldMeaning, ...]
+    rejection: Rejection | None
+
+
+def meanings(edition: Edition, frame: CanFrame, assignment: Assignment) -> Iterator[Meaning]:
+    """The messages that a frame can be, replies first, or a rejection for each direction."""
+    kind = FrameKinds(edition, 0).kind(frame)
+    forms = {
+        Direction.REPLY: kind.replies,
+        Direction.REQUEST: (kind.request,) if kind.request else (),
+    }
+    for direction, those in forms.items():
+        if not those:
+            yield Meaning(direction, None, None, False, (), kind.rejection(direction, frame))
+        for form in those:
+            yield _meaning(form, frame, assignment, edition.command(form.message.command).only)
+
+
+Only = Mapping[str, tuple[str, ...]]
+"""Parameters, and their values under which a command or a field exists."""
+
+
+def _meaning(form: Form, frame: CanFrame, assignment: Assignment, only: Only) -> Meaning:
+    message = form.message
+    rejection = rejects_constants(message, frame, assignment)
+    if rejection is not None:
+        return Meaning(message.direction, None, None, False, (), rejection)
+    variant = message.layout.variant(assignment)
+    fields = variant.fields if variant else message.layout.fields
+    parameter = None if variant else message.layout.parameter
+    varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.fixed is None]
+    found = [one for f, limits in varying for one in _fields(f, frame, assignment, only, limits)]
+    is_regular = form.is_regular(int.from_bytes(frame.data, "little"))
+    return Meaning(message.direction, message, form.node, is_regular, tuple(found), None)
+
+
+def _fields(field: Field, frame: CanFrame, assignment: Assignment, command: Only, only: Only) -> Iterator[FieldMeaning]:
+    raw = raw_of(field, frame)
+    raws = raw if isinstance(raw, list) else [raw]
+    unit = field.type.unit.symbol if field.type.unit else ""
+    for (name, segments), one in zip(formatting.elements(field), raws, strict=True):
+        values = list(_values(field, one, assignment, {**command, **only}))
+        place = formatting.place(field.space, segments)
+        yield FieldMeaning(name, place, one, values, unit, formatting.condition(only))
+
+
+def _values(field: Field, raw: int, assignment: Assignment, only: Only) -> Iterator[tuple[str, CellValue]]:
+    """Parameter values, and the value under them."""
+    linear = field.type.linear
+    name = linear.parameter
+    if name is None or name in assignment or not field.type.is_number:
+        yield "", value_reader(field.type, assignment)(raw)
+        return
+    for names, _ in linear.distinct():
+        cases = [case for case in names if case in only.get(name, names)]
+        if cases:
+            yield ", ".join(cases), value_reader(field.type, {**assignment, name: cases[0]})(raw)

@@ -1,0 +1,264 @@
+"""What the frames of one id, length and key bits can be, in each direction; computed once for each such kind."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+from ..model.edition import Edition
+from ..model.layout import Element, Field, ReservedRole, Space
+from ..model.message import Direction, IdRule, Message
+from ..model.types import Encoding, Type
+from ..semantics.candidates import Candidates
+from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constants
+from ..semantics.exchange import check_reply
+from ..semantics.frame import CanFrame, data_bits, has_id, has_id_rule, node_of, wrong_constants
+
+
+class Channel(NamedTuple):
+    """The source of replies: the numbers of an edition and of one of its id rules, and the node; None if any."""
+
+    edition: int
+    rule: int
+    node: int | None
+
+
+class Opened(NamedTuple):
+    """A channel on which a request is answered, and the number of replies."""
+
+    channel: Channel
+    replies: int
+
+
+class Bits(NamedTuple):
+    """Some bits of the data, read as one little-endian integer, and their values."""
+
+    mask: int
+    value: int
+
+
+class Limit(NamedTuple):
+    """Bits of the data that do not all have a meaning: shift, mask and position of each part, and the allowed values."""
+
+    parts: tuple[tuple[int, int, int], ...]
+    allows: Callable[[int], bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A message that a frame can be; `has_constants` is false if a constant in the id differs.
+
+    Data with other `constants` is rejected. Data with other `reserved` bits, or beyond the limits, is not sent by a
+    program that obeys the spec, but received.
+    """
+
+    message: Message
+    node: int | None
+    constants: Bits | None
+    reserved: Bits
+    limits: tuple[Limit, ...]
+
+    def has_constants(self, data: int) -> bool:
+        """Whether all constants have their values."""
+        return self.constants is not None and data & self.constants.mask == self.constants.value
+
+    def is_regular(self, data: int) -> bool:
+        """Whether a program that obeys the spec can send this data."""
+        if data & self.reserved.mask != self.reserved.value:
+            return False
+        for parts, allows in self.limits:
+            raw = 0
+            for shift, mask, position in parts:
+                raw |= (data >> shift & mask) << position
+            if not allows(raw):
+                return False
+        return True
+
+
+@dataclass(eq=False, kw_only=True)
+class FrameKind:
+    """The messages of an edition that a frame can be, by its id, its length and the bits of all keys.
+
+    A request is answered on the channels `opens`; a reply answers a request that opened one of `answers`. `identified`
+    are the results of the dispatch plan. `only` is the direction of all frames with this id; None if it has both.
+    """
+
+    edition: Edition
+    decoder: Decoder
+    identified: Mapping[Direction, Identified | Rejection]
+    only: Direction | None
+    request: Form | None
+    replies: tuple[Form, ...]
+    opens: tuple[Opened, ...]
+    answers: tuple[Channel, ...]
+    with_constants: frozenset[Message]
+    _replies_to: dict[FrameKind, Identified | None] = field(default_factory=dict)
+
+    @cached_property
+    def is_distinct(self) -> bool:
+        """Whether a reply can have data that the request does not allow."""
+        if self.request is None or self.request.limits:
+            return True
+        return any(self.request.reserved.mask & ~reply.reserved.mask for reply in self.replies)
+
+    @cached_property
+    def is_shared(self) -> bool:
+        """Whether a frame of any data can be a reply, and be a request but for its reserved bits and limits."""
+        forms = [*self.replies, *([self.request] if self.request else [])]
+        return (
+            self.only is None
+            and len(forms) > 1
+            and not any(form.constants is None or form.constants.mask for form in forms)
+            and self.request is not None
+        )
+
+    @cached_property
+    def is_echoed(self) -> bool:
+        """Whether the node sends the request back."""
+        return self.request is not None and self.edition.command(self.request.message.command).is_echoed
+
+    @cached_property
+    def _has_node_in_data(self) -> bool:
+        assert self.request is not None
+        reply = self.edition.command(self.request.message.command).reply
+        return any(message.node_bits for message in (self.request.message, reply) if message)
+
+    def reply_to(self, asking: FrameKind, request: CanFrame, reply: CanFrame) -> Identified | None:
+        """The message with which a frame of this kind answers a request of kind `asking`; None if it does not."""
+        if asking.is_echoed and request.data != reply.data:
+            return None
+        if asking._has_node_in_data:
+            return _answer(self.decoder, request, reply)
+        if asking not in self._replies_to:
+            self._replies_to[asking] = _answer(self.decoder, request, reply)
+        return self._replies_to[asking]
+
+    @cached_property
+    def reply_within(self) -> int | None:
+        """The time in ns within which the reply has arrived: that of the spec, and as much again to send it."""
+        within = self.edition.bus.reply_within_ms
+        is_slow = self.request is None or self.request.message.command in self.edition.slow_replies
+        return None if within is None or is_slow else int(2 * within * 1_000_000)
+
+    def rejection(self, direction: Direction, frame: CanFrame) -> Rejection | None:
+        """The reason why a frame is no message of a direction; None if it is one."""
+        found = self.identified[direction]
+        if isinstance(found, Rejection):
+            return found
+        return rejects_constants(found.message, frame, {}) if found.message in self.with_constants else None
+
+
+class FrameKinds:
+    """Finds the kinds of the frames of one edition; `number` distinguishes the editions of a log."""
+
+    def __init__(self, edition: Edition, number: int) -> None:
+        self.edition = edition
+        self.number = number
+        self._decoder = Decoder(edition)
+        self._candidates = Candidates(edition)
+        self._with_constants = frozenset(
+            m for m in edition.all_messages() if any(f.demanded is not None for f in m.layout.fields)
+        )
+        rules = dict.fromkeys(reply.id for reply in edition.messages(Direction.REPLY))
+        self._rules = {rule: index for index, rule in enumerate(rules)}
+
+    def nodes(self, frame: CanFrame) -> Sequence[int | None]:
+        """The nodes that the id of a frame can mean; empty if it is no id of this edition."""
+        return list(dict.fromkeys(node_of(m, frame) for m in self.edition.all_messages() if has_id_rule(m, frame)))
+
+    def key_bits(self, frame: CanFrame) -> int:
+        """The data bits of all keys of the messages with the id of a frame."""
+        having = [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
+        return data_bits((key.space, key.segments) for message in having for key in message.keys)
+
+    def kind(self, frame: CanFrame) -> FrameKind:
+        """The kind of a frame."""
+        identified = {direction: self._decoder.identify(direction, frame) for direction in Direction}
+        forms = [_form(message, frame) for message in self._candidates.of(frame)]
+        requests = [form for form in forms if form.message.direction is Direction.REQUEST]
+        having = [message for message in self.edition.all_messages() if has_id(message, frame)]
+        having = having or [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
+        directions = {message.direction for message in having}
+        sources = [(message.id, node_of(message, frame)) for message in having if message.direction is Direction.REPLY]
+        return FrameKind(
+            edition=self.edition,
+            decoder=self._decoder,
+            identified=identified,
+            only=directions.pop() if len(directions) == 1 else None,
+            request=requests[0] if requests else None,
+            replies=tuple(form for form in forms if form.message.direction is Direction.REPLY),
+            opens=self._opens(requests[0]) if requests else (),
+            answers=tuple(dict.fromkeys(self._channel(rule, n) for rule, node in sources for n in (node, None))),
+            with_constants=self._with_constants,
+        )
+
+    def _opens(self, request: Form) -> tuple[Opened, ...]:
+        command = self.edition.command(request.message.command)
+        if command.reply is None:
+            return ()
+        rule, nodes = command.reply.id, command.from_each or (request.node,)
+        if rule.nodes is None:
+            return (Opened(self._channel(rule, None), len(nodes)),)
+        return tuple(Opened(self._channel(rule, node), 1) for node in nodes)
+
+    def _channel(self, rule: IdRule, node: int | None) -> Channel:
+        return Channel(self.number, self._rules[rule], node)
+
+
+def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified | None:
+    found = check_reply(decoder, request, reply)
+    return found if isinstance(found, Identified) else None
+
+
+def _form(message: Message, frame: CanFrame) -> Form:
+    fields = message.layout.fields
+    always = [f for f in fields if not f.only]
+    ignored = [f for f in always if isinstance(f.role, ReservedRole)]
+    constant = [f for f in always if f.demanded is not None]
+    free = data_bits((f.space, e.segments) for f in fields if f not in ignored for e in f.elements)
+    keys = data_bits((key.space, key.segments) for key in message.keys)
+    in_id = [f for f in constant if f.space is Space.ID]
+    limited = [(f, _allows(f.type)) for f in always if f.fixed is None and f.space is Space.DATA]
+    return Form(
+        message=message,
+        node=node_of(message, frame),
+        constants=None if wrong_constants(in_id, frame) else _bits(constant),
+        reserved=Bits((1 << 8 * len(frame.data)) - 1 & ~(free | keys), _bits(ignored).value),
+        limits=tuple(Limit(_parts(e), allows) for f, allows in limited if allows for e in f.elements),
+    )
+
+
+def _bits(fields: Iterable[Field]) -> Bits:
+    """The data bits of fields that always have the same raw value."""
+    mask = value = 0
+    for one in fields:
+        for element in one.elements if one.space is Space.DATA else ():
+            for shift, ones, position in _parts(element):
+                mask |= ones << shift
+                value |= ((one.fixed or 0) >> position & ones) << shift
+    return Bits(mask, value)
+
+
+def _parts(element: Element) -> tuple[tuple[int, int, int], ...]:
+    """Shift, mask and position in the raw integer of each segment."""
+    return tuple((s.byte * 8 + s.low, (1 << s.width) - 1, s.raw_low) for s in element.segments)
+
+
+def _allows(type_: Type) -> Callable[[int], bool] | None:
+    """Whether the raw bits of a type have a name, or are in the range of some parameters; None if all are."""
+    full = 1 << type_.width
+    if type_.flags:
+        unnamed = ~sum(1 << flag.value for flag in type_.flags)
+        return lambda bits: not bits & unnamed
+    if type_.enum:
+        return frozenset(member.value % full for member in type_.enum).__contains__
+    spans = [span for _, span in type_.raw_range.distinct()]
+    if type_.encoding is Encoding.FLOAT or not all(span is not None and span.is_constant for span in spans):
+        return None
+    low = math.ceil(min(span.low.constant for span in spans if span is not None))
+    high = math.floor(max(span.high.constant for span in spans if span is not None))
+    sign = full >> 1 if type_.encoding is Encoding.SIGNED else full
+    return lambda bits: low <= (bits - full if bits & sign else bits) <= high

@@ -1,0 +1,148 @@
+"""Rows: the frames of a log with the values of their fields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ..model.layout import Field
+from ..model.message import Message
+from ..model.types import Assignment, Encoding, Type
+from ..semantics.decoder import linear_of, value_of
+from ..semantics.frame import CanFrame, raw_of
+from .directions import Judged
+
+CellValue = int | float | str | list[str] | None
+"""A number in the unit, the name of a member, the names of flags; None without a scale or a name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A field, or one element of an array, such as `level[1]`."""
+
+    name: str
+    field: Field
+
+    @property
+    def unit(self) -> str:
+        unit = self.field.type.unit
+        return unit.symbol if unit else ""
+
+
+class Cell(NamedTuple):
+    """The raw integer and the value of a column in one frame."""
+
+    column: Column
+    raw: int
+    value: CellValue
+
+
+class Row(NamedTuple):
+    """A frame with the values of its fields. Some are missing without the parameters `missing`."""
+
+    judged: Judged
+    cells: tuple[Cell, ...]
+    missing: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _FieldReader:
+    field: Field
+    columns: tuple[Column, ...]
+    value: Callable[[int], CellValue]
+
+
+class _Plan(NamedTuple):
+    """How the fields of a message are read under some parameters."""
+
+    readers: tuple[_FieldReader, ...]
+    missing: tuple[str, ...]
+
+
+_MAX_PLANS = 1 << 14
+
+
+class RowReader:
+    """Reads the fields of frames; `assignment` are the parameters of a node on a bus."""
+
+    def __init__(self, assignment: Callable[[str, int | None], Assignment]) -> None:
+        self._assignment = assignment
+        self._plans: dict[tuple[Message, str, int | None], _Plan] = {}
+
+    def rows(self, judged: Iterable[Judged]) -> Iterator[Row]:
+        """A row for each frame."""
+        for one in judged:
+            if one.message is None:
+                yield Row(one, (), ())
+                continue
+            known = (one.message, one.recorded.bus, one.node)
+            plan = self._plans.get(known)
+            if plan is None:
+                if len(self._plans) >= _MAX_PLANS:
+                    self._plans.clear()
+                plan = self._plans[known] = _plan(one.message, self._assignment(one.recorded.bus, one.node))
+            yield Row(one, _read(plan, one.recorded.frame), plan.missing)
+
+
+def cells(message: Message, frame: CanFrame, assignment: Assignment) -> tuple[Cell, ...]:
+    """The values of a frame that is known to be a message."""
+    return _read(_plan(message, assignment), frame)
+
+
+def _read(plan: _Plan, frame: CanFrame) -> tuple[Cell, ...]:
+    found = []
+    for reader in plan.readers:
+        raw = raw_of(reader.field, frame)
+        if isinstance(raw, list):
+            found += [Cell(c, one, reader.value(one)) for c, one in zip(reader.columns, raw, strict=True)]
+        else:
+            found.append(Cell(reader.columns[0], raw, reader.value(raw)))
+    return tuple(found)
+
+
+def _plan(message: Message, assignment: Assignment) -> _Plan:
+    layout = message.layout
+    variant = layout.variant(assignment)
+    fields = variant.fields if variant else tuple(field for field in layout.fields if not field.only)
+    missing = [] if variant or layout.parameter is None else [layout.parameter]
+    readers = []
+    for field in fields:
+        if field.fixed is None:
+            missing += [name for name in needed(field.type, assignment) if name not in assignment]
+            readers.append(_FieldReader(field, columns(field), value_reader(field.type, assignment)))
+    return _Plan(tuple(readers), tuple(dict.fromkeys(missing)))
+
+
+def columns(field: Field) -> tuple[Column, ...]:
+    """The columns of a field."""
+    return tuple(
+        Column(field.name if element.index is None else f"{field.name}[{element.index}]", field)
+        for element in field.elements
+    )
+
+
+def needed(type_: Type, assignment: Assignment) -> Iterator[str]:
+    """The parameters that a value depends on."""
+    if type_.is_number:
+        if type_.linear.parameter is not None:
+            yield type_.linear.parameter
+        linear = type_.linear.at(assignment)
+        if linear is not None and linear.times is not None:
+            yield linear.times
+
+
+def value_reader(type_: Type, assignment: Assignment) -> Callable[[int], CellValue]:
+    """The conversion from a raw integer to a value: an integer, or the nearest float."""
+    linear = linear_of(type_, assignment)
+    if linear is not None and type_.is_number and type_.encoding is not Encoding.FLOAT:
+        factor, addend, divisor = linear.as_quotient
+        if divisor == 1:
+            return lambda raw: raw * factor + addend
+        return lambda raw: (raw * factor + addend) / divisor  # of integers, so it is rounded once
+
+    def value(raw: int) -> CellValue:
+        found = value_of(type_, raw, assignment)
+        return found if found is None or isinstance(found, (str, list)) else float(found)
+
+    return value

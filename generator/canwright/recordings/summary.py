@@ -1,0 +1,171 @@
+"""The summary of a log by node: missing, late, unexpected and rejected frames."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+from ..model.edition import Edition
+from ..model.message import Command, Direction
+from ..model.refusal import Refusal
+from ..semantics.decoder import Rejection
+from ..semantics.frame import CanFrame
+from .directions import DecidedBy, Judged
+from .rows import Row
+
+_MAX_WAITING = 1 << 16
+"""The maximum number of requests that wait for their replies; more than ever have an open exchange."""
+_MAX_FOREIGN = 1 << 10
+"""The maximum number of foreign ids that are listed."""
+
+
+@dataclass
+class RejectedFrames:
+    """The frames that were rejected for one reason, with the first of them."""
+
+    rejection: Rejection
+    example: CanFrame
+    count: int = 0
+
+
+@dataclass
+class NodeSummary:
+    """The frames of a node on a bus.
+
+    `missing` are requests that were not answered, `late` replies after the time of the spec, `unexpected` replies
+    without a request, `rejected` frames that are no message of their direction. Latencies are in ns.
+    """
+
+    editions: dict[Edition, None] = field(default_factory=dict)
+    requests: int = 0
+    replies: int = 0
+    missing: int = 0
+    late: int = 0
+    unexpected: int = 0
+    rejected: dict[Refusal, RejectedFrames] = field(default_factory=dict)
+    decided: Counter[DecidedBy] = field(default_factory=Counter)
+    without: dict[str, None] = field(default_factory=dict)
+    """Parameters that are not given, so that values are missing."""
+    timed: int = 0
+    latency: int = 0
+    longest: int = 0
+
+    @property
+    def frames(self) -> int:
+        return self.decided.total()
+
+    @property
+    def mean_latency(self) -> int | None:
+        return self.latency // self.timed if self.timed else None
+
+
+@dataclass
+class _Waiting:
+    """A request that waits for its replies."""
+
+    bus: str
+    node: int | None
+    command: Command
+    replied: set[int | None] = field(default_factory=set)
+
+
+class Summary:
+    """Counts rows. Memory does not grow with the log."""
+
+    def __init__(self) -> None:
+        self.nodes: dict[tuple[str, int | None], NodeSummary] = {}
+        self.foreign: Counter[int] = Counter()
+        """Frames whose id has no message, by id; later ids of very many are counted as `other_foreign`."""
+        self.other_foreign = 0
+        self._waiting: dict[int, _Waiting] = {}
+        self._limits: dict[Command, int | None] = {}
+
+    @property
+    def has_rejected(self) -> bool:
+        """Whether frames of some node are no message."""
+        return any(node.rejected for node in self.nodes.values())
+
+    def add(self, row: Row) -> None:
+        """Counts a row."""
+        judged = row.judged
+        frame = judged.recorded.frame
+        if judged.edition is None:
+            if frame.id in self.foreign or len(self.foreign) < _MAX_FOREIGN:
+                self.foreign[frame.id] += 1
+            else:
+                self.other_foreign += 1
+            return
+        node = self._node(judged.recorded.bus, judged.node)
+        node.editions[judged.edition] = None
+        node.decided[judged.decided_by] += 1
+        for name in row.missing:
+            node.without[name] = None
+        node.requests += judged.direction is Direction.REQUEST
+        node.replies += judged.direction is Direction.REPLY
+        if judged.rejection is not None:
+            reason = judged.rejection.reason
+            known = node.rejected.setdefault(reason, RejectedFrames(judged.rejection, frame))
+            known.count += 1
+        elif judged.direction is Direction.REQUEST:
+            self._request(judged, judged.edition)
+        else:
+            self._reply(node, judged, judged.edition)
+
+    def finish(self) -> None:
+        """Counts the requests that still wait as missing."""
+        for waiting in self._waiting.values():
+            self._count_missing(waiting)
+        self._waiting.clear()
+
+    def _node(self, bus: str, node: int | None) -> NodeSummary:
+        known = self.nodes.get((bus, node))
+        if known is None:
+            known = self.nodes[bus, node] = NodeSummary()
+        return known
+
+    def _request(self, judged: Judged, edition: Edition) -> None:
+        assert judged.message is not None
+        command = edition.command(judged.message.command)
+        if not command.replies:
+            return
+        self._waiting[judged.number] = _Waiting(judged.recorded.bus, judged.node, command)
+        if len(self._waiting) > _MAX_WAITING:
+            self._count_missing(self._waiting.pop(next(iter(self._waiting))))
+
+    def _reply(self, node: NodeSummary, judged: Judged, edition: Edition) -> None:
+        assert judged.message is not None
+        if judged.request is None:
+            node.unexpected += edition.command(judged.message.command).request is not None
+            return
+        waiting = self._waiting.get(judged.request)
+        if waiting is not None:
+            waiting.replied.add(judged.node)
+            if len(waiting.replied) >= max(1, len(waiting.command.from_each)):
+                del self._waiting[judged.request]
+            if judged.latency is not None:
+                node.late += self._is_late(edition, waiting.command, judged.node, judged.latency)
+        if judged.latency is not None:
+            node.timed += 1
+            node.latency += judged.latency
+            node.longest = max(node.longest, judged.latency)
+
+    def _count_missing(self, waiting: _Waiting) -> None:
+        """Of a broadcast, only nodes with frames in the log count."""
+        if not waiting.command.from_each:
+            self._node(waiting.bus, waiting.node).missing += not waiting.replied
+            return
+        for node in waiting.command.from_each:
+            if (waiting.bus, node) in self.nodes and node not in waiting.replied:
+                self.nodes[waiting.bus, node].missing += 1
+
+    def _is_late(self, edition: Edition, command: Command, node: int | None, latency: int) -> bool:
+        """Whether a reply comes after the time of the spec. Nodes that answer one broadcast reply one after the other."""
+        if command not in self._limits:
+            within = edition.bus.reply_within_ms
+            is_limited = within is not None and command.name not in edition.slow_replies
+            self._limits[command] = int(within * 1_000_000) if within is not None and is_limited else None
+        limit = self._limits[command]
+        if limit is None:
+            return False
+        from_each = command.from_each
+        return latency > limit * (from_each.index(node) + 1 if node in from_each else 1)

@@ -1,0 +1,494 @@
+"""Decoding of arrays of frames: the same for every protocol.
+
+A generated module describes its edition with these classes; `Decoder` applies them to whole arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import IntEnum, IntFlag
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+"""A column: one dimension, or two for a field that is an array."""
+Words = NDArray[np.uint64]
+"""The data bytes of each frame, the first in the lowest bits (`<u8`); bytes beyond the data are 0."""
+ParameterValue = str | int | float | Fraction
+
+
+class Kind(IntFlag):
+    """The kind of a frame; 0 is a data frame with an 11-bit id."""
+
+    EXTENDED = 1
+    REMOTE = 2
+
+
+class Direction(IntEnum):
+    """The direction of a frame."""
+
+    REQUEST = 0
+    REPLY = 1
+    UNKNOWN = 2
+    """Frames of this direction are not decoded."""
+
+
+class Refusal(IntEnum):
+    """The reasons for which a frame is rejected, as message numbers below 0."""
+
+    UNKNOWN_ID = -1
+    UNKNOWN_CODE = -2
+    WRONG_LENGTH = -3
+    WRONG_CONSTANT = -4
+    MISSING_PARAMETER = -5
+    UNKNOWN_DIRECTION = -6
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Frames:
+    """Frames as arrays of one length."""
+
+    time: NDArray[np.int64]
+    """Nanoseconds since the epoch or the start of the log."""
+    bus: NDArray[np.uint16]
+    """The position of the name in `buses`."""
+    id: NDArray[np.uint32]
+    kind: NDArray[np.uint8]
+    """A `Kind`."""
+    length: NDArray[np.uint8]
+    """The number of data bytes."""
+    data: Words
+    direction: NDArray[np.uint8]
+    """A `Direction`."""
+    buses: tuple[str, ...] = ("",)
+
+    def __len__(self) -> int:
+        return self.id.size
+
+    def take(self, rows: Any) -> Frames:
+        """The frames at some positions, in a slice, or where a mask is True."""
+        columns = ("time", "bus", "id", "kind", "length", "data", "direction")
+        return replace(self, **{name: getattr(self, name)[rows] for name in columns})
+
+
+def frames(
+    id: Iterable[int],
+    data: Sequence[bytes],
+    direction: int | Iterable[int],
+    *,
+    time: Iterable[int] | None = None,
+    bus: Sequence[str] | None = None,
+    kind: int | Iterable[int] = 0,
+) -> Frames:
+    """Frames from Python values. `direction` and `kind` are one value for all frames, or one for each."""
+    count = len(data)
+    padded = b"".join(one[:8].ljust(8, b"\0") for one in data)
+    names = tuple(dict.fromkeys(bus)) if bus else ("",)
+    return Frames(
+        time=np.zeros(count, np.int64) if time is None else np.asarray(time, np.int64),
+        bus=np.zeros(count, np.uint16) if bus is None else np.array([names.index(name) for name in bus], np.uint16),
+        id=np.asarray(id, np.uint32),
+        kind=np.broadcast_to(np.asarray(kind, np.uint8), count),
+        length=np.array([len(one) for one in data], np.uint8),
+        data=np.frombuffer(padded, "<u8"),
+        direction=np.broadcast_to(np.asarray(direction, np.uint8), count),
+        buses=names,
+    )
+
+
+class Parameter(NamedTuple):
+    """A property of a node that no frame contains: one of `choices`, or a number between two limits."""
+
+    choices: tuple[str, ...] = ()
+    minimum: Fraction | None = None
+    maximum: Fraction | None = None
+
+    def check(self, name: str, value: ParameterValue) -> None:
+        """Raises ValueError for a value that is not allowed."""
+        if self.choices:
+            if str(value) not in self.choices:
+                raise ValueError(f"{name} is {value!r}, but must be one of {', '.join(self.choices)}")
+            return
+        try:
+            number = Fraction(value)
+        except (ValueError, OverflowError):
+            raise ValueError(f"{name} is {value!r}, but must be a finite number") from None
+        if (self.minimum is not None and number < self.minimum) or (self.maximum is not None and number > self.maximum):
+            raise ValueError(f"{name} is {value!r}, but must be between {self.minimum} and {self.maximum}")
+
+
+Parameters = Mapping[str, ParameterValue]
+
+
+class Scale(NamedTuple):
+    """A conversion to a value: (raw * factor + addend) / divisor, multiplied by the parameter `times` if it is set."""
+
+    factor: int
+    addend: int
+    divisor: int
+    times: str = ""
+
+    def at(self, parameters: Parameters) -> Scale | None:
+        """The scale under some parameters; None if its parameter is missing or not above 0."""
+        if not self.times:
+            return self
+        number = Fraction(parameters.get(self.times, 0))
+        if number <= 0:
+            return None
+        return Scale(self.factor * number.numerator, self.addend * number.numerator, self.divisor * number.denominator)
+
+    @property
+    def is_identity(self) -> bool:
+        return self == (1, 0, 1, "")
+
+    def apply(self, raw: Array) -> Array:
+        """The values of raw numbers, rounded once if the dividend has at most 53 bits."""
+        values: Array = raw.astype(np.float64)
+        if max(abs(self.factor), abs(self.addend), self.divisor) >= 1 << 53:
+            values *= float(Fraction(self.factor, self.divisor))
+            values += float(Fraction(self.addend, self.divisor))
+            return values
+        if self.factor != 1:
+            values *= self.factor
+        if self.addend:
+            values += self.addend
+        if self.divisor != 1:
+            values /= self.divisor
+        return values
+
+
+@dataclass(frozen=True, kw_only=True)
+class Type:
+    """The conversion from raw integers to values.
+
+    `scale` has one scale for each value of the parameter `scale_by`, or one under the empty key; None is an unknown scale.
+    `names` are those of the members of an enum by code, or of flags by bit number.
+    """
+
+    unit: str = ""
+    scale_by: str = ""
+    scale: Mapping[str, Scale | None]
+    is_float: bool = False
+    is_flags: bool = False
+    names: Mapping[int, str] | None = None
+
+    def scale_at(self, parameters: Parameters) -> Scale | None:
+        """The scale under some parameters; None if it is unknown or depends on a missing parameter."""
+        found = self.scale.get(str(parameters.get(self.scale_by, "")) if self.scale_by else "")
+        return found and found.at(parameters)
+
+
+PLAIN: Mapping[str, Scale | None] = {"": Scale(1, 0, 1)}
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field: its columns of values and of raw integers, the expression of its raw integers, and their type in NumPy.
+
+    It exists if the parameter of the layout has one of the values `only`; always if that is empty. `count` is the number
+    of elements of an array, 0 for a single value.
+    """
+
+    name: str
+    raw_name: str
+    read: Callable[[Words, Words], Array]
+    dtype: str
+    type: Type
+    count: int = 0
+    only: tuple[str, ...] = ()
+
+
+class Constant(NamedTuple):
+    """Bits that must have one value; any other is rejected."""
+
+    read: Callable[[Words, Words], Array]
+    value: int
+    only: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A table: the fields of one or several messages. `parameter` decides which fields exist; empty without one."""
+
+    name: str
+    fields: tuple[Field, ...] = ()
+    constants: tuple[Constant, ...] = ()
+    parameter: str = ""
+
+
+class Message(NamedTuple):
+    """A request or a reply; its number is its position in `MESSAGES`. `code` is -1 without one."""
+
+    command: str
+    direction: Direction
+    code: int
+    layout: int
+
+
+@dataclass(frozen=True)
+class Select:
+    """A decision on a value of each frame: the node of its case, else `otherwise`. A node that is an int is a message
+    number, or a `Refusal`."""
+
+    read: Callable[[Words, Words, Array], Array]
+    cases: Mapping[int, Node]
+    otherwise: Node
+
+    def __post_init__(self) -> None:
+        values = np.array(sorted(self.cases), np.uint64)
+        object.__setattr__(self, "_values", values)
+        nodes = [*(self.cases[int(value)] for value in values), self.otherwise]
+        leaves = np.array([node if isinstance(node, int) else 0 for node in nodes], np.int16)
+        object.__setattr__(self, "_subtrees", [(i, node) for i, node in enumerate(nodes) if isinstance(node, Select)])
+        table = None
+        if not values.size or values[-1] < 1 << 16:
+            table = np.full((int(values[-1]) if values.size else 0) + 2, len(values), np.int16)
+            table[values.astype(np.intp)] = np.arange(len(values))
+        object.__setattr__(self, "_table", table)
+        object.__setattr__(self, "_leaves", leaves)
+        object.__setattr__(self, "_leaf_of", None if table is None else leaves[table])
+
+    def follow(self, words: Words, ids: Words, lengths: Array) -> Array:
+        """The message number of each frame, or its refusal."""
+        values = self.read(words, ids, lengths)
+        table: Array | None = self._table  # type: ignore[attr-defined]
+        subtrees: list[tuple[int, Select]] = self._subtrees  # type: ignore[attr-defined]
+        if table is not None:
+            places = np.minimum(values.astype(np.uint64), table.size - 1).astype(np.intp)
+            if not subtrees:
+                found: Array = self._leaf_of[places]  # type: ignore[attr-defined]
+                return found
+            branches = table[places]
+        else:
+            known: Array = self._values  # type: ignore[attr-defined]
+            places = np.searchsorted(known, values)
+            places[places == known.size] = 0
+            branches = np.where(known[places] == values, places, known.size)
+        result: Array = self._leaves[branches]  # type: ignore[attr-defined]
+        for number, subtree in subtrees:
+            rows = branches == number
+            if rows.all():
+                return subtree.follow(words, ids, lengths)
+            if rows.any():
+                result[rows] = subtree.follow(words[rows], ids[rows], lengths[rows])
+        return result
+
+
+Node = int | Select
+
+
+@dataclass(frozen=True)
+class Route:
+    """The messages of one id rule and kind of frame; `mask` are the bits of the id that keys and fields fill."""
+
+    base: int
+    step: int
+    nodes: range | None
+    then: Node
+    mask: int = 0
+    kind: int = 0
+
+    def nodes_of(self, ids: Words) -> tuple[Array, Array]:
+        """Which ids belong to this rule, and the node of each; -1 without nodes."""
+        rest = ids & (0xFFFFFFFF ^ self.mask) if self.mask else ids
+        if self.nodes is None:
+            return rest == self.base, np.full(ids.size, -1, np.int32)
+        found = rest.astype(np.int64) - self.base
+        valid = np.ones(ids.size, np.bool_)
+        if self.step > 1:
+            found, remainder = np.divmod(found, self.step)
+            valid = remainder == 0
+        valid &= (found >= self.nodes.start) & (found < self.nodes.stop)
+        if self.nodes.step > 1:
+            valid &= (found - self.nodes.start) % self.nodes.step == 0
+        return valid, found.astype(np.int32)
+
+
+class Table(NamedTuple):
+    """The frames of one layout as columns."""
+
+    layout: Layout
+    rows: NDArray[np.intp]
+    """The positions of its frames among those that were decoded."""
+    message: NDArray[np.int16]
+    """The message number of each frame."""
+    node: NDArray[np.int32]
+    """The node of each frame; -1 without one."""
+    columns: dict[str, Array]
+    """The values of each field, and its raw integers under the name with `_raw` if they were asked for and differ."""
+
+
+class Decoded(NamedTuple):
+    """Tables by the name of their layout, and the message number or the `Refusal` of every frame."""
+
+    tables: dict[str, Table]
+    message: NDArray[np.int16]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Edition:
+    """One edition of a protocol, as generated."""
+
+    family: str
+    name: str
+    spec_hash: str
+    parameters: Mapping[str, Parameter]
+    layouts: tuple[Layout, ...]
+    messages: tuple[Message, ...]
+    requests: tuple[Route, ...]
+    replies: tuple[Route, ...]
+
+    def decoder(self, parameters: Parameters | None = None, *, raw: bool = False) -> Decoder:
+        """A decoder for nodes with these parameters. Raises ValueError for unknown parameters and values."""
+        return Decoder(self, parameters or {}, raw=raw)
+
+
+class Column(NamedTuple):
+    """A column of a table: raw integers if `scale` is None."""
+
+    name: str
+    field: Field
+    scale: Scale | None
+    is_raw: bool
+
+
+class Decoder:
+    """Decodes arrays of frames. With `raw`, raw integers have columns of their own."""
+
+    def __init__(self, edition: Edition, parameters: Parameters, *, raw: bool = False) -> None:
+        self.edition = edition
+        self.parameters = dict(parameters)
+        for name, value in parameters.items():
+            if name not in edition.parameters:
+                known = ", ".join(edition.parameters) or "none"
+                raise ValueError(
+                    f"{edition.family} {edition.name} has no parameter {name}; its parameters are: {known}"
+                )
+            edition.parameters[name].check(name, value)
+        self.columns = {layout.name: self._columns(layout, raw) for layout in edition.layouts}
+        """The columns of each layout, without those of the frame; None where a parameter that decides is missing."""
+        self._layout_of = np.array([message.layout for message in edition.messages], np.int16)
+
+    def decode(self, frames: Frames) -> Decoded:
+        """The tables of some frames. Frames of no message are in no table; `message` has the reason."""
+        ids = frames.id.astype(np.uint64)
+        message, node = self._dispatch(frames, ids, frames.direction)
+        tables = {}
+        if self._layout_of.size:
+            layouts = np.where(message >= 0, self._layout_of[message], np.int16(-1))
+            order = np.argsort(layouts, kind="stable")  # a radix sort: positions stay in the order of the frames
+            counts = np.bincount(layouts + 1, minlength=len(self.edition.layouts) + 1)
+            ends = np.cumsum(counts)
+            for number, layout in enumerate(self.edition.layouts):
+                rows = order[ends[number] : ends[number + 1]]
+                table = self._table(layout, rows, frames.data, ids, message, node) if rows.size else None
+                if table is not None and table.rows.size:
+                    tables[layout.name] = table
+        return Decoded(tables, message)
+
+    def with_directions(self, frames: Frames) -> Frames:
+        """The same frames, with a direction for those of unknown direction that only one direction has.
+
+        A frame whose id, code and length both directions have keeps its direction: it depends on the other frames.
+        """
+        ids = frames.id.astype(np.uint64)
+        is_request, is_reply = (
+            self._dispatch(frames, ids, np.full(len(frames), way, np.uint8))[0] >= 0
+            for way in (Direction.REQUEST, Direction.REPLY)
+        )
+        direction = frames.direction.copy()
+        unknown = direction == Direction.UNKNOWN
+        direction[unknown & is_request & ~is_reply] = Direction.REQUEST
+        direction[unknown & is_reply & ~is_request] = Direction.REPLY
+        return replace(frames, direction=direction)
+
+    def _dispatch(self, frames: Frames, ids: Words, direction: Array) -> tuple[NDArray[np.int16], NDArray[np.int32]]:
+        message = np.full(ids.size, Refusal.UNKNOWN_DIRECTION, np.int16)
+        node = np.full(ids.size, -1, np.int32)
+        for number, routes in enumerate((self.edition.requests, self.edition.replies)):
+            rows = np.flatnonzero(direction == number)
+            message[rows] = Refusal.UNKNOWN_ID
+            for route in routes:
+                if not rows.size:
+                    break
+                own = ids[rows]
+                valid, nodes = route.nodes_of(own)
+                valid &= frames.kind[rows] == route.kind
+                if not valid.any():
+                    continue
+                if valid.all():
+                    found, rows = rows, rows[:0]
+                else:
+                    found, own, nodes, rows = rows[valid], own[valid], nodes[valid], rows[~valid]
+                node[found] = nodes
+                then = route.then
+                message[found] = (
+                    then if isinstance(then, int) else then.follow(frames.data[found], own, frames.length[found])
+                )
+        return message, node
+
+    def _columns(self, layout: Layout, raw: bool) -> tuple[Column, ...] | None:
+        value = self.parameters.get(layout.parameter)
+        if layout.parameter and value is None:
+            return None
+        columns = []
+        for field in layout.fields:
+            if field.only and str(value) not in field.only:
+                continue
+            scale = field.type.scale_at(self.parameters)
+            if scale is not None:
+                columns.append(Column(field.name, field, scale, False))
+            if scale is None or (raw and (field.type.is_float or not scale.is_identity)):
+                columns.append(Column(field.raw_name, field, None, True))
+        return tuple(columns)
+
+    def _table(self, layout: Layout, rows: Array, data: Words, ids: Words, message: Array, node: Array) -> Table | None:
+        words, own = data[rows], ids[rows]
+        columns = self.columns[layout.name]
+        value = self.parameters.get(layout.parameter)
+        correct = np.ones(rows.size, np.bool_)
+        for constant in layout.constants:
+            if not constant.only or str(value) in constant.only:
+                same = constant.read(words, own) == constant.value
+                correct &= same if same.ndim == 1 else same.all(axis=1)
+        if not correct.all():
+            message[rows[~correct]] = Refusal.WRONG_CONSTANT
+            rows, words, own = rows[correct], words[correct], own[correct]
+        if columns is None:
+            message[rows] = Refusal.MISSING_PARAMETER
+            return None
+        found: dict[str, Array] = {}
+        raws: dict[str, Array] = {}
+        for column in columns:
+            field = column.field
+            if field.name not in raws:
+                raws[field.name] = np.ascontiguousarray(field.read(words, own), field.dtype)
+            found[column.name] = values(raws[field.name], field.type, column.scale)
+        return Table(layout, rows, message[rows], node[rows], found)
+
+
+def values(raw: Array, type_: Type, scale: Scale | None) -> Array:
+    """The values of raw integers; the integers themselves without a scale. NaN is a float that is no finite number."""
+    if scale is None:
+        return raw
+    if type_.is_float:
+        numbers = raw.view(f"f{raw.itemsize}").astype(np.float64)
+        finite = np.isfinite(numbers)
+        return np.where(finite, scale.apply(np.where(finite, numbers, 0.0)), np.nan)
+    return raw if scale.is_identity else scale.apply(raw)
+
+
+def signed(raw: Array, width: int) -> Array:
+    """Raw integers in two's complement of a width."""
+    unused = 64 - width
+    shifted: Array = (raw.astype(np.uint64) << unused).view(np.int64) >> unused
+    return shifted
+
+
+def stack(*elements: Array) -> Array:
+    """The elements of an array field, one row for each frame."""
+    return np.stack(elements, axis=1)

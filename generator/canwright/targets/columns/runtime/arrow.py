@@ -1,0 +1,192 @@
+"""Tables of Arrow: schemas with units, Parquet files, and decoding of batches for DuckDB, Polars and Spark."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from ._columns import Array, Column, Decoded, Decoder, Direction, Frames, Kind, Table
+
+DIRECTIONS = ("request", "reply")
+INPUT = pa.schema(
+    [
+        pa.field("time", pa.int64(), metadata={"unit": "ns"}),
+        pa.field("bus", pa.string()),
+        pa.field("id", pa.uint32()),
+        pa.field("extended", pa.bool_()),
+        pa.field("remote", pa.bool_()),
+        pa.field("data", pa.binary()),
+        pa.field("direction", pa.string()),
+    ]
+)
+"""The columns of frames for `decode_batches`: `direction` is `request` or `reply`; in any order, further ones are ignored."""
+
+
+def schema(decoder: Decoder, table: str) -> pa.Schema:
+    """The columns of a table. Metadata of a column: `unit`, and the names of codes or of bits as JSON.
+
+    Raises ValueError for an unknown table, and for one whose columns depend on a parameter that is not given.
+    """
+    if table not in decoder.columns:
+        raise ValueError(f"there is no table {table}; the tables are: {', '.join(decoder.columns)}")
+    columns = decoder.columns[table]
+    if columns is None:
+        layout = next(layout for layout in decoder.edition.layouts if layout.name == table)
+        raise ValueError(f"the columns of {table} depend on the parameter {layout.parameter}; give it to the decoder")
+    edition = decoder.edition
+    return pa.schema(
+        [
+            pa.field("time", pa.int64(), metadata={"unit": "ns"}),
+            pa.field("bus", pa.string()),
+            pa.field("node", pa.int32()),
+            pa.field("direction", pa.string()),
+            pa.field("command", pa.string()),
+            pa.field("code", pa.int64()),
+            *map(_field, columns),
+        ],
+        metadata={"family": edition.family, "edition": edition.name, "spec": edition.spec_hash, "table": table},
+    )
+
+
+def _field(column: Column) -> pa.Field:
+    field = column.field
+    metadata = {}
+    if field.type.unit and not column.is_raw:
+        metadata["unit"] = field.type.unit
+    if field.type.names and not column.is_raw:
+        metadata["flags" if field.type.is_flags else "enum"] = json.dumps(field.type.names)
+    is_raw = column.scale is None or (column.scale.is_identity and not field.type.is_float)
+    one = pa.from_numpy_dtype(np.dtype(field.dtype)) if is_raw else pa.float64()
+    return pa.field(column.name, pa.list_(one, field.count) if field.count else one, metadata=metadata or None)
+
+
+def batch(decoder: Decoder, frames: Frames, table: Table) -> pa.RecordBatch:
+    """A table as a batch; a value that is no finite number is null."""
+    messages = decoder.edition.messages
+    columns = [
+        frames.time[table.rows],
+        _named(frames.buses, frames.bus[table.rows]),
+        pa.array(table.node, mask=table.node < 0),
+        _named(DIRECTIONS, np.array([m.direction for m in messages], np.int32)[table.message]),
+        _named([m.command for m in messages], table.message),
+    ]
+    codes = np.array([m.code for m in messages], np.int64)[table.message]
+    columns.append(pa.array(codes, mask=codes < 0))
+    columns += [_array(values) for values in table.columns.values()]
+    return pa.RecordBatch.from_arrays([pa.array(c) for c in columns], schema=schema(decoder, table.layout.name))
+
+
+def batches(decoder: Decoder, frames: Frames) -> dict[str, pa.RecordBatch]:
+    """The tables of some frames as batches, by name."""
+    return {name: batch(decoder, frames, table) for name, table in decoder.decode(frames).tables.items()}
+
+
+def _named(names: Sequence[str], places: Array) -> pa.Array:
+    return pc.take(pa.array(names, pa.string()), pa.array(places))
+
+
+def _array(values: Array) -> pa.Array:
+    flat = pa.array(values.reshape(-1), from_pandas=values.dtype.kind == "f")
+    return flat if values.ndim == 1 else pa.FixedSizeListArray.from_arrays(flat, values.shape[1])
+
+
+class ParquetWriter:
+    """Writes one Parquet file for each table into a folder, as a context: `FOLDER/TABLE.parquet`.
+
+    Frames are added in blocks; each block of a table is a row group.
+    """
+
+    def __init__(self, decoder: Decoder, folder: str | Path) -> None:
+        self._decoder, self._folder = decoder, Path(folder)
+        self._writers: dict[str, pq.ParquetWriter] = {}
+        self._open = contextlib.ExitStack()
+
+    def __enter__(self) -> ParquetWriter:
+        self._folder.mkdir(parents=True, exist_ok=True)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._open.close()
+
+    def add(self, frames: Frames) -> Decoded:
+        """Decodes some frames and writes their tables. Raises OSError."""
+        decoded = self._decoder.decode(frames)
+        for name, table in decoded.tables.items():
+            if name not in self._writers:
+                path = self._folder / f"{name}.parquet"
+                writer = pq.ParquetWriter(path, schema(self._decoder, name))
+                self._writers[name] = self._open.enter_context(writer)
+            self._writers[name].write_batch(batch(self._decoder, frames, table))
+        return decoded
+
+
+def frames_of(batch: pa.RecordBatch) -> Frames:
+    """The frames of a batch with the columns of `INPUT`. `bus`, `extended` and `remote` may be missing.
+
+    Raises ValueError for a missing column, and for one of another type or with nulls.
+    """
+    found = {name: _column(batch, name) for name in INPUT.names if name in batch.schema.names}
+    missing = [name for name in ("time", "id", "data", "direction") if name not in found]
+    if missing:
+        raise ValueError(f"the batch has no column {missing[0]}; its columns are: {', '.join(batch.schema.names)}")
+    count = batch.num_rows
+    no = np.zeros(count, np.bool_)
+    extended, remote = (
+        found[name].to_numpy(zero_copy_only=False) if name in found else no for name in ("extended", "remote")
+    )
+    lengths, words = _words(found["data"])
+    bus = (found["bus"] if "bus" in found else pa.repeat("", count)).dictionary_encode()
+    direction = pc.index_in(found["direction"], pa.array(DIRECTIONS))
+    return Frames(
+        time=found["time"].to_numpy(zero_copy_only=False),
+        bus=bus.indices.to_numpy(zero_copy_only=False).astype(np.uint16),
+        id=found["id"].to_numpy(zero_copy_only=False),
+        kind=(extended * np.uint8(Kind.EXTENDED)) | (remote * np.uint8(Kind.REMOTE)),
+        length=lengths,
+        data=words,
+        direction=pc.fill_null(direction, int(Direction.UNKNOWN)).to_numpy(zero_copy_only=False).astype(np.uint8),
+        buses=tuple(bus.dictionary.to_pylist()) or ("",),
+    )
+
+
+def _column(batch: pa.RecordBatch, name: str) -> pa.Array:
+    column = batch.column(name)
+    if name != "direction" and column.null_count:
+        raise ValueError(f"the column {name} has nulls")
+    try:
+        return column.cast(INPUT.field(name).type)
+    except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as error:
+        raise ValueError(f"the column {name} is no {INPUT.field(name).type}: {error}") from None
+
+
+def _words(data: pa.Array) -> tuple[Array, Array]:
+    """The length of each, and its first 8 bytes as one little-endian integer."""
+    _, offsets_buffer, content_buffer = data.buffers()
+    offsets = np.frombuffer(offsets_buffer, np.int32)[data.offset : data.offset + len(data) + 1]
+    content = np.frombuffer(content_buffer or b"", np.uint8)
+    lengths = np.diff(offsets)
+    within = np.arange(8) < lengths[:, None]
+    places = np.where(within, offsets[:-1, None] + np.arange(8), 0)
+    padded = np.append(content, np.uint8(0))  # so that place 0 exists
+    octets = np.where(within, padded[places], np.uint8(0)).astype(np.uint8)
+    return np.minimum(lengths, 255).astype(np.uint8), np.ascontiguousarray(octets).view("<u8")[:, 0]
+
+
+def decode_batches(batches: Iterable[pa.RecordBatch], decoder: Decoder, table: str) -> Iterator[pa.RecordBatch]:
+    """One table of batches of frames: their columns are those of `INPUT`, those of the results `schema(...)`.
+
+    A batch gives at most one batch; rows depend only on their own frame, so batches may be split at any frame.
+    """
+    for one in batches:
+        frames = frames_of(one)
+        found = decoder.decode(frames).tables.get(table)
+        if found is not None:
+            yield batch(decoder, frames, found)

@@ -1,0 +1,33 @@
+"""The target `wireshark`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from ...diagnostics.diagnostic import DocumentPath
+from ...model.edition import Edition
+from ...model.types import Assignment
+from ..base import Output, Specification, Target
+from . import generate
+from .family import preference
+from .filters import filters
+
+
+class WiresharkTarget(Target):
+    """Generates dissectors for Wireshark."""
+
+    title = "Wireshark"
+
+    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+        return generate(specifications, set_parameters)
+
+    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
+        """The names of fields in filters, and of preferences."""
+        shared = filters([edition]).names
+        names: dict[DocumentPath, str] = {("parameters", p.name): preference(p.name) for p in edition.parameters}
+        for message in edition.all_messages():
+            names |= {f.path: f"{edition.family}.{shared[f.name]}" for f in message.layout.fields if f.name in shared}
+        return names
+
+
+TARGET = WiresharkTarget()

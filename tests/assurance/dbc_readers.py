@@ -1,0 +1,317 @@
+"""Decodes the golden frames with the DBC files in readers of other projects.
+
+`python -m tests.assurance.dbc_readers [--edition NAME] [--sample] [READER ...]`
+
+Each reader loads the files of the editions and must return the values of the golden frames, and no other signals. The
+readers are cantools in strict mode, canmatrix, can_decoder and asammdf, and Qt SerialBus (`pip install PySide6-Addons`,
+more than 140 MB, so that the tests use it only with `-m tools`). The other readers of DBC files are not Python packages:
+can-go, dbcppp, dbcc and those in Rust have to be run by hand. Rules that only these enforce are checked in the text: the
+VERSION of at most 32 characters without a comma. The exit status is 1 if a value differs, and 2 if a reader is missing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import re
+import sys
+import tempfile
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from canwright.language.golden_frames import GoldenFrame
+from canwright.model.edition import Edition
+from canwright.model.layout import Element, Field, Space
+from canwright.project.loader import specification
+from canwright.targets.base import Options, Specification
+from canwright.targets.dbc.files import files, traffics
+from canwright.targets.dbc.frames import Part
+from canwright.targets.dbc.printer import printed
+from canwright.targets.dbc.view import EXTENDED, File, Message, Signal
+
+from ..spec_texts import SPECS, called
+
+Values = Mapping[str, float]
+
+
+class Case(NamedTuple):
+    """A golden frame, the values of its signals, and the names of all signals that a reader may return for it."""
+
+    can_id: int
+    extended: bool
+    data: bytes
+    values: Values
+    names: frozenset[str]
+
+
+class Reader(ABC):
+    """A reader of DBC files."""
+
+    name: str
+    package: str
+
+    @abstractmethod
+    def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
+        """The signals of each frame by name; raises an exception of the reader if it cannot load the file."""
+
+
+class Cantools(Reader):
+    name = package = "cantools"
+
+    def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
+        import cantools
+
+        database: Any = cantools.database.load_file(file, strict=True)
+        return [
+            database.decode_message(c.can_id, c.data, decode_choices=False, force_extended_id=c.extended) for c in cases
+        ]
+
+
+class Canmatrix(Reader):
+    name = package = "canmatrix"
+
+    def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
+        import canmatrix.formats
+
+        matrix: Any = canmatrix.formats.loadp_flat(str(file))
+        type(matrix)._frames_dict_id_extend.clear()  # canmatrix keeps ids in its class, also those of other files
+        if matrix.load_errors:
+            raise ValueError(f"{matrix.load_errors[0]}")
+        decoded = (matrix.decode(canmatrix.ArbitrationId(c.can_id, extended=c.extended), c.data) for c in cases)
+        return [{name: float(signal.phys_value) for name, signal in one.items()} for one in decoded]
+
+
+class CanDecoder(Reader):
+    name, package = "can_decoder", "can_decoder"
+
+    def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
+        import can_decoder
+        import pandas
+
+        decoder = can_decoder.DataFrameDecoder(can_decoder.load_dbc(str(file)))
+        times = pandas.to_datetime(range(len(cases)), unit="s", utc=True)
+        columns = {
+            "ID": [c.can_id for c in cases],
+            "IDE": [c.extended for c in cases],
+            "DataLength": [len(c.data) for c in cases],
+            "DataBytes": [list(c.data) for c in cases],
+        }
+        found = decoder.decode_frame(pandas.DataFrame(columns, index=pandas.Index(times, name="TimeStamp")))
+        results: list[dict[str, float]] = [{} for _ in cases]
+        rows = zip(found.index, found["Signal"], found["Physical Value"], strict=True) if len(found) else ()
+        for time, name, value in rows:
+            results[int(time.timestamp())][name] = float(value)
+        return results
+
+
+class Asammdf(Reader):
+    name = package = "asammdf"
+
+    def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
+        import numpy
+        from asammdf import MDF, Signal as Channel
+        from asammdf.blocks.source_utils import Source
+        from asammdf.blocks.v4_constants import BUS_TYPE_CAN
+
+        length = max(len(c.data) for c in cases)
+        record = numpy.zeros(
+            len(cases),
+            dtype=[
+                ("CAN_DataFrame.BusChannel", "<u1"),
+                ("CAN_DataFrame.ID", "<u4"),
+                ("CAN_DataFrame.IDE", "<u1"),
+                ("CAN_DataFrame.DLC", "<u1"),
+                ("CAN_DataFrame.DataLength", "<u1"),
+                ("CAN_DataFrame.DataBytes", "<u1", (length,)),
+            ],
+        )
+        for i, c in enumerate(cases):
+            record[i] = (1, c.can_id, c.extended, len(c.data), len(c.data), list(c.data.ljust(length, b"\0")))
+        source = Source(name="CAN", path="CAN", comment="", source_type=Source.SOURCE_BUS, bus_type=BUS_TYPE_CAN)
+        times = numpy.arange(len(cases), dtype=float)
+        with MDF(version="4.10") as log:
+            log.append(Channel(record, times, name="CAN_DataFrame", source=source))
+            group: Any = log.groups[-1].channel_group
+            group.flags |= 2 | 4  # a bus event with plain names
+            extracted: Any = log.extract_bus_logging({"CAN": [(str(file), 0)]})
+            results: list[dict[str, float]] = [{} for _ in cases]
+            for i, group in enumerate(extracted.groups):
+                for channel in group.channels[1:]:
+                    found = extracted.get(channel.name, group=i, raw=True)
+                    physical = found.physical()
+                    shown = found if physical.samples.dtype.kind in "SU" else physical  # a named value is text
+                    for time, value in zip(shown.timestamps, shown.samples, strict=True):
+                        results[round(time)][channel.name] = float(value)
+            return results
+
+
+class Qt(Reader):
+    name, package = "qt", "PySide6"
+
+    def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
+        from PySide6.QtSerialBus import QCanBusFrame, QCanDbcFileParser, QCanFrameProcessor
+
+        parser = QCanDbcFileParser()
+        if not parser.parse(str(file)) or parser.warnings():
+            raise ValueError(parser.errorString() or parser.warnings()[0])
+        processor = QCanFrameProcessor()
+        processor.setMessageDescriptions(parser.messageDescriptions())
+        processor.setUniqueIdDescription(QCanDbcFileParser.uniqueIdDescription())
+        results = []
+        for c in cases:
+            frame = QCanBusFrame(c.can_id, c.data)
+            frame.setExtendedFrameFormat(c.extended)
+            results.append({name: float(v) for name, v in processor.parseFrame(frame).signalValues.items()})
+        return results
+
+
+READERS: Sequence[Reader] = (Cantools(), Canmatrix(), CanDecoder(), Asammdf(), Qt())
+
+
+def violations(text: str) -> Iterator[str]:
+    """Violations of rules that only readers in other languages enforce."""
+    version = re.match(r'VERSION "([^"]*)"', text)
+    if not version or len(version[1]) > 32 or "," in version[1]:
+        yield "VERSION has more than 32 characters or a comma, which dbc-rs and candied reject"
+
+
+def differences(reader: Reader, text: str, cases: Sequence[Case]) -> Iterator[str]:
+    """What a reader returns other than the values of the golden frames."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "file.dbc"
+        file.write_text(text, "ascii")
+        try:
+            results = reader.decode(file, cases)
+        except Exception as error:  # of any reader
+            yield f"{reader.name}: {error!r}"
+            return
+    for case, found in zip(cases, results, strict=True):
+        frame = f"{case.can_id:X}#{case.data.hex().upper()}"
+        for name in sorted({*found} - case.names):
+            yield f"{reader.name}: {frame} has no signal {name}"
+        for name, value in case.values.items():
+            if name not in found or abs(found[name] - value) > 1e-9 * max(1, abs(value)):
+                yield f"{reader.name}: {frame} {name} is {found.get(name)}; expected {value}"
+
+
+def cases_of(one: Specification, file: File) -> list[Case]:
+    """The golden frames that a file describes completely."""
+    views = {message.id: message for message in file.messages}
+    known = {p.name: v.name for p in one.edition.parameters for v in p.values if v.name in file.known}
+    found: list[Case] = []
+    for frame in one.frames.frames if one.frames else ():
+        view = views.get(frame.id | (EXTENDED if frame.extended else 0))
+        given = {name: str(value) for name, value in frame.parameters.items()}
+        fits = frame.direction in file.directions and all(given.get(n, v) == v for n, v in known.items())
+        if view and fits and not frame.remote and not frame.decode_only and len(frame.data) == view.length:
+            found += _case(one.edition, frame, view, bool(file.table), known)
+    return found
+
+
+def _case(
+    edition: Edition, frame: GoldenFrame, view: Message, is_of_table: bool, known: Mapping[str, str]
+) -> Iterator[Case]:
+    command = edition.command(frame.command)
+    message = command.message(frame.direction)
+    assert message
+    part = Part(command, message, tuple(key.value for key in message.keys))
+    if not command.available(known) or (len(part.selectors) > 1) is not is_of_table:
+        return
+    selector = next((s for s in view.signals if s.mux == "M"), None)
+    if is_of_table and selector and command.name not in dict(selector.values).values():
+        return
+    shown = [s for s in view.signals if not selector or s.mux in ("M", f"m{_raw(selector, frame.data)}")]
+    depth = part.code.count("_") + 1
+    by_field = {s.name.split("_", depth)[-1]: s for s in shown if s is not selector}
+    values = {
+        by_field[name].name: value
+        for field in message.layout.fields
+        if field.name in frame.raw and field.space is Space.DATA
+        for name, value in _values(field, frame, by_field)
+    }
+    yield Case(frame.id, frame.extended, frame.data, values, frozenset(s.name for s in shown))
+
+
+def _values(field: Field, frame: GoldenFrame, signals: Mapping[str, Signal]) -> Iterator[tuple[str, float]]:
+    """The end of the name and the value of each signal of a field, as far as the golden frame has a value."""
+    raw, value = frame.raw[field.name], frame.values.get(field.name)
+    if field.type.flags:
+        assert isinstance(raw, int)
+        for flag in field.type.flags:
+            if f"{field.name}_{flag.name}" in signals:
+                yield f"{field.name}_{flag.name}", float(raw >> flag.value & 1)
+        return
+    for i, element in enumerate(field.elements):
+        name = _element_name(field, element)
+        one_raw, one = (
+            (raw[i], value[i] if isinstance(value, list) else None) if isinstance(raw, list) else (raw, value)
+        )
+        if name in signals and (signals[name].unit == "raw" or field.type.enum) and not signals[name].float_kind:
+            yield name, float(one_raw)
+        elif name in signals and isinstance(one, Fraction):
+            yield name, float(one)
+
+
+def _element_name(field: Field, element: Element) -> str:
+    return field.name if element.index is None else f"{field.name}_{element.index}"
+
+
+def _raw(signal: Signal, data: bytes) -> int:
+    """The raw integer of a signal."""
+    value, bit = 0, signal.start
+    for i in range(signal.width):
+        one = data[bit // 8] >> bit % 8 & 1
+        value = value << 1 | one if signal.big_endian else value | one << i
+        bit += (15 if bit % 8 == 0 else -1) if signal.big_endian else 1
+    return value
+
+
+def samples(one: Specification, options: Options) -> Iterator[tuple[File, Sequence[Case]]]:
+    """The files of an edition that have golden frames."""
+    for file in files(one.edition, traffics(one.edition), {}, options):
+        cases = cases_of(one, file)
+        if cases:
+            yield file, cases
+
+
+def is_installed(reader: Reader) -> bool:
+    return importlib.util.find_spec(reader.package) is not None
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("readers", nargs="*", metavar="READER", help=f"of {', '.join(r.name for r in READERS)}")
+    parser.add_argument("--edition", help="only editions with this text in their name")
+    parser.add_argument("--sample", action="store_true", help="only the first node, which is faster")
+    arguments = parser.parse_args()
+    unknown = {*arguments.readers} - {reader.name for reader in READERS}
+    if unknown:
+        parser.error(f"there is no reader {', '.join(sorted(unknown))}")
+    chosen = [reader for reader in READERS if reader.name in (arguments.readers or [r.name for r in READERS])]
+    missing = [reader.package for reader in chosen if not is_installed(reader)]
+    if missing:
+        print(
+            f"not installed: {', '.join(missing)}; install them with pip, or name the readers to use", file=sys.stderr
+        )
+        return 2
+    failed = False
+    for spec in SPECS:
+        if arguments.edition and arguments.edition not in called(spec):
+            continue
+        one = specification(spec)
+        nodes = sorted({n for m in one.edition.all_messages() if m.id.nodes for n in m.id.nodes[:1]})
+        made = list(samples(one, Options(nodes=tuple(nodes) if arguments.sample else ())))
+        for file, cases in made:
+            text = printed(file)
+            found = [*violations(text), *(line for reader in chosen for line in differences(reader, text, cases))]
+            print(f"{file.name}: {len(cases)} frames, {len(found)} differences", flush=True)
+            print("".join(f"  {line}\n" for line in found[:10]), end="")
+            failed = failed or bool(found)
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

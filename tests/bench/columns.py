@@ -1,0 +1,293 @@
+"""Speed and memory of the generated columns package: `python -m tests.bench.columns`.
+
+One million frames, from a log of candump and from BLF, to columns of values. Beside it: python-can with cantools and the
+generated DBC of the replies, on a part of the same log; and NumPy code for this one protocol, written by hand, which
+reads the same logs to the same columns. It assumes a well-formed log whose lines have one length.
+
+All run in this process, by process time; each figure is the median of the ratios of turns. Memory is that of a child
+process that decodes a log and writes its tables as Parquet, with its Python, NumPy and Arrow.
+"""
+
+from __future__ import annotations
+
+import gc
+import itertools
+import random
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+from collections.abc import Callable, Iterator
+from datetime import datetime, timezone
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import can
+import cantools.database
+import numpy as np
+from canwright.language.golden_frames import GoldenFrame
+from canwright.model.message import Direction
+from canwright.project.loader import specification
+from canwright.targets import dbc
+
+from ..spec_texts import ROOT
+from .bars import Measure, report
+
+PACKAGE = ROOT / "generated/columns"
+SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
+PARAMETERS = {"series": "MG", "encoder_bits": "18", "gear_ratio": "6"}
+FRAMES = 1_000_000
+LONG = 5_000_000
+SAMPLE = 50_000
+"""So many frames are decoded by python-can and cantools; their time is proportional to the number of frames."""
+TURNS = 5
+MEGABYTES = 200
+
+CODES = (0x9A, 0x9C, 0xA1, 0x92, 0x30)
+"""The codes in the log, and those that the code written by hand decodes, of both directions."""
+
+Work = Callable[[], object]
+
+
+def main() -> int:
+    sys.path.insert(0, str(PACKAGE))
+    with tempfile.TemporaryDirectory() as folder:
+        logs = list(_logs(Path(folder)))
+        return report([measure for log, part in logs for measure in _measures(log, part)])
+
+
+def _logs(folder: Path) -> Iterator[tuple[Path, Path]]:
+    """The logs of one million frames, each with a short one."""
+    for ending in ("log", "blf"):
+        paths = folder / f"long.{ending}", folder / f"part.{ending}"
+        for path, count in zip(paths, (FRAMES, SAMPLE), strict=True):
+            write_log(path, count)
+        yield paths
+
+
+def write_log(path: Path, count: int) -> None:
+    """Requests and replies by turns, with marks, of all nodes."""
+    item = specification(SPEC)
+    assert item.frames is not None
+    golden = [f for f in item.frames.frames if f.id != 0x280 and f.data[0] in CODES]
+    pairs = [_of(golden, direction) for direction in Direction]
+    chosen = random.Random(1)
+    stamps = itertools.count(1_700_000_000_000_000, 250)
+    if path.suffix == ".log":
+        with path.open("w", encoding="ascii") as log:
+            for number, stamp in zip(range(count), stamps, strict=False):
+                data = chosen.choice(pairs[number % 2])
+                seconds, fraction = divmod(stamp, 1_000_000)
+                mark = "RT"[number % 2 == 0]
+                log.write(
+                    f"({seconds}.{fraction:06}) can0 {0x141 + chosen.randrange(32):03X}#{data.hex().upper()} {mark}\n"
+                )
+        return
+    with can.BLFWriter(str(path)) as writer:
+        for number, stamp in zip(range(count), stamps, strict=False):
+            data = chosen.choice(pairs[number % 2])
+            id_, is_reply = 0x141 + chosen.randrange(32), number % 2 == 1
+            writer.on_message_received(
+                can.Message(timestamp=stamp / 1e6, arbitration_id=id_, is_extended_id=False, data=data, is_rx=is_reply)
+            )
+
+
+def _of(golden: list[GoldenFrame], direction: Direction) -> list[bytes]:
+    return [frame.data for frame in golden if frame.direction is direction]
+
+
+def _measures(log: Path, part: Path) -> Iterator[Measure]:
+    read = {".log": read_candump, ".blf": read_blf}[log.suffix]
+    ours, by_hand, peer = decoded_by_columns(log), decoded_by_hand(read(log)), cantools_work(part)
+    assert ours.keys() == by_hand.keys() and len(ours) > 10, ours.keys() ^ by_hand.keys()
+    for name, values in ours.items():
+        assert np.array_equal(values, by_hand[name]), name
+    turns = [
+        [_seconds(work) for work in (lambda: decoded_by_columns(log), lambda: decoded_by_hand(read(log)), peer)]
+        for _ in range(TURNS)
+    ]
+    kind = "BLF" if log.suffix == ".blf" else "candump"
+    python_can = median(columns / (other * FRAMES / SAMPLE) for columns, _, other in turns)
+    numpy = median(columns / hand for columns, hand, _ in turns)
+    seconds = median(columns for columns, _, _ in turns)
+    yield Measure(f"{kind}, time relative to python-can and cantools", python_can, at_most=0.1, note=f"{seconds:.2f} s")
+    yield Measure(f"{kind}, time relative to NumPy by hand", numpy, at_most=2)
+    yield Measure(f"{kind}, MB for 1 million frames", _memory(log), at_most=MEGABYTES)
+    if log.suffix == ".log":
+        with log.open("rb") as short, (log.parent / "longest.log").open("wb") as long:
+            for _ in range(LONG // FRAMES):
+                short.seek(0)
+                while block := short.read(1 << 20):
+                    long.write(block)
+        yield Measure(f"{kind}, MB for 5 million frames", _memory(log.parent / "longest.log"), at_most=MEGABYTES)
+
+
+def _seconds(work: Work) -> float:
+    gc.collect()
+    start = time.process_time()
+    work()
+    return time.process_time() - start
+
+
+def _memory(log: Path) -> float:
+    """The peak of a process that decodes a log and writes its tables as Parquet."""
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.bench.columns_memory", str(PACKAGE), str(log)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return float(done.stdout)
+
+
+def decoded_by_columns(log: Path) -> dict[str, Any]:
+    """The columns of all tables, by table and column."""
+    from mwd_motor_columns import Direction as Way, logs, v2_35  # type: ignore[import-not-found]
+
+    decoder = v2_35.decoder(PARAMETERS)
+    found: dict[str, list[Any]] = {}
+    for frames in logs.Log(log, received=Way.REPLY):
+        for name, table in decoder.decode(frames).tables.items():
+            found.setdefault(f"{name}.time", []).append(frames.time[table.rows])
+            found.setdefault(f"{name}.node", []).append(table.node)
+            for column, values in table.columns.items():
+                found.setdefault(f"{name}.{column}", []).append(values)
+    return {name: np.concatenate(parts) for name, parts in found.items()}
+
+
+def cantools_work(log: Path) -> Work:
+    """Decodes the replies of a log with cantools, of all nodes."""
+    texts = {o.path: o.text for o in dbc.generate([specification(SPEC)], PARAMETERS)}
+    path = next(p for p in texts if p.startswith("mwd_motor-v2.35-MG") and "reply" in p and "node" not in p)
+    database: Any = cantools.database.load_string(texts[path], "dbc", strict=False)
+
+    def work() -> None:
+        with can.LogReader(str(log)) as reader:
+            for message in reader:
+                if message.is_rx:
+                    database.decode_message(message.arbitration_id, message.data, decode_choices=False)
+
+    return work
+
+
+Block = tuple[Any, Any, Any, Any]
+"""Time in ns, id, whether it is a reply, and the data as `<u8`."""
+
+LINES = 1 << 15
+
+
+def read_candump(log: Path) -> Iterator[Block]:
+    """Blocks of a log like `(1700000000.000000) can0 141#0011223344556677 R`, in which every line is of this form."""
+    nibbles = np.zeros(256, np.uint8)
+    for digit in "0123456789ABCDEF":
+        nibbles[ord(digit)] = int(digit, 16)
+    powers = 10.0 ** np.arange(9, -1, -1)
+    with log.open("rb") as source:
+        width = len(source.readline())
+        source.seek(0)
+        while text := source.read(width * LINES):
+            lines = np.frombuffer(text, np.uint8).reshape(-1, width)
+            seconds = ((lines[:, 1:11] - 48) @ powers).astype(np.int64)
+            microseconds = ((lines[:, 12:18] - 48) @ powers[4:]).astype(np.int64)
+            digits = nibbles[lines[:, 25:28]].astype(np.uint32)
+            ids = digits[:, 0] << 8 | digits[:, 1] << 4 | digits[:, 2]
+            data = nibbles[lines[:, 29:45]]
+            words = (data[:, ::2] << 4 | data[:, 1::2]).view("<u8")[:, 0]
+            yield seconds * 1_000_000_000 + microseconds * 1000, ids, lines[:, 46] == ord("R"), words
+
+
+def read_blf(log: Path) -> Iterator[Block]:
+    """Blocks of a BLF log in which each object is a CAN message of 48 bytes."""
+    record = np.dtype(
+        [
+            ("head", "V24"),
+            ("time", "<u8"),
+            ("channel", "<u2"),
+            ("state", "u1"),
+            ("dlc", "u1"),
+            ("id", "<u4"),
+            ("data", "<u8"),
+        ]
+    )
+    content = log.read_bytes()
+    start = _start_of(content)
+    position, rest = int.from_bytes(content[4:8], "little"), b""
+    parts: list[bytes] = []
+    while position < len(content):
+        size = int.from_bytes(content[position + 8 : position + 12], "little")
+        parts.append(zlib.decompress(content[position + 32 : position + size]))
+        position += size + size % 4
+        if len(parts) == 16 or position >= len(content):
+            objects = rest + b"".join(parts)
+            parts, count = [], len(objects) // record.itemsize
+            found = np.frombuffer(objects, record, count)
+            rest = objects[count * record.itemsize :]
+            words = np.ascontiguousarray(found["data"])
+            yield found["time"].astype(np.int64) + start, found["id"], found["state"] & 1 == 0, words
+
+
+def _start_of(content: bytes) -> int:
+    """The date of a BLF log in ns."""
+    year, month, _, day, hour, minute, second, milliseconds = np.frombuffer(content, "<u2", 8, 40).tolist()
+    moment = datetime(year, month, day, hour, minute, second, tzinfo=timezone.utc)
+    start: int = int(moment.timestamp()) * 1_000_000_000 + milliseconds * 1_000_000
+    return start
+
+
+def decoded_by_hand(blocks: Iterator[Block]) -> dict[str, Any]:
+    """The columns of all tables, by table and column."""
+    found: dict[str, list[Any]] = {}
+    for time_, ids, is_reply, words in blocks:
+        code = words & 0xFF
+        for table, mask in _tables(code, is_reply):
+            rows = np.flatnonzero(mask)
+            own = words[rows]
+            columns = {"time": time_[rows], "node": (ids[rows] - 0x140).astype(np.int32), **_columns(table, own)}
+            for name, values in columns.items():
+                found.setdefault(f"{table}.{name}", []).append(values)
+    return {name: np.concatenate(parts) for name, parts in found.items()}
+
+
+def _tables(code: Any, is_reply: Any) -> Iterator[tuple[str, Any]]:
+    is_request = ~is_reply
+    yield "read_status_1_request", is_request & (code == 0x9A)
+    yield "read_status_2_request", is_request & (code == 0x9C)
+    yield "read_multi_turn_angle_request", is_request & (code == 0x92)
+    yield "read_pid_request", is_request & (code == 0x30)
+    yield "set_torque_request", is_request & (code == 0xA1)
+    yield "motion_feedback", is_reply & ((code == 0x9C) | (code == 0xA1))
+    yield "status_1", is_reply & (code == 0x9A)
+    yield "pid_gains", is_reply & (code == 0x30)
+    yield "read_multi_turn_angle_reply", is_reply & (code == 0x92)
+
+
+def _columns(table: str, words: Any) -> dict[str, Any]:
+    octets, shorts = words.view(np.uint8).reshape(-1, 8), words.view("<i2").reshape(-1, 4)
+    if table == "set_torque_request":
+        return {"iq": shorts[:, 2] * 33.0 / 2048}
+    if table == "motion_feedback":
+        return {
+            "temperature": octets[:, 1].view(np.int8).copy(),
+            "iq": shorts[:, 1] * 33.0 / 2048,
+            "speed": shorts[:, 2].copy(),
+            "encoder": shorts[:, 3].view(np.uint16) * 45.0 / 8192,
+        }
+    if table == "status_1":
+        return {
+            "temperature": octets[:, 1].view(np.int8).copy(),
+            "voltage": (words >> 24 & 0xFFFF) / 10,
+            "errors": octets[:, 7].copy(),
+        }
+    if table == "pid_gains":
+        names = ("angle_kp", "angle_ki", "speed_kp", "speed_ki", "iq_kp", "iq_ki")
+        return {name: octets[:, 2 + place].copy() for place, name in enumerate(names)}
+    if table == "read_multi_turn_angle_reply":
+        return {"angle": (words.view(np.int64) >> 8) / 100}
+    return {}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,115 @@
+"""The generated columns package: every frame is decoded as an array of one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any, ClassVar
+
+from canwright.model.edition import Edition
+from canwright.model.layout import Field
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.targets import columns as target
+from canwright.targets.base import Specification
+from canwright.targets.columns.files import package_name
+from canwright.targets.columns.view import columns_of, constant_name
+
+from ..adapter import (
+    Adapter,
+    CanFrame,
+    Cannot,
+    Decoded,
+    Encoded,
+    ExactValue,
+    Parameters,
+    Raw,
+    Refused,
+    Value,
+    write_files,
+)
+from .modules import load
+
+
+class ColumnsAdapter(Adapter):
+    """Answers through `decoder(...).decode`."""
+
+    name = "columns"
+    cannot: ClassVar[Mapping[str, str]] = {
+        "encode": "columns are decoded from recordings; nothing is encoded",
+        "expected": "no function expects a message: a frame is decoded by itself, in a given direction",
+        "exchanges": "a table does not relate a reply to its request",
+    }
+
+    def __init__(self, edition: Edition, module: ModuleType, runtime: ModuleType) -> None:
+        super().__init__(edition)
+        self._module: Any = module
+        self._runtime: Any = runtime
+        self._decoders: dict[tuple[tuple[str, int | str], ...], Any] = {}
+
+    @classmethod
+    def create(cls, specification: Specification, workdir: Path) -> ColumnsAdapter:
+        folder = write_files(target.generate([specification], {}), workdir)
+        package = package_name(specification.edition.family)
+        module, runtime = load(folder, f"{package}.{specification.edition.identifier}", f"{package}._columns")
+        return cls(specification.edition, module, runtime)
+
+    def decode(
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
+    ) -> Decoded | Refused:
+        known = tuple(parameters.items())
+        if known not in self._decoders:
+            self._decoders[known] = self._module.decoder(parameters, raw=True)
+        decoder = self._decoders[known]
+        kind = frame.extended * self._runtime.Kind.EXTENDED | frame.remote * self._runtime.Kind.REMOTE
+        way = self._runtime.Direction[direction.name]
+        # a frame of another kind beside it: no result may depend on the other frames of an array
+        ids, data = [frame.id, frame.id ^ 1, frame.id], [frame.data, b"\x55" * 8, frame.data]
+        found = decoder.decode(self._runtime.frames(ids, data, way, kind=kind))
+        number = int(found.message[0])
+        assert number == found.message[2]
+        if number < 0:
+            return Refused(Refusal[self._runtime.Refusal(number).name])
+        message = self._module.MESSAGES[number]
+        if expected not in (None, message.command):
+            raise Cannot("expected")
+        table = found.tables[self._module.LAYOUTS[message.layout].name]
+        assert table.rows[0] == 0 and table.message[0] == number
+        node = int(table.node[0])
+        ours = self.message_of(direction, message.command)
+        raw: dict[str, Raw] = {}
+        values: dict[str, Value] = {}
+        for field, names in columns_of(ours.layout).items():
+            own = [table.columns[name][0].tolist() for name in names if name in table.columns]
+            if own:
+                raw[field.name] = own[-1]
+                values[field.name] = self._value(own[0], field) if names.value in table.columns else None
+        return Decoded(message.command, None if node < 0 else node, raw, values)
+
+    def _value(self, value: Any, field: Field) -> Value:
+        if field.type.flags or field.type.enum:
+            names: Mapping[int, str] = getattr(self._module, constant_name(field.type)).names
+            return [n for bit, n in names.items() if value >> bit & 1] if field.type.flags else names.get(value)
+        if isinstance(value, list):
+            return [float(one) for one in value]
+        return None if math.isnan(value) else float(value)
+
+    def encode_raw(
+        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+    ) -> Encoded | Refused:
+        raise Cannot("encode")
+
+    def encode_values(
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        values: Mapping[str, ExactValue],
+        parameters: Parameters,
+    ) -> Encoded | Refused:
+        raise Cannot("encode")
+
+    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+        raise Cannot("exchanges")

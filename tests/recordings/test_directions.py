@@ -1,0 +1,260 @@
+"""The directions of frames with and without marks, in simulated traffic with losses, and at the places to divide a log."""
+
+from __future__ import annotations
+
+import random
+import tracemalloc
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+
+import pytest
+from canwright.model.edition import Edition
+from canwright.model.message import Direction
+from canwright.project.loader import specification
+from canwright.recordings.directions import WINDOW, DecidedBy, Directions, Judged
+from canwright.recordings.recorded import Mark, Recorded
+from canwright.semantics.frame import CanFrame
+from hypothesis import given, settings, strategies as st
+
+from ..spec_texts import ROOT, SPECS, called
+from .traffic import MIXES, Loss, Sent, Traffic, together, with_clock_jumps, with_marks
+
+EDITIONS = {called(file): specification(file).edition for file in SPECS}
+MOTOR = EDITIONS["mwd_motor/v2.35"]
+JOINT = EDITIONS["joint/v1"]
+
+BARS = {Loss(): 0.01, Loss(0.01): 0.07, Loss(0.1): 0.5, Loss(0.1, has_retries=True): 1.2}
+"""The allowed share of wrong directions without marks, in percent."""
+
+
+def judge(edition: Edition, recorded: Iterable[Recorded], **options: object) -> list[Judged]:
+    return list(Directions({}, edition, **options).judge(recorded))  # type: ignore[arg-type]
+
+
+def wrong(edition: Edition, log: Sequence[Sent]) -> float:
+    """The share of wrong directions in percent."""
+    judged = judge(edition, [sent.recorded for sent in log])
+    count = sum(one.direction is not sent.direction for one, sent in zip(judged, log, strict=True))
+    return 100 * count / len(log)
+
+
+def frames(text: str, step: int = 100_000) -> list[Recorded]:
+    """Frames as `ID#DATA`, at equal distances in ns."""
+    lines = (line.split("#") for line in text.split())
+    return [
+        Recorded(number * step, "can0", CanFrame(int(id_, 16), bytes.fromhex(data)), None)
+        for number, (id_, data) in enumerate(lines)
+    ]
+
+
+def rows(judged: Iterable[Judged]) -> list[tuple[str, str, int | None]]:
+    return [
+        (
+            one.message.name if one.message else one.direction.value if one.direction else "",
+            one.decided_by.value,
+            one.request,
+        )
+        for one in judged
+    ]
+
+
+def test_content_pairing_and_broadcast() -> None:
+    log = frames("""141#9A00000000000000 141#9A3200E701000000 141#8000000000000000 141#8000000000000000
+        280#0100020003000400 141#A13200E701000000 144#A13200E701000000 141#9B00000000000000 141#9A3200E701000000
+        7FF#00 141#EE00000000000000""")
+    judged = judge(MOTOR, log)
+    assert rows(judged) == [
+        ("read_status_1_request", "pairing", None),
+        ("read_status_1_reply", "content", 0),
+        ("motor_off_request", "pairing", None),
+        ("motor_off_reply", "pairing", 2),
+        ("broadcast_torque_request", "id", None),
+        ("set_torque_reply", "content", 4),
+        ("set_torque_reply", "content", 4),
+        ("clear_errors_request", "pairing", None),
+        ("clear_errors_reply", "content", 7),
+        ("", "none", None),
+        ("", "none", None),
+    ]
+    assert [one.latency for one in judged][:7] == [None, 100_000, None, 100_000, None, 100_000, 200_000]
+    assert [one.node for one in judged][3:7] == [1, None, 1, 4]
+    assert judged[-1].rejection is not None and judged[-1].edition is MOTOR and judged[-2].edition is None
+
+
+def test_a_repeated_echo_is_a_retry_and_a_late_one_a_reply() -> None:
+    off = CanFrame(0x141, bytes.fromhex("8000000000000000"))
+    times = [0, 1_000_000, 1_200_000, 9_000_000, 10_000_000]
+    judged = judge(MOTOR, [Recorded(time, "can0", off, None) for time in times])
+    assert rows(judged) == [
+        ("motor_off_request", "pairing", None),
+        ("motor_off_request", "retry", None),
+        ("motor_off_reply", "pairing", 1),
+        ("motor_off_request", "pairing", None),
+        ("motor_off_reply", "pairing", 3),
+    ]
+
+
+def test_a_request_repeated_late_is_a_retry() -> None:
+    log = frames("141#9A00000000000000 141#9A00000000000000 141#9A3200E701000000", 1_000_000)
+    assert rows(judge(MOTOR, log)) == [
+        ("read_status_1_request", "pairing", None),
+        ("read_status_1_request", "retry", None),
+        ("read_status_1_reply", "content", 1),
+    ]
+
+
+def test_a_reply_that_the_request_allows_and_two_requests_in_a_row() -> None:
+    """A torque of 0 at 0 degC: the next frame decides."""
+    reply = frames("141#A10000000A000000 141#A10000000B000000 141#A10000000A000000", 300_000)
+    requests = frames("141#A10000000A000000 141#A10000000B000000 141#A13200E701000000", 300_000)
+    assert [one.direction.value for one in judge(MOTOR, reply) if one.direction] == ["request", "reply", "request"]
+    assert [one.direction.value for one in judge(MOTOR, requests) if one.direction] == ["request", "request", "reply"]
+
+
+def test_ids_apart_decide() -> None:
+    edition = EDITIONS["mwd_motor/v2.36-2025-03"]
+    assert {one.decided_by for one in judge(edition, frames("141#9A00000000000000 181#9A32081364000000"))} == {
+        DecidedBy.ID
+    }
+
+
+def test_nodes_of_two_editions_obey_one_broadcast() -> None:
+    other = specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
+    log = frames("280#0100020003000400 141#A13200E701000000 142#A13200E701000000 143#A13200E701000000")
+    judged = list(Directions({("can0", 2): other, ("can0", 3): MOTOR}, MOTOR).judge(log))
+    assert [one.edition for one in judged] == [other, MOTOR, other, MOTOR]
+    assert [one.request for one in judged] == [None, 0, 0, 0]
+
+
+def test_without_times_the_order_counts() -> None:
+    log = [one._replace(time=None) for one in frames("141#8000000000000000 " * 4)]
+    assert [one.request for one in judge(MOTOR, log)] == [None, 0, None, 2]
+    assert judge(MOTOR, log)[1].latency is None
+
+
+@pytest.mark.parametrize("mix", MIXES)
+def test_wrong_directions_without_marks(mix: str) -> None:
+    for loss, bar in BARS.items():
+        log = Traffic(MOTOR, mix, 7, loss=loss).frames(1500)
+        assert wrong(MOTOR, log) <= bar + 100 / len(log), (mix, loss)
+    other = Traffic(MOTOR, mix, 8, loss=Loss(0.01), bus="can1").frames(800)
+    log = with_clock_jumps(together([Traffic(MOTOR, mix, 9, loss=Loss(0.01)).frames(800), other]), 1)
+    assert wrong(MOTOR, log) <= 0.15, mix
+
+
+@pytest.mark.parametrize("spec", EDITIONS)
+def test_marks_are_obeyed(spec: str) -> None:
+    edition = EDITIONS[spec]
+    log = with_marks(Traffic(edition, "mixed", 3, loss=Loss(0.1, has_retries=True, not_recorded=0.1)).frames(100))
+    judged = judge(edition, [sent.recorded for sent in log])
+    assert [one.direction for one in judged] == [sent.direction for sent in log]
+    assert {one.decided_by for one in judged} == {DecidedBy.MARK}
+    assert all(one.message is not None for one in judged)
+
+
+def test_marks_of_a_listener_say_nothing() -> None:
+    log = [one._replace(mark=Mark.RECEIVED) for one in frames("141#9A00000000000000 141#9A3200E701000000")]
+    assert [one.direction for one in judge(MOTOR, log)] == [Direction.REQUEST, Direction.REPLY]
+
+
+def test_a_recorder_at_the_node_sends_replies() -> None:
+    log = with_marks(Traffic(MOTOR, "mixed", 3).frames(20))
+    judged = judge(MOTOR, [sent.recorded for sent in log], recorder=Direction.REPLY)
+    assert all(one.direction is not sent.direction for one, sent in zip(judged, log, strict=True))
+
+
+def test_memory_does_not_grow_with_the_log() -> None:
+    chance = random.Random(1)
+    edition = EDITIONS["joint/v1"]
+
+    def noise(count: int) -> Iterable[Recorded]:
+        for number in range(count):
+            frame = CanFrame(chance.getrandbits(11) | 0x700, chance.randbytes(8), number % 3 == 0)
+            yield Recorded(number * 130_000, "can0", frame, None)
+
+    directions = Directions({}, edition, marked=())
+    peaks = []
+    for _ in range(2):
+        tracemalloc.start()
+        for _ in directions.judge(noise(4000)):
+            pass
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < peaks[0] + 200_000
+
+
+# Short logs of few different frames: each sequence is likely, the unlikely ones of the simulator too.
+ALPHABET = frames("""141#8000000000000000 141#9A00000000000000 141#9A3200E701000000 141#A100000001000000
+    141#A10000000A000000 141#A13200E701000000 142#8000000000000000 280#0100020003000400 7FF#00 141#EE""")
+STEPS = (0, 100_000, 400_000, 600_000, 1_500_000, WINDOW, WINDOW + 1, 5_000_000, -1_000_000, None)
+
+
+@st.composite
+def logs(draw: st.DrawFn) -> list[Recorded]:
+    log, time = [], 10**10
+    for one, step, bus in draw(
+        st.lists(st.tuples(st.sampled_from(ALPHABET), st.sampled_from(STEPS), st.sampled_from(["a", "b"])), max_size=24)
+    ):
+        time += step or 0
+        log.append(one._replace(time=None if step is None else time, bus=bus))
+    return log
+
+
+def facts(one: Judged, numbers: Sequence[int]) -> tuple[object, ...]:
+    """The result for a frame that does not depend on the part of the log; `numbers` are those in the whole log."""
+    request = None if one.request is None else numbers[one.request]
+    return numbers[one.number], one.direction, one.decided_by, one.message, request, one.latency
+
+
+@given(logs())
+@settings(max_examples=60, deadline=None)
+def test_each_frame_once_in_order_and_each_bus_on_its_own(log: list[Recorded]) -> None:
+    judged = judge(MOTOR, log)
+    assert [one.recorded for one in judged] == log
+    assert [one.number for one in judged] == list(range(len(log)))
+    swapped = judge(MOTOR, [one._replace(bus={"a": "b", "b": "a"}[one.bus]) for one in log])
+    assert [one[2:] for one in swapped] == [one[2:] for one in judged]
+    for bus in "ab":
+        numbers = [number for number, one in enumerate(log) if one.bus == bus]
+        alone = judge(MOTOR, [log[number] for number in numbers])
+        assert [facts(one, numbers) for one in alone] == [
+            facts(one, range(len(log))) for one in judged if one.recorded.bus == bus
+        ]
+
+
+@given(logs())
+@settings(max_examples=60, deadline=None)
+def test_a_reply_answers_an_earlier_request_of_its_bus(log: list[Recorded]) -> None:
+    judged = judge(MOTOR, log)
+    for one in judged:
+        if one.request is not None:
+            asked = judged[one.request]
+            assert asked.direction is Direction.REQUEST and one.direction is Direction.REPLY
+            assert asked.number < one.number and asked.recorded.bus == one.recorded.bus
+            assert one.latency is None or one.latency >= 0
+
+
+@given(logs())
+@settings(max_examples=80, deadline=None)
+def test_parts_have_the_results_of_the_whole_log(log: list[Recorded]) -> None:
+    log = [one._replace(bus="a") for one in log]
+    whole = judge(MOTOR, log)
+    cuts = [after.number for one, after in pairwise(whole) if one.ends_part or is_silent(one, after)]
+    parts = [log[start:end] for start, end in pairwise([0, *cuts, len(log)])]
+    starts = [0, *cuts]
+    results = [
+        facts(one, range(len(log)))
+        for start, part in zip(starts, parts, strict=True)
+        for one in judge(MOTOR, part, marked=(), first=start)
+    ]
+    assert results == [facts(one, range(len(log))) for one in whole]
+
+
+def is_silent(one: Judged, after: Judged) -> bool:
+    start, end = one.recorded.time, after.recorded.time
+    return start is not None and end is not None and end - start > WINDOW
+
+
+def test_an_exchange_is_not_divided() -> None:
+    log = frames("141#8000000000000000 141#8000000000000000 280#0100020003000400 141#A13200E701000000")
+    assert [one.ends_part for one in judge(MOTOR, log)] == [False, True, False, False]

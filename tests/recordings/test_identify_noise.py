@@ -1,0 +1,216 @@
+"""Logs with corrupted frames, foreign protocols and careless hosts: what `identify` reports, and what it does not."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import pytest
+from canwright.cli import main
+from canwright.model.edition import Edition
+from canwright.project.loader import spec_files, specification
+from canwright.recordings.grouping import groups
+from canwright.recordings.identify import Identification, identify
+from canwright.recordings.recorded import Recorded
+from canwright.semantics.frame import CanFrame
+from click.testing import CliRunner
+
+from ..spec_texts import ROOT
+
+EDITIONS = {e.name: e for e in (specification(file).edition for file in spec_files(ROOT / "spec"))}
+NODES = range(1, 19)
+Frames = Iterable[CanFrame]
+
+
+def exchange(name: str, node: int, rng: random.Random) -> Iterator[CanFrame]:
+    """A host that polls the status of a motor, sets its torque and reads its state; bytes as in the manuals."""
+    request, reply = 0x140 + node, (0x180 if name.startswith("v2.36") else 0x140) + node
+    iq, speed, encoder = (
+        rng.randrange(low, high).to_bytes(2, "little", signed=low < 0)
+        for low, high in ((-900, 900), (-700, 700), (0, 16384))
+    )
+    state = bytes([rng.randrange(25, 60)]) + iq + speed + encoder
+    if name == "v2.35":
+        status = b"\x32\0" + rng.randrange(440, 500).to_bytes(2, "little") + bytes(3)
+    else:
+        status = b"\x32" + rng.randrange(4400, 5000).to_bytes(2, "little") + iq + bytes(2)
+    yield CanFrame(request, b"\x9a" + bytes(7))
+    yield CanFrame(reply, b"\x9a" + status)
+    yield CanFrame(request, b"\xa1" + bytes(3) + iq + bytes(2))
+    yield CanFrame(reply, b"\xa1" + state)
+    yield CanFrame(request, b"\x9c" + bytes(7))
+    yield CanFrame(reply, b"\x9c" + state)
+    if name == "v2.36-2025-03":  # the lower angle, an index that only this edition has
+        yield CanFrame(request, bytes.fromhex("C023000000000000"))
+        yield CanFrame(reply, bytes.fromhex("C0230000F0D8FFFF"))
+    elif name == "v2.36-2024-11":  # the current ramp, which the later edition does not have
+        yield CanFrame(request, bytes.fromhex("C024000000000000"))
+        yield CanFrame(reply, bytes.fromhex("C024000010270000"))
+
+
+def traffic(name: str, rounds: int = 20, nodes: Iterable[int] = NODES) -> Iterator[CanFrame]:
+    rng = random.Random(7)
+    listed = list(nodes)
+    for _ in range(rounds):
+        for node in listed:
+            yield from exchange(name, node, rng)
+
+
+def corrupted(frames: Frames, share: float, seed: int) -> Iterator[CanFrame]:
+    """Frames of which some have a flipped bit, and as many have random data."""
+    rng = random.Random(seed)
+    for frame in frames:
+        if rng.random() < share:
+            word = int.from_bytes(frame.data, "little") ^ 1 << rng.randrange(8 * len(frame.data))
+            flipped = word.to_bytes(len(frame.data), "little")
+            yield frame._replace(data=rng.choice([flipped, rng.randbytes(len(frame.data))]))
+        else:
+            yield frame
+
+
+def identified(frames: Frames, bus: str = "can0") -> Identification:
+    return identify((Recorded(None, bus, frame, None) for frame in frames), list(EDITIONS.values()))
+
+
+def fits(found: Identification) -> dict[int | None, list[str]]:
+    return {result.node: [edition.name for edition in result.editions] for result in found.nodes}
+
+
+@pytest.mark.parametrize("name", EDITIONS)
+def test_a_clean_log(name: str) -> None:
+    assert fits(identified(traffic(name, rounds=3))) == {node: [name] for node in NODES}
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("name", EDITIONS)
+def test_three_of_a_hundred_frames_are_corrupted(name: str, seed: int) -> None:
+    assert fits(identified(corrupted(traffic(name), 0.03, seed))) == {node: [name] for node in NODES}
+
+
+CANOPEN = ["40000A1000000000", "4300101892010F00", "80000A1000000006", "2F60600001000000", "05", "7F", "", "9C"]
+"""SDO transfers, heartbeats, and frames with one byte or none."""
+
+
+@pytest.mark.parametrize("foreign", CANOPEN)
+@pytest.mark.parametrize("name", EDITIONS)
+def test_a_canopen_frame_on_the_id_of_a_motor(name: str, foreign: str) -> None:
+    for at in (0, 1, 100):
+        frames = list(traffic(name, rounds=330, nodes=[1]))
+        frames.insert(at, CanFrame(frames[0].id, bytes.fromhex(foreign)))
+        assert fits(identified(frames)) == {1: [name]}, at
+
+
+@pytest.mark.parametrize("name", EDITIONS)
+def test_a_host_that_leaves_reserved_bytes_uncleared(name: str) -> None:
+    def dirty(frames: Frames) -> Iterator[CanFrame]:
+        for number, frame in enumerate(frames):
+            if number % 2:
+                yield frame
+            elif frame.data[0] in (0x9A, 0x9C):
+                yield frame._replace(data=frame.data[:1] + bytes.fromhex("DEADBEEFDEADBE"))
+            elif frame.data[0] == 0xA1:
+                yield frame._replace(data=b"\xa1\xde\xad\xbe" + frame.data[4:6] + b"\xef\xde")
+            else:
+                yield frame
+
+    assert fits(identified(dirty(traffic(name)))) == {node: [name] for node in NODES}
+
+
+def test_the_buses_of_a_log_are_independent() -> None:
+    both = [
+        Recorded(None, bus, frame, None)
+        for name, bus in (("v2.35", "can0"), ("v2.36-2025-03", "can1"))
+        for frame in traffic(name, rounds=3)
+    ]
+    found = identify(both, list(EDITIONS.values()))
+    assert {(one.bus, *(e.name for e in one.editions)) for one in found.nodes} == {
+        ("can0", "v2.35"),
+        ("can1", "v2.36-2025-03"),
+    }
+    assert [len(group.nodes) for group in groups(found.nodes)] == [18, 18]
+
+
+def canopen() -> Iterator[CanFrame]:
+    """Process data, heartbeats, emergencies and SDO transfers of drives with the nodes 1 to 8."""
+    rng = random.Random(3)
+    for _ in range(50):
+        for node in range(1, 9):
+            yield CanFrame(0x180 + node, b"\x37\x06" + rng.randbytes(4))
+            yield CanFrame(0x200 + node, b"\x0f\0" + rng.randbytes(4))
+            yield CanFrame(0x280 + node, rng.randbytes(8))
+            yield CanFrame(0x600 + node, bytes.fromhex("4041600000000000"))
+            yield CanFrame(0x580 + node, bytes.fromhex("4B41600037060000"))
+            yield CanFrame(0x700 + node, b"\x05")
+
+
+def j1939() -> Iterator[CanFrame]:
+    """Engine data with 29-bit ids."""
+    rng = random.Random(3)
+    for _ in range(50):
+        for id_ in (0x0CF00400, 0x18FEF100, 0x18FEEE00, 0x00000141):
+            yield CanFrame(id_, rng.randbytes(8), extended=True)
+
+
+def rmd_v3() -> Iterator[CanFrame]:
+    """Motors with the same codes for requests, whose replies have the ids 0x240 + node, and a broadcast on 0x280."""
+    rng = random.Random(3)
+    for _ in range(50):
+        yield CanFrame(0x280, b"\x9c" + bytes(7))
+        for node in range(1, 5):
+            for code in (0x9A, 0x9C, 0x92, 0xA4, 0x81):
+                yield CanFrame(0x140 + node, bytes([code]) + bytes(7))
+                yield CanFrame(0x240 + node, bytes([code]) + rng.randbytes(7))
+
+
+def random_frames() -> Iterator[CanFrame]:
+    """Frames of any length on the ids of motors."""
+    rng = random.Random(3)
+    for _ in range(2000):
+        yield CanFrame(rng.randrange(0x140, 0x1A1), rng.randbytes(rng.randrange(9)))
+
+
+def dead_motor() -> Iterator[CanFrame]:
+    """A host that polls a motor which is off."""
+    return (CanFrame(0x141, b"\x9a" + bytes(7)) for _ in range(50))
+
+
+@pytest.mark.parametrize("frames", [canopen, j1939, rmd_v3, random_frames, dead_motor])
+def test_no_edition_fits_foreign_traffic(frames: Callable[[], Frames]) -> None:
+    assert not any(fits(identified(frames())).values())
+
+
+def test_requests_without_replies_are_counted() -> None:
+    (found,) = identified([*dead_motor(), CanFrame(0x141, bytes.fromhex("9A3200E701000000"))]).nodes
+    best = next(score for score in found.scores if score.edition.name == "v2.35")
+    assert (best.requests, dict(best.unanswered)) == (50, {"read_status_1": 49})
+
+
+@pytest.mark.parametrize("folder", ["spec", "spec/mwd_motor"])
+def test_equal_motors_are_one_result(folder: str) -> None:
+    log = "".join(
+        f"(1.000000) can0 {frame.id:03X}#{frame.data.hex().upper()}\n"
+        for frame in traffic("v2.35", rounds=2, nodes=range(1, 33))
+    )
+    options = ["identify", "-", "--spec", str(ROOT / folder)]
+    result = CliRunner().invoke(main, options, input=log)
+    assert result.exit_code == 0, result.output
+    assert "mwd_motor, nodes 1..32, 384 frames: fits v2.35\n" in result.output
+    assert len(result.output.splitlines()) < 25
+
+
+def test_one_edition_among_others_in_a_log_of_a_fast_loop() -> None:
+    """The status that distinguishes two editions is one of 400 frames."""
+
+    def loop(edition: Edition) -> Iterator[CanFrame]:
+        rng = random.Random(1)
+        for number in range(40_000):
+            frames = list(exchange(edition.name, 1, rng))
+            yield from frames[2:4] if number % 200 else frames[:2]
+
+    assert fits(identified(loop(EDITIONS["v2.35-2024-02"]))) == {1: ["v2.35-2024-02"]}
+
+
+def test_a_folder_without_specs(tmp_path: Path) -> None:
+    result = CliRunner().invoke(main, ["identify", "-", "--spec", str(tmp_path)], input="141#8100000000000000\n")
+    assert (result.exit_code, "has no spec; expected *.yaml or */*.yaml." in result.output) == (2, True)

@@ -1,0 +1,328 @@
+"""The columns package: logs as arrays, tables of Arrow, and the same rows whatever the blocks and partitions are."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import importlib.util
+import itertools
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import can
+import duckdb
+import numpy as np
+import polars
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from canwright.diagnostics.diagnostic import SpecError
+from canwright.project.loader import specification
+from canwright.recordings.readers import open_log
+from canwright.targets import columns as target
+from canwright.targets.columns.target import TARGET
+from canwright.targets.columns.view import columns_of, tables_of
+
+from ..conformance.adapter import write_files
+from ..conformance.adapters.modules import load
+from ..spec_texts import MINIMAL, ROOT, edition
+from ..strangers.everything import filled
+from ..tools import tool
+
+COMMITTED = ROOT / "generated/columns"
+
+PARAMETERS = {"series": "MG", "encoder_bits": 18}
+
+
+class Package:
+    """The generated package of the motors."""
+
+    def __init__(self, folder: Path) -> None:
+        item = specification(ROOT / "spec/mwd_motor/v2.35.yaml")
+        assert item.frames is not None
+        names = ("v2_35", "logs", "arrow", "_columns")
+        loaded = load(
+            write_files(target.generate([item], {}), folder), *(f"mwd_motor_columns.{name}" for name in names)
+        )
+        self.edition: Any
+        self.logs: Any
+        self.arrow: Any
+        self.runtime: Any
+        self.edition, self.logs, self.arrow, self.runtime = loaded
+        self.golden = item.frames.frames
+
+    def frames(self) -> Any:
+        """All golden frames, on two buses."""
+        ways = [self.runtime.Direction[frame.direction.name] for frame in self.golden]
+        count = len(self.golden)
+        return self.runtime.frames(
+            [frame.id for frame in self.golden],
+            [frame.data for frame in self.golden],
+            ways,
+            time=range(1_000_000, 1_000_000 + count * 250_000, 250_000),
+            bus=["can0" if number % 3 else "can1" for number in range(count)],
+        )
+
+    def input(self) -> pa.RecordBatch:
+        """The same frames as a batch."""
+        frames = self.frames()
+        names = ["request", "reply"]
+        return pa.RecordBatch.from_arrays(
+            [
+                pa.array(frames.time),
+                pa.array([frames.buses[bus] for bus in frames.bus]),
+                pa.array(frames.id),
+                pa.array([frame.extended for frame in self.golden]),
+                pa.array([frame.remote for frame in self.golden]),
+                pa.array([frame.data for frame in self.golden], pa.binary()),
+                pa.array([names[way] for way in frames.direction]),
+            ],
+            schema=self.arrow.INPUT,
+        )
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Package:
+    return Package(tmp_path_factory.mktemp("columns"))
+
+
+LINES = """\
+(1700000000.000100) can0 141#9C00000000000000 T
+(1700000000.000350) can0 141#9C32640000000000 R
+(1700000000.000400) can0 141#9C32640000000001 R
+(1700000000.000500) can0 141#9c32640000000002 R
+(1700000000.000600) can0 142#9C3264000000 R
+(1700000000.000700) can1 00000141#9C00000000000000 T
+(1700000000.000800) can0 141#R T
+(1700000000.000900) can0 141##19C00000000000000 T
+(1700000000.001000) can0 141#9C326400000000GG R
+(1700000000.001100) can0 20000088#0000000000000000 R
+damaged
+(1700000000.0012) can0 141#9C32640000000004
+(1700000000.001300) can0 141#9C32640000000005 R
+"""
+
+
+def _flat(blocks: Sequence[Any]) -> list[tuple[object, ...]]:
+    """The frames of blocks as Python values: time, bus, id, kind, data."""
+    return [
+        (int(t), block.buses[b], int(i), int(k), int(w).to_bytes(8, "little")[: int(n)])
+        for block in blocks
+        for t, b, i, k, w, n in zip(block.time, block.bus, block.id, block.kind, block.data, block.length, strict=True)
+    ]
+
+
+def _reference(path: Path) -> list[tuple[object, ...]]:
+    with open_log(str(path)) as log:
+        return [(r.time, r.bus, r.frame.id, r.frame.extended + 2 * r.frame.remote, r.frame.data) for r in log]
+
+
+def _in_microseconds(frames: Sequence[tuple[Any, ...]]) -> list[tuple[object, ...]]:
+    """Frames with rounded times: python-can has them as floats."""
+    return [(round(time / 1000), *others) for time, *others in frames]
+
+
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
+@pytest.mark.parametrize("block", [60, 200, 1 << 20])
+def test_candump_is_read_as_by_the_reader_of_canwright(
+    package: Package, tmp_path: Path, block: int, ending: str
+) -> None:
+    path = tmp_path / "bus.log"
+    path.write_bytes((LINES * 20).rstrip("\n").replace("\n", ending).encode())
+    log = package.logs.Log(path, block=block)
+    assert _flat(list(log)) == _reference(path)
+    assert log.skipped == {"lines of no data frame": 60, "error frames": 20}
+
+
+@pytest.mark.parametrize("damage", [False, True], ids=["complete", "truncated"])
+def test_blf_is_read_as_by_the_reader_of_canwright(package: Package, tmp_path: Path, damage: bool) -> None:
+    path = tmp_path / "bus.blf"
+    with can.BLFWriter(path, max_container_size=4096) as writer:
+        for number in range(600):
+            writer.on_message_received(
+                can.Message(
+                    timestamp=1_700_000_000 + number / 1000,
+                    arbitration_id=0x141 + number % 3,
+                    is_extended_id=number % 50 == 7,
+                    is_remote_frame=number % 60 == 11,
+                    is_error_frame=number % 70 == 13,
+                    is_fd=number % 80 == 17,
+                    data=b"" if number % 60 == 11 else bytes([0x9C, number % 256, *range(number % 7)]),
+                    channel=number % 2,
+                    is_rx=number % 2 == 1,
+                )
+            )
+    if damage:
+        path.write_bytes(path.read_bytes()[:-700])
+    log = package.logs.Log(path, received=package.runtime.Direction.REPLY)
+    blocks = list(log)
+    assert _in_microseconds(_flat(blocks)) == _in_microseconds(_reference(path))
+    assert len(_flat(blocks)) > 400
+    assert all((block.direction == block.bus).all() for block in blocks), "sent frames are requests"
+    assert log.skipped["objects of type 73"] and log.skipped["objects of type 100"]
+    assert damage is bool(log.skipped["truncated end"] or log.skipped["damaged containers"])
+
+
+def test_marks_count_only_if_the_recorder_is_known(package: Package, tmp_path: Path) -> None:
+    path = tmp_path / "bus.log"
+    path.write_text(LINES, "utf-8")
+    way = package.runtime.Direction
+    for received, expected in (
+        (way.UNKNOWN, [way.UNKNOWN] * 4),
+        (way.REPLY, [way.REQUEST, way.REPLY, way.REPLY, way.REPLY]),
+        (way.REQUEST, [way.REPLY, way.REQUEST, way.REQUEST, way.REQUEST]),
+    ):
+        (block,) = package.logs.Log(path, received=received)
+        assert block.direction[:4].tolist() == expected
+        assert block.direction[-2] == way.UNKNOWN, "a line without a mark"
+    decoded = package.edition.decoder(PARAMETERS).decode(block.take(block.direction == way.UNKNOWN))
+    assert not decoded.tables and set(decoded.message) == {package.runtime.Refusal.UNKNOWN_DIRECTION}
+
+
+def test_a_direction_that_the_id_decides(package: Package) -> None:
+    way = package.runtime.Direction
+    frames = package.runtime.frames([0x280, 0x141, 0x141], [bytes(8), b"\x9c" + bytes(7), bytes(8)], way.UNKNOWN)
+    decoder = package.edition.decoder(PARAMETERS)
+    assert decoder.with_directions(frames).direction.tolist() == [way.REQUEST, way.UNKNOWN, way.UNKNOWN]
+    given = package.runtime.frames([0x280], [bytes(8)], way.REPLY)
+    assert decoder.with_directions(given).direction.tolist() == [way.REPLY], "a given direction is kept"
+
+
+def test_a_field_is_one_column_for_all_commands(package: Package) -> None:
+    way = package.runtime.Direction.REPLY
+    data = [bytes.fromhex(f"{code} 32 64 00 F4 01 00 40") for code in ("A1", "9C", "A4")]
+    table = package.edition.decoder(PARAMETERS, raw=True).decode(package.runtime.frames([0x141] * 3, data, way)).tables
+    assert list(table) == ["motion_feedback"]
+    columns = table["motion_feedback"].columns
+    assert columns["iq_raw"].tolist() == [100] * 3
+    assert columns["iq"].tolist() == [100 * 33 / 2048] * 3
+    assert columns["temperature"].tolist() == [50] * 3, "degrees are raw integers"
+
+
+def test_parameters_are_checked(package: Package) -> None:
+    for given, text in (
+        ({"colour": "red"}, "no parameter colour; its parameters are: series"),
+        ({"series": "MX"}, "series is 'MX', but must be one of MS, MF"),
+        ({"gear_ratio": 0}, "gear_ratio is 0, but must be"),
+        ({"gear_ratio": "much"}, "gear_ratio is 'much', but must be a finite number"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            package.edition.decoder(given)
+
+
+def _decoded(package: Package, batches: Sequence[pa.RecordBatch], table: str) -> pa.Table:
+    decoder = package.edition.decoder(PARAMETERS)
+    found = list(package.arrow.decode_batches(batches, decoder, table))
+    return pa.Table.from_batches(found, package.arrow.schema(decoder, table))
+
+
+def test_parquet_has_units_and_one_file_for_each_table(package: Package, tmp_path: Path) -> None:
+    decoder, frames = package.edition.decoder(PARAMETERS), package.frames()
+    with package.arrow.ParquetWriter(decoder, tmp_path) as writer:
+        for block in (frames.take(slice(0, 100)), frames.take(slice(100, None))):
+            writer.add(block)
+    assert {path.stem for path in tmp_path.iterdir()} == set(decoder.decode(frames).tables)
+    table = pq.read_table(tmp_path / "motion_feedback.parquet")
+    assert table.schema.field("iq").metadata[b"unit"] == b"A"
+    assert table.equals(_decoded(package, [package.input()], "motion_feedback"))
+    status = pq.read_schema(tmp_path / "status_1.parquet")
+    assert b"low_voltage" in status.field("errors").metadata[b"flags"]
+
+
+def test_a_partition_by_bus_and_time_gives_the_same_rows(package: Package) -> None:
+    whole = package.input()
+    expected = _decoded(package, [whole], "motion_feedback")
+    for cuts in ((1,), (17, 18), tuple(range(1, whole.num_rows))):
+        ends = [0, *cuts, whole.num_rows]
+        parts = [whole.slice(start, end - start) for start, end in itertools.pairwise(ends)]
+        assert _decoded(package, parts, "motion_feedback").equals(expected)
+    buses = [whole.filter(pa.compute.equal(whole["bus"], name)) for name in ("can0", "can1")]
+    assert _decoded(package, buses, "motion_feedback").sort_by("time").equals(expected)
+
+
+def test_a_batch_with_wrong_columns_is_an_error(package: Package) -> None:
+    decoder, whole = package.edition.decoder(PARAMETERS), package.input()
+    strings = pa.array(["x"] * whole.num_rows)
+    for batch, text in (
+        (whole.drop_columns(["data"]), "no column data"),
+        (whole.set_column(0, "time", strings), "the column time is no int64"),
+        (whole.set_column(2, "id", pa.nulls(whole.num_rows, pa.uint32())), "the column id has nulls"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            list(package.arrow.decode_batches([batch], decoder, "motion_feedback"))
+    with pytest.raises(ValueError, match="there is no table nothing; the tables are: motor_off"):
+        package.arrow.schema(decoder, "nothing")
+    with pytest.raises(ValueError, match="depend on the parameter series"):
+        package.arrow.schema(package.edition.decoder(), "motion_feedback")
+
+
+def test_duckdb_and_polars(package: Package, tmp_path: Path) -> None:
+    decoder = package.edition.decoder(PARAMETERS)
+    expected = _decoded(package, [package.input()], "motion_feedback")
+    path = tmp_path / "frames.parquet"
+    pq.write_table(pa.Table.from_batches([package.input()]), path)
+    source, database = duckdb.connect(), duckdb.connect()
+    batches = source.sql(f"select * from '{path}'").to_arrow_reader(50)
+    schema = package.arrow.schema(decoder, "motion_feedback")
+    decode = package.arrow.decode_batches(batches, decoder, "motion_feedback")
+    database.register("decoded", pa.RecordBatchReader.from_batches(schema, decode))
+    mean = float(np.mean(expected["iq"].to_numpy()))
+    assert database.execute("select avg(iq), count(*) from decoded").fetchall() == [
+        (pytest.approx(mean), expected.num_rows)
+    ]
+
+    frames: Any = polars.scan_parquet(path).collect()
+    read: Any = polars.from_arrow(_decoded(package, frames.to_arrow().to_batches(), "motion_feedback"))
+    assert read["iq"].mean() == pytest.approx(mean)
+
+
+@pytest.mark.tools
+def test_pyspark(package: Package, monkeypatch: pytest.MonkeyPatch) -> None:
+    tool("java")
+    if importlib.util.find_spec("pyspark") is None:
+        raise SystemExit("pyspark is not installed: pip install pyspark")
+    sql = importlib.import_module("pyspark.sql")
+    for name, value in (("PYSPARK_PYTHON", sys.executable), ("PYTHONPATH", str(COMMITTED))):
+        monkeypatch.setenv(name, value)  # the workers import the package
+    monkeypatch.syspath_prepend(str(COMMITTED))
+    edition_, arrow = (importlib.import_module(f"mwd_motor_columns.{name}") for name in ("v2_35", "arrow"))
+    rows = [tuple(row.values()) for row in package.input().to_pylist()]
+    schema = "time long, bus string, id long, extended boolean, remote boolean, data binary, direction string"
+    result = (
+        "time long, bus string, node int, direction string, command string, code long, "
+        "temperature tinyint, iq double, speed smallint, encoder double"
+    )
+    decode = functools.partial(arrow.decode_batches, decoder=edition_.decoder(PARAMETERS), table="motion_feedback")
+    builder = sql.SparkSession.builder.master("local[1]").config("spark.ui.enabled", "false")
+    session = builder.config("spark.driver.host", "127.0.0.1").getOrCreate()
+    try:
+        found = session.createDataFrame(rows, schema).mapInArrow(decode, result).collect()
+    finally:
+        session.stop()
+    expected = _decoded(package, [package.input()], "motion_feedback").to_pylist()
+    assert [row.asDict() for row in found] == expected
+
+
+def test_hostile_texts_stay_texts(tmp_path: Path) -> None:
+    hostile = 'x""" \'\\ {{7*7}} # )\\'
+    for output in target.generate([filled(lambda: hostile, tmp_path)], {}):
+        if output.path.endswith("/v1.py"):
+            tree = ast.parse(output.text)
+            assert all(isinstance(one, ast.Expr | ast.ImportFrom | ast.Assign | ast.AnnAssign) for one in tree.body)
+            assert "{{7*7}}" in output.text
+
+
+def test_names_that_are_taken_differ(tmp_path: Path) -> None:
+    fields = "{level: {at: 2, type: level}, time: {at: 4, raw: u8}, level_raws: {at: 5, raw: u8}}"
+    other = edition(tmp_path, MINIMAL.replace("{level: {at: 2, type: level}}", fields))
+    (layout,) = tables_of(other)
+    assert list(columns_of(layout).values()) == [
+        ("level", "level_raw"),
+        ("time_", "time_raw"),
+        ("level_raws", "level_raws_raw"),
+    ]
+    assert not list(TARGET.problems(other))
+    with pytest.raises(SpecError, match="already contains a module `logs`"):
+        edition(tmp_path, MINIMAL.replace("edition: v1", "edition: logs"))

@@ -1,0 +1,200 @@
+"""Golden frames and exchanges through tshark."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import pytest
+from canwright.language.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame
+from canwright.model.message import Direction
+from canwright.project.loader import specification
+from canwright.semantics.decoder import Decoder, Identified
+from canwright.semantics.frame import CanFrame
+from canwright.targets.base import Output, Specification
+from canwright.targets.wireshark import generate
+from canwright.targets.wireshark.family import preference
+from canwright.targets.wireshark.filters import filters, flag_filter
+
+from ..conformance.adapter import ExactValue
+from ..spec_texts import MINIMAL, ROOT, SPECS, called
+from .tshark import Captured, Dissected, dissect
+
+pytestmark = pytest.mark.tools
+
+SECOND = 1_000_000_000
+START = 1_700_000_000 * SECOND
+
+
+class Replay:
+    """The golden frames of an edition through its dissector."""
+
+    def __init__(self, item: Specification, folder: Path) -> None:
+        assert item.frames is not None
+        self.edition, self.frames = item.edition, item.frames
+        self._folder = folder
+        self._script = folder / f"{item.edition.family}.lua"
+        texts = {output.path: output.text for output in generate([item], {})}
+        self._script.write_text(texts[self._script.name], "utf-8")
+        self._filters = filters([item.edition]).names
+        self._decoder = Decoder(item.edition)
+        self.failures: list[str] = []
+        self.passed = 0
+
+    def frames_alone(self) -> None:
+        """Every golden frame and every rejected one, with the direction in the capture."""
+        entries: list[GoldenFrame | RefusedFrame] = [
+            *self.frames.frames,
+            *(one for one in self.frames.refused if isinstance(one, RefusedFrame)),
+        ]
+
+        def under(one: GoldenFrame | RefusedFrame) -> str:
+            return str(sorted(one.parameters.items()))
+
+        for _, group in itertools.groupby(sorted(entries, key=under), under):
+            same = list(group)
+            captured = [
+                Captured(START + number * SECOND, _can(one), _direction(one)) for number, one in enumerate(same)
+            ]
+            settings = {preference(name): str(value) for name, value in same[0].parameters.items()}
+            for one, found in zip(same, self._dissect(captured, {"marks": "always", **settings}), strict=True):
+                wrong = self._refused(one, found) if isinstance(one, RefusedFrame) else self._decoded(one, found)
+                self._count(one, wrong)
+
+    def exchanges(self) -> None:
+        """Every pair of frames of the golden file: the second is the reply to the first, or is not."""
+        pairs = [(one.request, one.reply) for one in self.frames.exchanges]
+        captured = [
+            Captured(START + number * SECOND + late * 100_000, _can(one), direction)
+            for number, pair in enumerate(pairs)
+            for late, (one, direction) in enumerate(zip(pair, Direction, strict=True))
+        ]
+        found = self._dissect(captured, {"marks": "always"})
+        for number, one in enumerate(self.frames.exchanges):
+            reply = found[2 * number + 1]
+            request = reply.one(self._name("request_in")) if reply else None
+            wanted = str(2 * number + 1) if one.says is None else None
+            self._count(one, "" if request == wanted else f"request {request}, not {wanted}")
+
+    def _dissect(self, captured: list[Captured], settings: Mapping[str, str]) -> list[Dissected | None]:
+        return dissect(self._folder, [self._script], self.edition.family, captured, settings)
+
+    def _count(self, one: GoldenFrame | RefusedFrame | Exchange, wrong: str) -> None:
+        if wrong:
+            self.failures.append(f"{one}: {wrong}")
+        else:
+            self.passed += 1
+
+    def _name(self, name: str) -> str:
+        return f"{self.edition.family}.{name}"
+
+    def _refused(self, one: RefusedFrame, found: Dissected | None) -> str:
+        reason = "unknown_id" if found is None else found.one(self._name("rejected"))
+        return "" if reason == one.says.value else f"{reason}, not {one.says.value}"
+
+    def _decoded(self, one: GoldenFrame, found: Dissected | None) -> str:
+        wanted = self._decoder.identify(one.direction, _can(one))
+        assert isinstance(wanted, Identified)
+        if found is None:
+            return "not dissected"
+        facts = {
+            "rejected": None,
+            "direction": one.direction.value,
+            "command": wanted.message.command,
+            "node": None if one.node is None else str(one.node),
+            "edition": self.edition.name,
+        }
+        for name, value in facts.items():
+            if found.one(self._name(name)) != value:
+                return f"{name} {found.one(self._name(name))}, not {value}"
+        for field in wanted.message.layout.fields:
+            if field.name in one.raw:
+                raw = one.raw[field.name]
+                raws = raw if isinstance(raw, list) else [raw]
+                name = self._name(self._filters[field.name])
+                shown = found.all(f"{name}.raw") or found.all(name)
+                if [int(text) for text in shown] != raws:
+                    return f"{field.name}: raw {shown}, not {raws}"
+                for flag in field.type.flags:
+                    bits = found.all(f"{name}.{flag_filter(flag.name)}")
+                    if [int(bit) for bit in bits] != [raw_ >> flag.value & 1 for raw_ in raws]:
+                        return f"{flag.name}: {bits}"
+            if field.name in one.values and not field.type.flags:
+                wrong = self._value(found, name, one.values[field.name])
+                if wrong:
+                    return f"{field.name}: {wrong}"
+        return ""
+
+    def _value(self, found: Dissected, name: str, value: ExactValue) -> str:
+        shown, texts = found.all(name), found.texts(name)
+        if value == "none":
+            return "" if not shown or texts[0].split(": ")[1].startswith("unknown") else f"{shown}, not none"
+        if isinstance(value, str):
+            return "" if texts[0].endswith(f": {value}") else f"{texts[0]}, not {value}"
+        wanted = value if isinstance(value, list) else [value]
+        numbers = [float(text) for text in shown]
+        if len(numbers) == len(wanted) and all(
+            math.isclose(float(one), number, rel_tol=1e-14) for one, number in zip(wanted, numbers, strict=True)
+        ):
+            return ""
+        return f"{numbers}, not {[float(one) for one in wanted]}"
+
+
+def _can(one: GoldenFrame | RefusedFrame | CheckedFrame) -> CanFrame:
+    return CanFrame(one.id, one.data, one.extended, one.remote)
+
+
+def _direction(one: GoldenFrame | RefusedFrame) -> Direction:
+    return one.direction if isinstance(one, GoldenFrame) else one.decode
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_golden_frames_through_tshark(spec: Path, tmp_path: Path) -> None:
+    replay = Replay(specification(spec), tmp_path)
+    replay.frames_alone()
+    replay.exchanges()
+    assert not replay.failures, f"{len(replay.failures)} of {replay.passed}\n" + "\n".join(replay.failures[:20])
+    assert replay.passed
+
+
+def test_editions_and_parameters_of_nodes(tmp_path: Path) -> None:
+    """Two editions on one bus; other nodes are not decoded, and nothing is without settings."""
+    specs = [specification(ROOT / f"spec/mwd_motor/{name}.yaml") for name in ("v2.35", "v2.35-2024-02")]
+    script = _script(tmp_path, generate(specs, {}))
+    frames = [
+        (0x141, "9A 32 00 E7 01 00 00 00"),
+        (0x142, "9A 32 08 13 64 00 00 00"),
+        (0x143, "A1 32 9B 00 F4 01 00 80"),
+    ]
+    captured = [
+        Captured(START + number * SECOND, CanFrame(id_, bytes.fromhex(data)), Direction.REPLY)
+        for number, (id_, data) in enumerate(frames)
+    ]
+
+    def found(preferences: Mapping[str, str], name: str) -> list[str | None]:
+        dissected = dissect(tmp_path, [script], "mwd_motor", captured, {"marks": "always", **preferences})
+        return [one.one(f"mwd_motor.{name}") if one else None for one in dissected]
+
+    nodes = {"nodes": "1: v2.35; 2: v2.35-2024-02"}
+    assert found(nodes, "voltage") == ["48.7", "48.72", None]
+    assert found(nodes, "edition") == ["v2.35", "v2.35-2024-02", None]
+    assert found({**nodes, "edition": "v2.35", "series": "MG"}, "iq") == [None, None, "2.49755859375"]
+    assert found({"nodes": "3: v2.35 series=MF"}, "iq") == [None, None, "1.248779296875"]
+    assert found({}, "edition") == [None, None, None]
+    assert found({"nodes": "3: v9", "edition": "v2.35"}, "edition") == ["v2.35"] * 3
+
+
+def test_a_family_with_the_name_of_a_protocol_of_wireshark(tmp_path: Path) -> None:
+    (tmp_path / "ip.yaml").write_text(MINIMAL.replace("family: lamp", "family: ip"), "utf-8")
+    script = _script(tmp_path, generate([specification(tmp_path / "ip.yaml")], {}))
+    captured = [Captured(START, CanFrame(0x102, bytes.fromhex("10 00 01 00 00 00 00 00")))]
+    [found] = dissect(tmp_path, [script], "ip_can", captured, {})
+    assert found is not None and found.one("ip_can.command") == "dim"
+
+
+def _script(folder: Path, outputs: Iterable[Output]) -> Path:
+    output = next(output for output in outputs if output.path.endswith(".lua"))
+    (folder / output.path).write_text(output.text, "utf-8")
+    return folder / output.path
