@@ -1,8 +1,9 @@
 """Small specs that ask for much work, and the time and memory that they take: `python -m tests.strangers.attacks`.
 
-Every spec within the limits of canwright takes at most `SECONDS` of processor time and `MEGABYTES` of memory, and so
-does the rejection of any other. The command runs every spec of `ATTACKS` through `generate`, `check`, `show`
-and `diff`, and exits with 1 if one of them takes more. Names given as arguments select attacks.
+Every spec within the limits of canwright takes at most `LOOPS` times the processor time of a fixed loop, and
+`MEGABYTES` of memory, and so does the rejection of any other. The loop runs before each attack, so that a busy machine
+does not change the verdict. The command runs every spec of `ATTACKS` through `generate`, `check`, `show` and `diff`,
+and exits with 1 if one of them takes more. Names given as arguments select attacks.
 """
 
 from __future__ import annotations
@@ -16,9 +17,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-SECONDS = 10.0
+LOOPS = 80.0
+"""The maximum processor time of a run, relative to that of `LOOP`, which takes about a quarter of a second."""
+LOOP = "sum(i * i % 7 for i in range(3_000_000))"
 MEGABYTES = 500
-TIME_OUT = 30
+TIME_OUT = 60
 """Seconds of processor time after which a run is killed."""
 ADDRESS_SPACE = 3 << 30
 """Bytes of address space of a run: what it reserves is more than what it uses."""
@@ -467,26 +470,25 @@ class Usage(NamedTuple):
     status: int
     output: str
 
-    @property
-    def is_within_limits(self) -> bool:
+    def is_within_limits(self, seconds: float) -> bool:
         return (
             self.status in (0, 1, 2)
-            and self.seconds <= SECONDS
+            and self.seconds <= seconds
             and self.megabytes <= MEGABYTES
             and "Traceback" not in self.output
         )
 
 
-def run(*arguments: str, log: Path) -> Usage:
-    """Runs `canwright` with limits that the kernel enforces; the output is in the file `log`."""
+def run(*arguments: str, log: Path, address_space: int = ADDRESS_SPACE, time_out: int = TIME_OUT) -> Usage:
+    """Runs Python with limits that the kernel enforces, in bytes and seconds; the output is in the file `log`."""
 
     def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE, ADDRESS_SPACE))
-        resource.setrlimit(resource.RLIMIT_CPU, (TIME_OUT, TIME_OUT))
+        resource.setrlimit(resource.RLIMIT_AS, (address_space, address_space))
+        resource.setrlimit(resource.RLIMIT_CPU, (time_out, time_out))
 
     with log.open("wb") as stream:
         process = subprocess.Popen(
-            [sys.executable, "-m", "canwright", *arguments],
+            [sys.executable, *arguments],
             stdout=stream,
             stderr=subprocess.STDOUT,
             cwd=log.parent,
@@ -508,7 +510,7 @@ def uses(attack: Attack, folder: Path) -> Iterator[tuple[str, Usage]]:
         "show": ("show", "c0", "--spec", spec),
         "diff": ("diff", spec, str(_edited(attack, folder))),
     }.items():
-        yield name, run(*arguments, log=folder / "log")
+        yield name, run("-m", "canwright", *arguments, log=folder / "log")
 
 
 def _edited(attack: Attack, folder: Path) -> Path:
@@ -523,8 +525,10 @@ def main(names: list[str]) -> int:
         if names and not any(word in name for word in names):
             continue
         with tempfile.TemporaryDirectory() as folder:
+            seconds = LOOPS * run("-c", LOOP, log=Path(folder, "log")).seconds
             for command, used in uses(attack(), Path(folder)):
-                verdict = "OK" if used.is_within_limits else "EXCEEDS"
+                is_within = used.is_within_limits(seconds)
+                verdict = "OK" if is_within else "EXCEEDS"
                 size = (
                     sum(f.stat().st_size for f in Path(folder, "out").rglob("*") if f.is_file())
                     if command == "generate"
@@ -532,11 +536,11 @@ def main(names: list[str]) -> int:
                 )
                 first = used.output.strip().splitlines()[:1]
                 print(
-                    f"{verdict:8}{name:45}{command:9}{used.seconds:7.1f} s {used.megabytes:6.0f} MB {used.status:4}"
+                    f"{verdict:8}{name:45}{command:9}{used.seconds:7.1f} s of {seconds:4.1f} {used.megabytes:6.0f} MB {used.status:4}"
                     f" {size / 1e6:8.1f} {''.join(first)[-110:]}",
                     flush=True,
                 )
-                if not used.is_within_limits:
+                if not is_within:
                     exceeding.append(name)
     return int(bool(exceeding))
 

@@ -17,7 +17,7 @@ from canwright.rules import bit_patterns
 from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, findings, marked, places
-from .attacks import ATTACKS
+from .attacks import ATTACKS, run
 
 AT_ONCE = 8.0
 """CPU seconds, for a slow machine; what is unbounded takes minutes, or does not end."""
@@ -234,3 +234,14 @@ def test_requests_of_one_address_are_not_replies_of_another(tmp_path: Path) -> N
 def test_a_file_has_a_limited_number_of_values(tmp_path: Path) -> None:
     (found,) = findings(tmp_path, ATTACKS["long list"]().spec)
     assert (found.rule, found.position.line) == ("file-size", 7)
+
+
+@pytest.mark.parametrize("name", ["enum x fields", "keys as names", "from_each of other nodes"])
+def test_processes_with_limits_reject_attacks(name: str, tmp_path: Path) -> None:
+    """With 600 MB of address space and 10 seconds of processor time, which the kernel enforces."""
+    spec = ATTACKS[name]().write(tmp_path)
+    arguments = ("-m", "canwright", "generate", "--spec", str(spec), "--out", str(tmp_path / "out"), "--no-cache")
+    used = run(*arguments, log=tmp_path / "log", address_space=600 << 20, time_out=10)
+    assert (used.status, "Traceback" in used.output) == (1, False)
+    assert f"{spec}:" in used.output
+    assert not (tmp_path / "out").exists()

@@ -45,7 +45,7 @@ WARNING = Severity.WARNING
 RULES: tuple[Rule, ...] = (
     Rule(
         "too-large",
-        "A spec has at most 3000 commands, 20000 fields, 64 combinations of choices and a size of 200000, which is the "
+        "A spec has at most 3000 commands, 20000 fields, 64 combinations of choices and a size of 400000, which is the "
         "sum of the sizes of its parts.",
         too_large.check,
         phase=Phase.SIZE,

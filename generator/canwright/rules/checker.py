@@ -69,14 +69,14 @@ class _Checker:
             (rule, finding) for rule in RULES if rule.check and rule.phase is phase for finding in rule.check(subject)
         )
         relevant = (one for one in found if one[1].path not in affected or one[1].in_frames)
+        listed = self.warnings
         for rule, finding in itertools.islice(relevant, MOST_FINDINGS):
-            self._add(rule, finding)
+            listed = self._add(rule, finding)
         others = sum(1 for _ in itertools.islice(relevant, MOST_COUNTED))
-        listed = self.errors if self.errors else self.warnings
         listed[:] = with_number_of_others(listed, others, at_least=others == MOST_COUNTED)
 
-    def _add(self, rule: Rule, finding: Finding) -> None:
-        """Adds a finding, unless it is about a key that another rule has reported."""
+    def _add(self, rule: Rule, finding: Finding) -> list[Diagnostic]:
+        """Adds a finding, unless it is about a key that another rule has reported; returns the list of its severity."""
         document = self._frames if finding.in_frames else self._document
         is_warning = rule.severity is Severity.WARNING
         diagnostic = document.finding(
@@ -85,8 +85,10 @@ class _Checker:
         if finding.related:
             items = ((self._document.position(r.path, key=r.key), r.item) for r in finding.related)
             diagnostic = replace(diagnostic, related=tuple(Related(*item) for item in items))
+        listed = self.warnings if is_warning else self.errors
         if self._rules.setdefault(diagnostic.place, rule.id) != rule.id and finding.key:
-            return
-        (self.warnings if is_warning else self.errors).append(diagnostic)
+            return listed
+        listed.append(diagnostic)
         if not is_warning:
             self.invalid.append(finding.path)
+        return listed

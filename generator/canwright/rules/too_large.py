@@ -1,6 +1,6 @@
 """The number of combinations of choices and the size of what is generated are limited.
 
-The size is an estimate in units of 25 to 60 microseconds. It is computed from the edition before anything is generated,
+The size is an estimate in units of 25 to 65 microseconds. It is computed from the edition before anything is generated,
 in time proportional to the spec. `resolve` limits the commands and fields before that.
 """
 
@@ -23,7 +23,7 @@ from .rule import Finding, Findings, Subject
 MOST_COMBINATIONS = 64
 """The maximum number of combinations of choices among names; each has its own files."""
 MOST_SIZE = 400_000
-"""The maximum size: 10 to 20 seconds of processor time, depending on the machine, and 300 MB."""
+"""The maximum size: 10 to 25 seconds of processor time, depending on the machine, and 300 MB."""
 
 COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 10, 3, 8, 5, 7, 2
 """The size of a command, a message, a defined field, a type, a named value, a scale or range for a choice, a golden
@@ -34,9 +34,11 @@ LISTED = 0.15
 """The size of an element of a field in one message, for one node and one combination of choices."""
 NODE = 0.05
 """The size of a node that replies."""
+PLACE = 0.4
+"""The size of an erratum in one of the commands that it is about."""
 CHARACTER = 0.01
 """The size of a character of a text in one place."""
-VALUE_OF_LINE = 1 / 16
+VALUE_OF_LINE = 1 / 5
 """The size of a named value of an element, in relation to that of the element."""
 
 
@@ -99,7 +101,8 @@ def _sizes(edition: Edition, combinations: int) -> Iterator[Size]:
         yield Size(Part.FACTS, command.path, ITEM * sum(map(len, facts)))
     yield from (Size(Part.TYPES, type_.path, _type(type_)) for type_ in edition.types)
     for erratum_number, erratum in enumerate(edition.errata):
-        yield Size(Part.FACTS, ("errata", erratum_number), ITEM * (2 + len(erratum.where)))
+        places = PLACE * len(edition.commands) * erratum.where.count("commands")
+        yield Size(Part.FACTS, ("errata", erratum_number), ITEM * (2 + len(erratum.where)) + places)
     for key, items in (
         ("settings", edition.settings),
         ("effects", edition.effects),

@@ -126,19 +126,19 @@ struct parameters : ::mwd_motor_v2_35_parameters_t {
     /** Sets `series`. */
     constexpr parameters &set(::mwd_motor::v2_35::series value) noexcept
     {
-        series = static_cast<::mwd_motor_v2_35_series_t>(value);
+        ::mwd_motor_v2_35_parameters_t::series = static_cast<::mwd_motor_v2_35_series_t>(value);
         return *this;
     }
     /** Sets `encoder_bits`. */
     constexpr parameters &set(::mwd_motor::v2_35::encoder_bits value) noexcept
     {
-        encoder_bits = static_cast<::mwd_motor_v2_35_encoder_bits_t>(value);
+        ::mwd_motor_v2_35_parameters_t::encoder_bits = static_cast<::mwd_motor_v2_35_encoder_bits_t>(value);
         return *this;
     }
     /** Sets `gear_ratio` to a quotient. */
-    constexpr parameters &set_gear_ratio(std::int32_t numerator, std::uint32_t denominator = 1u) noexcept
+    constexpr parameters &set_gear_ratio(::std::int32_t numerator, ::std::uint32_t denominator = 1u) noexcept
     {
-        gear_ratio = {numerator, denominator};
+        ::mwd_motor_v2_35_parameters_t::gear_ratio = {numerator, denominator};
         return *this;
     }
 };
@@ -442,13 +442,13 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_torque_current_to_double(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -462,13 +462,13 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_torque_current_to_milli(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -496,13 +496,13 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_double(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -516,13 +516,13 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_milli(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -692,13 +692,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_torque_current_to_double(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -712,13 +712,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_torque_current_to_milli(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1042,13 +1042,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_double(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1062,13 +1062,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1082,19 +1082,19 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
-    std::size_t index) noexcept
+    ::std::size_t index) noexcept
 {
     if (index >= 4u) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return ::mwd_motor_v2_35_broadcast_current_to_double(message.iq[index]);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
 [[nodiscard]] static inline status set(
-    ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, std::size_t index,
+    ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, ::std::size_t index,
     double value) noexcept
 {
     if (index >= 4u) {
@@ -1104,19 +1104,19 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
-    std::size_t index) noexcept
+    ::std::size_t index) noexcept
 {
     if (index >= 4u) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return ::mwd_motor_v2_35_broadcast_current_to_milli(message.iq[index]);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
 [[nodiscard]] static inline status set_milli(
-    ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, std::size_t index,
+    ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, ::std::size_t index,
     int32_t value) noexcept
 {
     if (index >= 4u) {
@@ -1142,13 +1142,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_double(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1162,13 +1162,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_milli(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1182,13 +1182,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_double(&value, message.encoder_measured, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1202,13 +1202,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_milli(&value, message.encoder_measured, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1222,13 +1222,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_double(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1242,13 +1242,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1262,13 +1262,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_double(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1282,13 +1282,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1317,12 +1317,12 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int64_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int64_t> get_milli(
     const ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     int64_t value = 0;
     if (::mwd_motor_v2_35_multi_turn_angle_to_milli(&value, message.angle) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1473,440 +1473,440 @@ static inline void set(
 }
 
 /** Encodes a request of motor_off, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_motor_off_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_off; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_off_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_motor_off_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of motor_on, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_motor_on_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_on; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_on_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_motor_on_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of motor_stop, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_motor_stop_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_stop; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_motor_stop_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_set_power_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_set_power_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_torque, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_set_torque_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_torque; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_set_torque_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_set_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_set_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_move_to_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_move_to_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_move_to_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_move_to_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_turn_to_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_turn_to_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_turn_to_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_turn_to_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_by_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_move_by_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_by_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_move_by_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_move_by_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_move_by_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_pid_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_pid_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_pid_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_pid_ram, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_pid_ram_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_pid_ram_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_write_pid_ram_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_pid_ram; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_pid_ram_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_pid_ram_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_pid_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_pid_rom_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_pid_rom_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_write_pid_rom_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_pid_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_pid_rom_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_pid_rom_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_acceleration, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_acceleration_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_acceleration_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_acceleration_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_acceleration; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_acceleration_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_acceleration_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_acceleration_ram, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_acceleration_ram_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_acceleration_ram_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_write_acceleration_ram_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_acceleration_ram; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_acceleration_ram_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_acceleration_ram_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_encoder, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_encoder_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_encoder; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_encoder_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_encoder_offset_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_encoder_offset_rom_request &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_encoder_offset_rom_request &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -1914,215 +1914,215 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_encoder_offset_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_encoder_offset_rom_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_encoder_offset_rom_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_write_position_as_zero_rom_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_position_as_zero_rom_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_multi_turn_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_multi_turn_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_single_turn_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_single_turn_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of clear_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const clear_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const clear_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_clear_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of clear_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     clear_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_clear_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_1, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_status_1_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_1; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_status_1_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of clear_errors, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_clear_errors_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of clear_errors; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_clear_errors_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_2, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_status_2_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_2; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_status_2_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_3, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_status_3_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_3; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_status_3_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of broadcast_torque, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
+[[nodiscard]] static inline ::std::optional<frame> encode(
     const broadcast_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2130,192 +2130,192 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of broadcast_torque; the result is the node, which is 0 as the id contains none. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     broadcast_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_broadcast_torque_request_decode(&message, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_off, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_motor_off_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_off; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_off_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_motor_off_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_on, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_motor_on_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_on; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_on_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_motor_on_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_stop, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_motor_stop_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_stop; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_motor_stop_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_set_power_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_power_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_set_power_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_torque, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_set_torque_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_torque; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_torque_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_set_torque_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_set_speed_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_set_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_move_to_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_move_to_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2323,48 +2323,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_move_to_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_turn_to_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_turn_to_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2372,48 +2372,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_turn_to_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_by_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_move_by_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_by_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_move_by_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2421,168 +2421,168 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_move_by_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_pid_ram, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_pid_ram_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_pid_ram_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_write_pid_ram_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_pid_ram; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_pid_ram_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_pid_ram_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_pid_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_pid_rom_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_pid_rom_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_write_pid_rom_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_pid_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_pid_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_pid_rom_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_acceleration, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_acceleration_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_acceleration_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_acceleration_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_acceleration; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_acceleration_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_acceleration_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_acceleration_ram, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_acceleration_ram_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_acceleration_ram_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_write_acceleration_ram_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_acceleration_ram; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_acceleration_ram_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_acceleration_ram_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_encoder, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_encoder_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_encoder; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_encoder_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_encoder_offset_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_encoder_offset_rom_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_encoder_offset_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2590,24 +2590,24 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_encoder_offset_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_encoder_offset_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_encoder_offset_rom_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2615,48 +2615,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_write_position_as_zero_rom_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_multi_turn_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_multi_turn_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2664,139 +2664,139 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_single_turn_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of clear_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const clear_angle_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const clear_angle_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_clear_angle_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of clear_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     clear_angle_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_clear_angle_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_1, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_status_1_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_1; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_status_1_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of clear_errors, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_clear_errors_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of clear_errors; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_clear_errors_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_2, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_status_2_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_2; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_status_2_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_3, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_read_status_3_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_3; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_read_status_3_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Any request: its node, and its fields in the member of `as` that has the name of the command. */
@@ -2810,7 +2810,7 @@ struct any_request : ::mwd_motor_v2_35_any_request_t {
 };
 
 /** Decodes any request. */
-[[nodiscard]] static inline std::optional<any_request> decode_request(
+[[nodiscard]] static inline ::std::optional<any_request> decode_request(
     const frame &from, status *why = nullptr) noexcept
 {
     any_request found;
@@ -2818,7 +2818,7 @@ struct any_request : ::mwd_motor_v2_35_any_request_t {
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<any_request>(found) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<any_request>(found) : ::std::nullopt;
 }
 
 /** Any reply: its node, and its fields in the member of `as` that has the name of the command. */
@@ -2832,7 +2832,7 @@ struct any_reply : ::mwd_motor_v2_35_any_reply_t {
 };
 
 /** Decodes any reply. */
-[[nodiscard]] static inline std::optional<any_reply> decode_reply(
+[[nodiscard]] static inline ::std::optional<any_reply> decode_reply(
     const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     any_reply found;
@@ -2840,7 +2840,7 @@ struct any_reply : ::mwd_motor_v2_35_any_reply_t {
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<any_reply>(found) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<any_reply>(found) : ::std::nullopt;
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */

@@ -165,19 +165,19 @@ struct parameters : ::mwd_motor_v2_35_2024_02_parameters_t {
     /** Sets `series`. */
     constexpr parameters &set(::mwd_motor::v2_35_2024_02::series value) noexcept
     {
-        series = static_cast<::mwd_motor_v2_35_2024_02_series_t>(value);
+        ::mwd_motor_v2_35_2024_02_parameters_t::series = static_cast<::mwd_motor_v2_35_2024_02_series_t>(value);
         return *this;
     }
     /** Sets `encoder_bits`. */
     constexpr parameters &set(::mwd_motor::v2_35_2024_02::encoder_bits value) noexcept
     {
-        encoder_bits = static_cast<::mwd_motor_v2_35_2024_02_encoder_bits_t>(value);
+        ::mwd_motor_v2_35_2024_02_parameters_t::encoder_bits = static_cast<::mwd_motor_v2_35_2024_02_encoder_bits_t>(value);
         return *this;
     }
     /** Sets `gear_ratio` to a quotient. */
-    constexpr parameters &set_gear_ratio(std::int32_t numerator, std::uint32_t denominator = 1u) noexcept
+    constexpr parameters &set_gear_ratio(::std::int32_t numerator, ::std::uint32_t denominator = 1u) noexcept
     {
-        gear_ratio = {numerator, denominator};
+        ::mwd_motor_v2_35_2024_02_parameters_t::gear_ratio = {numerator, denominator};
         return *this;
     }
 };
@@ -512,13 +512,13 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_measured_torque_current_to_double(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -532,13 +532,13 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_measured_torque_current_to_milli(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -568,13 +568,13 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -588,13 +588,13 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -797,13 +797,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_torque_current_to_double(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -817,13 +817,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_torque_current_to_milli(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -869,13 +869,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_torque_current_to_double(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -889,13 +889,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_torque_current_to_milli(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1213,14 +1213,14 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder_offset,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1234,13 +1234,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1299,13 +1299,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1319,13 +1319,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1339,14 +1339,14 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder_measured,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1360,14 +1360,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder_measured,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1381,14 +1381,14 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder_offset,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1402,13 +1402,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1422,14 +1422,14 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder_offset,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1443,13 +1443,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1479,13 +1479,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int64_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int64_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
     int64_t value = 0;
     if (::mwd_motor_v2_35_2024_02_multi_turn_angle_to_milli(&value, message.angle) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1547,13 +1547,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, message.phase_a, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1567,13 +1567,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_phase_current_to_milli(&value, message.phase_a, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1587,13 +1587,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, message.phase_b, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1607,13 +1607,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_phase_current_to_milli(&value, message.phase_b, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1627,13 +1627,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, message.phase_c, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1647,13 +1647,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_35_2024_02_phase_current_to_milli(&value, message.phase_c, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1667,512 +1667,512 @@ static inline void set(
 }
 
 /** Encodes a request of motor_off, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_motor_off_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_off; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_off_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_motor_off_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of motor_on, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_motor_on_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_on; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_on_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_motor_on_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of motor_stop, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_motor_stop_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_stop; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_motor_stop_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of brake, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const brake_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const brake_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_brake_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of brake; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     brake_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_brake_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_power_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_power_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_torque, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_torque_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_torque; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_torque_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_speed_limited, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_speed_limited_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_speed_limited_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_speed_limited_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_speed_limited; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_speed_limited_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_speed_limited_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_by_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_by_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_torque_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_torque_limit_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_torque_limit_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_torque_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_torque_limit_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_acceleration_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_acceleration_limit_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_acceleration_limit_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_acceleration_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_acceleration_limit_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_speed_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_speed_limit_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_speed_limit_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_speed_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_limit_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_torque_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_torque_limit_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_torque_limit_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_torque_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_torque_limit_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_acceleration_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_acceleration_limit_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_acceleration_limit_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_acceleration_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_acceleration_limit_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_speed_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_speed_limit_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_speed_limit_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_speed_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_limit_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_encoder, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_encoder_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_encoder; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_encoder_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_encoder_offset_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_encoder_offset_rom_request &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_encoder_offset_rom_request &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2181,384 +2181,384 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_encoder_offset_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_encoder_offset_rom_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_1, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_status_1_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_1; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_status_1_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of clear_errors, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_clear_errors_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of clear_errors; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_clear_errors_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_2, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_status_2_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_2; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_status_2_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_3, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_status_3_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_3; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_status_3_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_off, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_motor_off_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_off; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_off_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_motor_off_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_on, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_motor_on_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_on; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_on_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_motor_on_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_stop, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_motor_stop_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_stop; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_motor_stop_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of brake, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const brake_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const brake_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_brake_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of brake; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     brake_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_brake_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_power_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_power_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_power_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_torque, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_torque_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_torque; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_torque_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_torque_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_speed_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_speed_limited, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_speed_limited_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_speed_limited_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2566,48 +2566,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_speed_limited; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_speed_limited_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2615,48 +2615,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2664,48 +2664,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_by_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_by_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2713,192 +2713,192 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_torque_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_torque_limit_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_torque_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_torque_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_torque_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_acceleration_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_acceleration_limit_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_acceleration_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_acceleration_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_acceleration_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_speed_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_speed_limit_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_speed_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_speed_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_torque_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_torque_limit_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_torque_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_torque_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_torque_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_acceleration_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_acceleration_limit_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_acceleration_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_acceleration_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_acceleration_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_speed_limit, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_speed_limit_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_speed_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_speed_limit; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_encoder, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_encoder_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_encoder; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_encoder_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_encoder_offset_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_encoder_offset_rom_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_encoder_offset_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2906,24 +2906,24 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_encoder_offset_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_encoder_offset_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2932,48 +2932,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2981,139 +2981,139 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_set_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_set_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_1, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_status_1_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_1; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_status_1_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of clear_errors, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_clear_errors_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of clear_errors; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_clear_errors_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_2, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_status_2_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_2; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_status_2_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_3, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_35_2024_02_read_status_3_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_3; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_35_2024_02_read_status_3_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Any request: its node, and its fields in the member of `as` that has the name of the command. */
@@ -3127,7 +3127,7 @@ struct any_request : ::mwd_motor_v2_35_2024_02_any_request_t {
 };
 
 /** Decodes any request. */
-[[nodiscard]] static inline std::optional<any_request> decode_request(
+[[nodiscard]] static inline ::std::optional<any_request> decode_request(
     const frame &from, status *why = nullptr) noexcept
 {
     any_request found;
@@ -3135,7 +3135,7 @@ struct any_request : ::mwd_motor_v2_35_2024_02_any_request_t {
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<any_request>(found) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<any_request>(found) : ::std::nullopt;
 }
 
 /** Any reply: its node, and its fields in the member of `as` that has the name of the command. */
@@ -3149,7 +3149,7 @@ struct any_reply : ::mwd_motor_v2_35_2024_02_any_reply_t {
 };
 
 /** Decodes any reply. */
-[[nodiscard]] static inline std::optional<any_reply> decode_reply(
+[[nodiscard]] static inline ::std::optional<any_reply> decode_reply(
     const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     any_reply found;
@@ -3157,7 +3157,7 @@ struct any_reply : ::mwd_motor_v2_35_2024_02_any_reply_t {
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<any_reply>(found) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<any_reply>(found) : ::std::nullopt;
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */

@@ -278,19 +278,19 @@ struct parameters : ::mwd_motor_v2_36_2025_03_parameters_t {
     /** Sets `series`. */
     constexpr parameters &set(::mwd_motor::v2_36_2025_03::series value) noexcept
     {
-        series = static_cast<::mwd_motor_v2_36_2025_03_series_t>(value);
+        ::mwd_motor_v2_36_2025_03_parameters_t::series = static_cast<::mwd_motor_v2_36_2025_03_series_t>(value);
         return *this;
     }
     /** Sets `encoder_bits`. */
     constexpr parameters &set(::mwd_motor::v2_36_2025_03::encoder_bits value) noexcept
     {
-        encoder_bits = static_cast<::mwd_motor_v2_36_2025_03_encoder_bits_t>(value);
+        ::mwd_motor_v2_36_2025_03_parameters_t::encoder_bits = static_cast<::mwd_motor_v2_36_2025_03_encoder_bits_t>(value);
         return *this;
     }
     /** Sets `gear_ratio` to a quotient. */
-    constexpr parameters &set_gear_ratio(std::int32_t numerator, std::uint32_t denominator = 1u) noexcept
+    constexpr parameters &set_gear_ratio(::std::int32_t numerator, ::std::uint32_t denominator = 1u) noexcept
     {
-        gear_ratio = {numerator, denominator};
+        ::mwd_motor_v2_36_2025_03_parameters_t::gear_ratio = {numerator, denominator};
         return *this;
     }
 };
@@ -938,13 +938,13 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_measured_torque_current_to_double(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -958,13 +958,13 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_measured_torque_current_to_milli(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -994,13 +994,13 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_double(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1014,13 +1014,13 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_milli(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1444,13 +1444,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_torque_current_to_double(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1464,13 +1464,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_torque_current_to_milli(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1484,13 +1484,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_torque_current_to_double(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1504,13 +1504,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_torque_current_to_milli(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1843,13 +1843,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_double(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1863,13 +1863,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_milli(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1883,14 +1883,14 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_double(&value, message.encoder_measured,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1904,14 +1904,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_milli(&value, message.encoder_measured,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1925,14 +1925,14 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_double(&value, message.encoder_offset,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -1946,13 +1946,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2015,14 +2015,14 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_double(&value, message.encoder_offset,
         &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2036,13 +2036,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2072,13 +2072,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int64_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int64_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
     int64_t value = 0;
     if (::mwd_motor_v2_36_2025_03_multi_turn_angle_to_milli(&value, message.angle) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2140,13 +2140,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_phase_current_to_double(&value, message.phase_a, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2160,13 +2160,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_phase_current_to_milli(&value, message.phase_a, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2180,13 +2180,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_phase_current_to_double(&value, message.phase_b, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2200,13 +2200,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_phase_current_to_milli(&value, message.phase_b, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2220,13 +2220,13 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline std::optional<double> get(
+[[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>, const parameters &known) noexcept
 {
     double value = 0;
     if (::mwd_motor_v2_36_2025_03_phase_current_to_double(&value, message.phase_c, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2240,13 +2240,13 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline std::optional<int32_t> get_milli(
+[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>, const parameters &known) noexcept
 {
     int32_t value = 0;
     if (::mwd_motor_v2_36_2025_03_phase_current_to_milli(&value, message.phase_c, &known) != CANWRIGHT_OK) {
-        return std::nullopt;
+        return ::std::nullopt;
     }
     return value;
 }
@@ -2276,584 +2276,584 @@ static inline void set(
 }
 
 /** Encodes a request of motor_off, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_motor_off_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_off; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_off_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_motor_off_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of motor_on, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_motor_on_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_on; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_on_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_motor_on_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of motor_stop, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_motor_stop_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of motor_stop; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_motor_stop_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of brake, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const brake_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const brake_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_brake_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of brake; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     brake_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_brake_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_power_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_power_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_torque, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_torque_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_torque; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_torque_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_move_to_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_move_to_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_turn_to_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_turn_to_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_by_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_move_by_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_by_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_move_by_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_angle_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_angle_pid_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_angle_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_angle_pid_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_angle_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_angle_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_angle_pid_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_speed_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_speed_pid_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_speed_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_speed_pid_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_speed_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_speed_pid_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_current_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_current_pid_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_current_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_current_pid_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_current_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_current_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_current_pid_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_max_torque_current, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_max_torque_current_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_max_torque_current_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_max_torque_current_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_max_torque_current; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_torque_current_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_max_torque_current_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_max_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_max_speed_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_max_speed_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_max_speed_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_max_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_speed_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_max_speed_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_upper_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_upper_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_upper_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_upper_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_upper_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_upper_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_upper_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_lower_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_lower_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_lower_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_lower_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_lower_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_lower_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_lower_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_control_parameter_speed_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_speed_ramp_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_speed_ramp_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_speed_ramp_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_control_parameter_speed_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_ramp_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_speed_ramp_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_angle_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_angle_pid_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_angle_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_angle_pid_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_angle_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_angle_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_angle_pid_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_speed_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_speed_pid_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_speed_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_speed_pid_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_speed_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_speed_pid_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_current_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_current_pid_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_current_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_current_pid_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_current_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_current_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_current_pid_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_max_torque_current, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_max_torque_current_request &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_max_torque_current_request &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -2862,745 +2862,745 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_max_torque_current; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_torque_current_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_max_torque_current_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_max_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_max_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_max_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_max_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_max_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_max_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_upper_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_upper_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_upper_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_upper_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_upper_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_upper_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_upper_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_lower_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_lower_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_lower_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_lower_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_lower_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_lower_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_lower_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_control_parameter_ram_speed_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_speed_ramp_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_speed_ramp_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_speed_ramp_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_control_parameter_ram_speed_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_ramp_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_speed_ramp_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_encoder, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_encoder_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_encoder; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_encoder_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of calibrate_encoder, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const calibrate_encoder_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const calibrate_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_calibrate_encoder_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of calibrate_encoder; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     calibrate_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_calibrate_encoder_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_single_turn_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_single_turn_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of set_zero_ram, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_zero_ram_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_zero_ram_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_zero_ram_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of set_zero_ram; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_zero_ram_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_zero_ram_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_1, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_status_1_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_1; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_status_1_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of clear_errors, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_clear_errors_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of clear_errors; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_clear_errors_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_2, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_status_2_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_2; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_status_2_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_status_3, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_status_3_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_status_3; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_status_3_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_driver_id, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_driver_id_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_driver_id_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_driver_id_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_driver_id; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_driver_id_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_driver_id_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_bus_type, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_bus_type_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_bus_type_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_bus_type_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_bus_type; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_bus_type_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_bus_type_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_rs485_baud_rate, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_rs485_baud_rate_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_rs485_baud_rate_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_rs485_baud_rate; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_rs485_baud_rate_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_can_baud_rate, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_can_baud_rate_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_can_baud_rate_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_can_baud_rate; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_can_baud_rate_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_max_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_max_power_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_max_power_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_power_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_max_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_power_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_power_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_max_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_max_speed_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_max_speed_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_speed_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_max_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_speed_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_speed_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_max_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_max_angle_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_max_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_angle_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_max_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_angle_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_current_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_current_ramp_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_current_ramp_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_current_ramp_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_current_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_current_ramp_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_current_ramp_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_speed_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_speed_ramp_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_speed_ramp_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_speed_ramp_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_speed_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_speed_ramp_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_speed_ramp_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_angle_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_angle_pid_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_angle_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_angle_pid_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_angle_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_angle_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_angle_pid_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_speed_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_speed_pid_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_speed_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_speed_pid_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_speed_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_speed_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_speed_pid_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of read_stored_setting_current_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_current_pid_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_current_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_current_pid_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of read_stored_setting_current_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_current_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_current_pid_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_driver_id, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_driver_id_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_driver_id_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_driver_id_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_driver_id; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_driver_id_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_driver_id_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_bus_type, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_bus_type_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_bus_type_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_bus_type_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_bus_type; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_bus_type_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_bus_type_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_rs485_baud_rate, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_rs485_baud_rate_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_rs485_baud_rate_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_rs485_baud_rate; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_rs485_baud_rate_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_request_decode(&message, &node,
         &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_can_baud_rate, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_can_baud_rate_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_can_baud_rate_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_can_baud_rate; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_can_baud_rate_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_max_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_max_power_request &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_max_power_request &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -3608,408 +3608,408 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_max_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_power_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_max_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_max_speed_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_max_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_speed_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_max_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_speed_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_max_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_max_angle_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_max_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_angle_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_max_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_angle_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_current_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_current_ramp_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_current_ramp_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_current_ramp_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_current_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_current_ramp_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_current_ramp_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_speed_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_speed_ramp_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_speed_ramp_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_speed_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_speed_ramp_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_angle_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_angle_pid_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_angle_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_angle_pid_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_angle_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_angle_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_angle_pid_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_speed_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_speed_pid_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_speed_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_speed_pid_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_speed_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_speed_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_speed_pid_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of stage_stored_setting_current_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_current_pid_request &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_current_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_current_pid_request_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of stage_stored_setting_current_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_current_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_current_pid_request_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a request of save_stored_settings, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const save_settings_request &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const save_settings_request &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_save_settings_request_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a request of save_stored_settings; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     save_settings_request &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_save_settings_request_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_off, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_motor_off_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_off; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_off_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_motor_off_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_on, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_motor_on_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_on; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_on_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_motor_on_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of motor_stop, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_motor_stop_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of motor_stop; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_motor_stop_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of brake, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const brake_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const brake_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_brake_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of brake; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     brake_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_brake_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_power_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_power_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_power_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_torque, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_torque_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_torque; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_torque_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_torque_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_speed_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_move_to_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_move_to_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -4017,48 +4017,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_turn_to_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_turn_to_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -4066,48 +4066,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_by_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_move_by_angle_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_by_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_move_by_angle_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -4115,96 +4115,96 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_angle_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_angle_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_angle_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_angle_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_angle_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_speed_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_speed_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_speed_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_speed_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_speed_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_current_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_current_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_current_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_current_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_current_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_max_torque_current, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_max_torque_current_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_max_torque_current_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -4213,192 +4213,192 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_max_torque_current; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_torque_current_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_max_torque_current_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_max_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_max_speed_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_max_speed_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_max_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_max_speed_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_upper_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_upper_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_upper_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_upper_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_upper_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_upper_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_upper_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_lower_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_lower_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_lower_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_lower_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_lower_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_lower_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_lower_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_control_parameter_speed_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_param_speed_ramp_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_param_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_param_speed_ramp_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_control_parameter_speed_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_param_speed_ramp_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_angle_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_angle_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_angle_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_angle_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_angle_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_speed_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_speed_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_speed_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_speed_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_speed_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_current_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_current_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_current_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_current_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_current_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_max_torque_current, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_max_torque_current_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_max_torque_current_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -4407,168 +4407,168 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_max_torque_current; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_torque_current_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_max_torque_current_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_max_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_max_speed_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_max_speed_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_max_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_max_speed_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_upper_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_upper_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_upper_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_upper_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_upper_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_upper_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_upper_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_lower_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_lower_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_lower_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_lower_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_lower_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_lower_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_lower_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_control_parameter_ram_speed_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_param_speed_ramp_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_param_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_param_speed_ramp_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_control_parameter_ram_speed_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_param_speed_ramp_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_encoder, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_encoder_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_encoder; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_encoder_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of calibrate_encoder, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const calibrate_encoder_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const calibrate_encoder_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of calibrate_encoder; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     calibrate_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -4577,48 +4577,48 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -4626,240 +4626,240 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of set_zero_ram, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const set_zero_ram_reply &, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const set_zero_ram_reply &, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_set_zero_ram_reply_encode(&to, node);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of set_zero_ram; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     set_zero_ram_reply &, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_set_zero_ram_reply_decode(&node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_1, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_status_1_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_1; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_status_1_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of clear_errors, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_clear_errors_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of clear_errors; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_clear_errors_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_2, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_status_2_reply_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_2; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_status_2_reply_decode(&message, &node, &from, &known);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_status_3, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_status_3_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_status_3; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_status_3_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_driver_id, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_driver_id_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_driver_id_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_driver_id_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_driver_id; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_driver_id_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_driver_id_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_bus_type, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_bus_type_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_bus_type_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_bus_type_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_bus_type; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_bus_type_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_bus_type_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_rs485_baud_rate, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_rs485_baud_rate_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_rs485_baud_rate_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_rs485_baud_rate; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_rs485_baud_rate_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_can_baud_rate, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_can_baud_rate_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_can_baud_rate_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_can_baud_rate; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_can_baud_rate_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_max_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_max_power_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_max_power_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -4867,288 +4867,288 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_max_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_power_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_power_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_max_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_max_speed_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_speed_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_max_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_speed_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_max_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_max_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_max_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_max_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_max_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_current_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_current_ramp_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_current_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_current_ramp_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_current_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_current_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_current_ramp_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_speed_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_speed_ramp_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_speed_ramp_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_speed_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_speed_ramp_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_angle_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_angle_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_angle_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_angle_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_angle_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_speed_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_speed_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_speed_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_speed_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_speed_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of read_stored_setting_current_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const read_setting_current_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const read_setting_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_current_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of read_stored_setting_current_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     read_setting_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_read_setting_current_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_driver_id, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_driver_id_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_driver_id_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_driver_id_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_driver_id; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_driver_id_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_driver_id_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_bus_type, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_bus_type_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_bus_type_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_bus_type_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_bus_type; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_bus_type_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_bus_type_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_rs485_baud_rate, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_rs485_baud_rate_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_rs485_baud_rate_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_rs485_baud_rate; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_rs485_baud_rate_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_can_baud_rate, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_can_baud_rate_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_can_baud_rate_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_can_baud_rate; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_can_baud_rate_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_max_power, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_max_power_reply &message, const parameters &known,
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_max_power_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
     frame to{};
@@ -5156,211 +5156,211 @@ static inline void set(
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_max_power; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_power_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_power_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_max_speed, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_max_speed_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_speed_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_max_speed; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_speed_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_max_angle, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_max_angle_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_max_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_angle_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_max_angle; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_max_angle_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_current_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_current_ramp_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_current_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_current_ramp_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_current_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_current_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_current_ramp_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_speed_ramp, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_speed_ramp_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_speed_ramp; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_angle_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_angle_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_angle_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_angle_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_angle_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_speed_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_speed_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_speed_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_speed_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_speed_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of stage_stored_setting_current_pid, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const stage_setting_current_pid_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const stage_setting_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_current_pid_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of stage_stored_setting_current_pid; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_stage_setting_current_pid_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Encodes a reply of save_stored_settings, if it is valid. */
-[[nodiscard]] static inline std::optional<frame> encode(
-    std::uint32_t node, const save_settings_reply &message, status *why = nullptr) noexcept
+[[nodiscard]] static inline ::std::optional<frame> encode(
+    ::std::uint32_t node, const save_settings_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
     const status done = ::mwd_motor_v2_36_2025_03_save_settings_reply_encode(&to, node, &message);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<frame>(to) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
 /** Decodes a reply of save_stored_settings; the result is the node. */
-[[nodiscard]] static inline std::optional<std::uint32_t> decode(
+[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
     save_settings_reply &message, const frame &from, status *why = nullptr) noexcept
 {
-    std::uint32_t node = 0u;
+    ::std::uint32_t node = 0u;
     const status done = ::mwd_motor_v2_36_2025_03_save_settings_reply_decode(&message, &node, &from);
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<std::uint32_t>(node) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
 }
 
 /** Any request: its node, and its fields in the member of `as` that has the name of the command. */
@@ -5374,7 +5374,7 @@ struct any_request : ::mwd_motor_v2_36_2025_03_any_request_t {
 };
 
 /** Decodes any request. */
-[[nodiscard]] static inline std::optional<any_request> decode_request(
+[[nodiscard]] static inline ::std::optional<any_request> decode_request(
     const frame &from, status *why = nullptr) noexcept
 {
     any_request found;
@@ -5382,7 +5382,7 @@ struct any_request : ::mwd_motor_v2_36_2025_03_any_request_t {
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<any_request>(found) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<any_request>(found) : ::std::nullopt;
 }
 
 /** Any reply: its node, and its fields in the member of `as` that has the name of the command. */
@@ -5396,7 +5396,7 @@ struct any_reply : ::mwd_motor_v2_36_2025_03_any_reply_t {
 };
 
 /** Decodes any reply. */
-[[nodiscard]] static inline std::optional<any_reply> decode_reply(
+[[nodiscard]] static inline ::std::optional<any_reply> decode_reply(
     const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     any_reply found;
@@ -5404,7 +5404,7 @@ struct any_reply : ::mwd_motor_v2_36_2025_03_any_reply_t {
     if (why != nullptr) {
         *why = done;
     }
-    return done == CANWRIGHT_OK ? std::optional<any_reply>(found) : std::nullopt;
+    return done == CANWRIGHT_OK ? ::std::optional<any_reply>(found) : ::std::nullopt;
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */
