@@ -83,7 +83,7 @@ def test_exit_status_2_when_it_cannot_run(folder: Path) -> None:
 
 def test_wrong_usage_gets_a_suggestion(folder: Path) -> None:
     for arguments, message in (
-        (("check", "--spec", "me.yaml"), "File 'me.yaml' does not exist. Did you mean my.yaml?"),
+        (("check", "--spec", "me.yaml"), "Path 'me.yaml' does not exist. Did you mean my.yaml?"),
         (("check", "my.yaml"), "give a spec as --spec my.yaml"),
         (("generate", "--spec", "my.yaml", "--out", ""), "The path is empty; `.` is the current folder."),
         (("chek",), "there is no command `chek`; did you mean `check`?"),
@@ -136,7 +136,7 @@ def test_a_closed_pipe_is_no_error(folder: Path) -> None:
 
 def test_the_list_of_commands_is_complete() -> None:
     _, _, commands = run("--help").output.partition("Commands:\n")
-    assert len(commands.splitlines()) == 10
+    assert len(commands.splitlines()) == 11
     assert "..." not in commands
 
 

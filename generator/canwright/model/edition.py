@@ -92,7 +92,7 @@ class Edition:
         """The errata about the items at some paths and their parts, in spec order."""
         return tuple(self.errata[number] for number in sorted(self._errata_at(paths)))
 
-    @property
+    @cached_property
     def slow_replies(self) -> tuple[str, ...]:
         """Commands that an erratum about the reply time of the bus names: their replies take longer."""
         places = {where for e in self.errata if "bus.reply_within_ms" in e.where for where in e.where}

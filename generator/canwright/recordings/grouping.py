@@ -1,4 +1,4 @@
-"""Results of nodes with equal outcomes, merged into one, so that a bus of 32 equal motors is one result."""
+"""Results of nodes with equal outcomes, merged into one, so that a bus of 32 equal nodes is one result."""
 
 from __future__ import annotations
 
