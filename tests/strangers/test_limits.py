@@ -34,7 +34,7 @@ def test_what_is_no_file_is_not_read(kind: str, tmp_path: Path) -> None:
         os.mkfifo(file)
     result = CliRunner().invoke(main, ["generate", "--spec", str(file), "--out", str(tmp_path / "out")])
     assert result.exit_code == 2
-    assert "directory" in result.output or "is not a file but a folder, a pipe or a device" in result.output
+    assert "has no spec" in result.output or "is not a file but a folder, a pipe or a device" in result.output
     assert not (tmp_path / "out").exists()
 
 

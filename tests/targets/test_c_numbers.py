@@ -45,7 +45,7 @@ ROUNDS = 60
 
 def spec() -> str:
     lines = [
-        "canwright: 1\nfamily: numbers\nedition: v1",
+        "canwright: 1\nfamily: numerals\nedition: v1",
         "addresses: {it: {id: node << 5, nodes: 1..3}}\nselector: {at: id.0, raw: u5}",
         f"parameters: {{size: {{values: {{{', '.join(f'{s}: {{}}' for s in SIZES)}}}}}, ratio: {{number: {{}}}}}}",
         "types:",

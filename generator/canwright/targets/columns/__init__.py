@@ -17,7 +17,9 @@ RUNTIME = Path(__file__).parent / "runtime"
 
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
-    """The distribution with a package for each family."""
+    """The distribution with a package for each family; nothing without an edition."""
+    if not specifications:
+        return
     env = environment("columns", {"literal": literal, "literals": view.literals})
     families = list(dict.fromkeys(item.edition.family for item in specifications))
     packages = [package_name(family) for family in families]
