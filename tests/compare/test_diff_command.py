@@ -214,17 +214,17 @@ def test_all_specs_against_a_revision(specs: Path) -> None:
         _git(Path.cwd(), *command)
     assert diff("--against", "HEAD").output == "no spec differs from HEAD\n"
     (specs / "v1.yaml").rename(specs / "v1-old.yaml")
-    (specs / "v1-old.yaml").write_text(OLD.replace("u16", "i16"), "utf-8")
+    (specs / "v1-old.yaml").write_text(OLD.replace("0.1", "0.01"), "utf-8")
     (specs / "v2.yaml").unlink()
     (specs / "v3.yaml").write_text(OLD.replace("edition: v1", "edition: v3"), "utf-8")
     result = diff("--against", "HEAD", "spec")
     assert result.exit_code == 1
-    assert "HEAD:spec/lamp/v1.yaml:7:11 -> spec/lamp/v1-old.yaml:7:11" in result.output
+    assert "HEAD:spec/lamp/v1.yaml:7:32 -> spec/lamp/v1-old.yaml:7:32" in result.output
     assert result.output.endswith("added: lamp v3 (spec/lamp/v3.yaml)\nremoved: lamp v2 (HEAD:spec/lamp/v2.yaml)\n")
     assert len(json.loads(diff("--against", "HEAD", "--format", "json").output)["comparisons"]) == 1
     assert diff("--against", "nothing").exit_code == diff("--against=--all").exit_code == 2
-    index = CliRunner().invoke(main, ["diff", ":spec/lamp/v1.yaml", "-"], input=OLD.replace("u16", "i16"))
-    assert (index.exit_code, ":spec/lamp/v1.yaml:7:11 -> <stdin>:7:11" in index.output) == (1, True)
+    index = CliRunner().invoke(main, ["diff", ":spec/lamp/v1.yaml", "-"], input=OLD.replace("0.1", "0.01"))
+    assert (index.exit_code, ":spec/lamp/v1.yaml:7:32 -> <stdin>:7:32" in index.output) == (1, True)
 
 
 def test_wrong_arguments() -> None:
