@@ -26,7 +26,7 @@ def compare(old: Edition, new: Edition, exporters: Sequence[Exporter] = ()) -> t
 
     A renamed item is reported with its names in each of the `exporters`, which are targets.
     """
-    found = Collector(ExportedNames(exporters, old, new))
+    found = Collector(ExportedNames(exporters, old, new), new)
     old = renames.compare(found, old, new)
     edition_changes.compare(found, old, new)
     commands.compare(found, old, new)
