@@ -173,6 +173,11 @@ _API = (
         "A value of a parameter is renamed.",
         "`{old}` of `{name}` is renamed to `{new}`: {names}",
     ),
+    (
+        "names-changed",
+        "Names in the bindings disappear without another change of their item.",
+        "names in the bindings disappear: {names}",
+    ),
     ("parameter-added", "A parameter is added.", "the parameter `{name}` is added"),
     ("parameter-removed", "A parameter is removed.", "the parameter `{name}` is removed"),
     ("parameter-value-added", "A value is added to a parameter.", "the value `{value}` of `{name}` is added"),
