@@ -233,7 +233,7 @@ def test_wrong_arguments() -> None:
 
 
 def test_reports_for_build_servers(specs: Path) -> None:
-    text = NEW.replace("    code", "    renamed_from: dim\n    title: "a </details> <b> | ##vso[x]"\n    code")
+    text = NEW.replace("    code", "    renamed_from: dim\n    title: 'a </details> <b> | ##vso[x]'\n    code")
     (specs / "v2.yaml").write_text(text, "utf-8")
     junit = diff("v1", "v2", "--format", "junit").output
     assert "##vso" not in junit
