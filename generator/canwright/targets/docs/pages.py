@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...model import formatting
+from ...model.deprecation import Deprecation
 from ...model.message import Command, Direction
 from ...model.metadata import Erratum
 from ...templating.markup import code, markdown, xml
@@ -110,6 +111,10 @@ class Pages:
     def description(self, thing: tables.Titled) -> str:
         """Title and description of an object, in Markdown."""
         return tables.description(thing, self._labels, self._language)
+
+    def deprecation(self, deprecated: Deprecation) -> str:
+        """Since when, and until when, an object is deprecated."""
+        return tables.deprecation(deprecated, self._labels)
 
     def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
         """The parameter values that an object is limited to."""
