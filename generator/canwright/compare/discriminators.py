@@ -11,6 +11,7 @@ from ..model.message import Command, Key, KeyRole, Message
 from .change import Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at, given, listed, paths
 from .fields import Editions, constant_keys, place_of
+from .forms import messages
 from .match import by_name
 
 
@@ -57,14 +58,15 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
             facts = {"old": given(old.entry.kind), "new": given(new.entry.kind)}
             places = at(paths(old.entry, new.entry), "kind")
             found.add("kind-changed", Item.of_entry(old.entry), places, Impact.LOUD, use, **facts)
-    for side, one, other_message in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
-        if one and other_message:
-            use = Use((side,), (old.group,))
-            if one.address == other_message.address or one.id == other_message.id:
-                of_replies = side is Side.RECEIVING and not _like_requests(old, new)
-                _code_moved(found, both, one, other_message, "reply_selector" if of_replies else "selector", use)
-            _index_moved(found, old, new, one, other_message, use)
-            _constants(found, one, other_message, use)
+    for side, one, another in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
+        if one and another and (one.address == another.address or one.id == another.id):
+            of_replies = side is Side.RECEIVING and not _like_requests(old, new)
+            key = "reply_selector" if of_replies else "selector"
+            _code_moved(found, both, one, another, key, Use((side,), (old.group,)))
+    for direction, one, another in messages(old, new):
+        use = Use((Side.of(direction),), (old.group,))
+        _index_moved(found, old, new, one, another, use)
+        _constants(found, one, another, use)
 
 
 def same_kind(old: Command, new: Command) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
-from ...model.layout import ConstantRole, Field
+from ...model.layout import ConstantRole, Field, NodeRole
 from ...model.message import Message
 from ...model.types import Assignment, Encoding, Type
 from ...semantics.decoder import Value, field_value, value_of
@@ -30,6 +30,8 @@ class Transfer:
     """The conditions of the command in both editions."""
     sent: Message
     read: Message
+    nodes: Sequence[int] | None
+    """The nodes of the message."""
     has_same_origin: bool
     """Whether both are the same message, so that its fields can have been renamed."""
 
@@ -62,7 +64,7 @@ class Reading:
     def _under(self, transfer: Transfer, assignment: Assignment) -> Iterator[Observation]:
         encoder = self._encoders.under({**self._assignments.first, **assignment})
         fields, read = encoder.fields(transfer.sent), transfer.read.layout.variant(encoder.assignment)
-        nodes = transfer.sent.id.nodes
+        nodes = transfer.nodes
         base = candidates.base_raws(encoder, transfer.sent, nodes[0] if nodes else None)
         if fields is None or read is None or base is None:
             return
@@ -128,8 +130,7 @@ class _Pair:
         self._assignment = assignment
         self._encoder = encoder
         self._base = base
-        nodes = transfer.sent.id.nodes
-        self._node = nodes[0] if nodes else None
+        self._node = transfer.nodes[0] if transfer.nodes else None
 
     def field(self, target: Field, source: Field) -> Iterator[Observation]:
         """The differences of a field that both messages have."""
@@ -232,7 +233,10 @@ class _Pair:
 
     def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[int, Raw, CanFrame]]:
         """Frames with different raw integers of a field; for an array also the one that differs."""
+        nodes = self._transfer.nodes if isinstance(source.role, NodeRole) else None
         for raw in candidates.raws(encoder, source, target):
+            if nodes is not None and raw not in nodes:
+                continue
             for given in _spread(source, raw, self._base[source.name]):
                 frame = self._frame({source.name: given})
                 if frame is not None:

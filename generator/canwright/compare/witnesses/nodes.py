@@ -1,0 +1,35 @@
+"""The nodes that messages are about, wherever a frame contains their number."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...model.edition import Edition
+from ...model.message import Command, Message
+
+
+class Nodes:
+    """The nodes of the messages of two editions."""
+
+    def __init__(self, *editions: Edition) -> None:
+        self._of: dict[Message, Sequence[int] | None] = {}
+        for edition in editions:
+            for command in edition.commands:
+                for message in filter(None, (command.request, command.reply)):
+                    self._of.setdefault(message, _nodes(edition, command, message))
+
+    def of(self, message: Message) -> Sequence[int] | None:
+        """The nodes of a message; None if its frames contain no node, or if the spec does not say which nodes exist."""
+        return self._of[message]
+
+    def first(self, *messages: Message) -> int | None:
+        """A node that all messages have, as far as they have nodes; None if none of them has any."""
+        return max((nodes[0] for nodes in map(self.of, messages) if nodes is not None), default=None)
+
+
+def _nodes(edition: Edition, command: Command, message: Message) -> Sequence[int] | None:
+    if message.id.nodes is not None or message.node_bits is None:
+        return message.id.nodes
+    address = edition.address(message.address)
+    rules = [other.id for other in (command.request, command.reply) if other is not None]
+    return next((rule.nodes for rule in (*rules, address.request, address.reply) if rule.nodes is not None), None)
