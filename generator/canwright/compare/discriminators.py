@@ -8,6 +8,7 @@ from typing import NamedTuple
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Key, KeyRole, Message
+from ..model.types import Order
 from .change import Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at, given, listed, paths
 from .fields import Editions, constant_keys, place_of
@@ -36,7 +37,9 @@ _OF_CONSTANT = (
         "constant-changed", "constant", lambda f: Word("any value") if f.value is None else str(f.value), Impact.LOUD
     ),
     Attribute["_Field"]("field-moved", "at", lambda f: f.place, Impact.LOUD),
+    Attribute["_Field"]("byte-order-changed", "byte_order", lambda f: Word(f.order.value), Impact.LOUD),
 )
+_ORDER = Attribute[Key]("byte-order-changed", "byte_order", lambda key: Word(key.order.value), Impact.LOUD)
 _INDEX = Attribute[Command]("index-changed", "index", index, Impact.SILENT)
 
 
@@ -81,6 +84,7 @@ class _Field(NamedTuple):
     name: str
     value: int | None
     place: str
+    order: Order
 
 
 def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
@@ -102,8 +106,8 @@ def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
 
 
 def _fields(message: Message) -> Iterator[_Field]:
-    yield from (_Field(k.name, k.value, _place(k)) for k in message.keys if k.role is KeyRole.CONSTANT)
-    yield from (_Field(f.name, f.fixed, place_of(f)) for f in message.layout.fields)
+    yield from (_Field(k.name, k.value, _place(k), k.order) for k in message.keys if k.role is KeyRole.CONSTANT)
+    yield from (_Field(f.name, f.fixed, place_of(f), f.type.order) for f in message.layout.fields)
 
 
 def _place(key: Key) -> str:
@@ -132,17 +136,31 @@ def _like_requests(old: Command, new: Command) -> bool:
 
 def _code_moved(found: Collector, both: Editions, old: Message, new: Message, key: str, use: Use) -> None:
     facts = {"old": _place_of(old.keys, KeyRole.CODE), "new": _place_of(new.keys, KeyRole.CODE)}
-    if facts["old"] == facts["new"]:
-        return
     whole = _one_selector(both.old) and _one_selector(both.new)
     item = Item("edition", "") if whole else Item("address", old.address)
     of_address = ("addresses", old.address, key), ("addresses", new.address, key)
     places: Places = (("selector",), ("selector",)) if whole else of_address
-    found.add("code-moved", item, places, Impact.LOUD, use, **facts)
+    if facts["old"] != facts["new"]:
+        found.add("code-moved", item, places, Impact.LOUD, use, **facts)
+    for one, other in _turned(old, new, KeyRole.CODE):
+        found.attributes([_ORDER], item, places, one, other, use, name=key)
+
+
+def _turned(old: Message, new: Message, role: KeyRole) -> Iterator[tuple[Key, Key]]:
+    """The keys of one role that have the same bytes in another order."""
+    pairs = zip(*([k for k in m.keys if k.role is role] for m in (old, new)), strict=False)
+    return ((a, b) for a, b in pairs if _place(a) == _place(b) and a.segments != b.segments)
 
 
 def _index_moved(found: Collector, old: Command, new: Command, one: Message, other: Message, use: Use) -> None:
     facts = {"old": _place_of(one.keys, KeyRole.INDEX), "new": _place_of(other.keys, KeyRole.INDEX)}
-    if old.entry and new.entry and facts["old"] != facts["new"]:
-        places = ("tables", old.entry.table, "index"), ("tables", new.entry.table, "index")
-        found.add("index-moved", Item("table", old.entry.table), places, Impact.LOUD, use, **facts)
+    if not old.entry or not new.entry:
+        return
+    item, places = (
+        Item("table", old.entry.table),
+        at((("tables", old.entry.table), ("tables", new.entry.table)), "index"),
+    )
+    if facts["old"] != facts["new"]:
+        found.add("index-moved", item, places, Impact.LOUD, use, **facts)
+    for before, after in _turned(one, other, KeyRole.INDEX):
+        found.attributes([_ORDER], item, places, before, after, use, name="index")

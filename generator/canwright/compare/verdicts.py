@@ -98,6 +98,11 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
         if known is not None:
             others = (*index.of_commands(change), *index.of_surroundings(change))
             known += (n for n in others if n not in explained and _may_cause(change, observations[n]))
+    causes = [
+        numbers for numbers, change in zip(found, changes, strict=True) if numbers is not None and _decides(change)
+    ]
+    if len(causes) == 1:  # what else is understood differently can have no other cause
+        causes[0] += (n for n, o in enumerate(observations) if n not in explained and o.aspect in _IDENTIFIED | _ID)
     explained.update(n for numbers in found for n in numbers or ())
     made = [
         change
@@ -106,6 +111,11 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
         for change, numbers in zip(changes, found, strict=True)
     ]
     return (*made, *_unexplained(o for n, o in enumerate(observations) if n not in explained))
+
+
+def _decides(change: Change) -> bool:
+    """Whether a change decides on which message a frame is."""
+    return change.rule.id in _ADDITIONS or bool(_EXPLAINS[change.rule.id] & (_IDENTIFIED | _ID))
 
 
 def _place(observation: Observation) -> tuple[Side, str]:
