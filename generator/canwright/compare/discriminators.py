@@ -68,7 +68,7 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
             _code_moved(found, both, one, another, key, Use((side,), (old.group,)))
     for direction, one, another in messages(old, new):
         use = Use((Side.of(direction),), (old.group,))
-        _index_moved(found, old, new, one, another, use)
+        _index_moved(found, both, old, new, one, another, use)
         _constants(found, one, another, use)
 
 
@@ -142,17 +142,26 @@ def _code_moved(found: Collector, both: Editions, old: Message, new: Message, ke
     places: Places = (("selector",), ("selector",)) if whole else of_address
     if facts["old"] != facts["new"]:
         found.add("code-moved", item, places, Impact.LOUD, use, **facts)
-    for one, other in _turned(old, new, KeyRole.CODE):
-        found.attributes([_ORDER], item, places, one, other, use, name=key)
+    _turned(found, both, item, places, old, new, KeyRole.CODE, use)
 
 
-def _turned(old: Message, new: Message, role: KeyRole) -> Iterator[tuple[Key, Key]]:
-    """The keys of one role that have the same bytes in another order."""
-    pairs = zip(*([k for k in m.keys if k.role is role] for m in (old, new)), strict=False)
-    return ((a, b) for a, b in pairs if _place(a) == _place(b) and a.segments != b.segments)
+def _turned(
+    found: Collector, both: Editions, item: Item, places: Places, old: Message, new: Message, role: KeyRole, use: Use
+) -> None:
+    """Adds the change of the byte order of keys that stay in the same bytes, or of the edition if they follow it."""
+    for one, other in zip(*([k for k in m.keys if k.role is role] for m in (old, new)), strict=False):
+        if _place(one) != _place(other) or one.segments == other.segments:
+            continue
+        follows = (one.order, other.order) == (both.old.order, both.new.order)
+        if follows:
+            item, places = Item("edition", ""), ((), ())
+        name = "byte_order" if follows else role.value
+        found.attributes([_ORDER], item, places, one, other, use, name=name)
 
 
-def _index_moved(found: Collector, old: Command, new: Command, one: Message, other: Message, use: Use) -> None:
+def _index_moved(
+    found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: Use
+) -> None:
     facts = {"old": _place_of(one.keys, KeyRole.INDEX), "new": _place_of(other.keys, KeyRole.INDEX)}
     if not old.entry or not new.entry:
         return
@@ -162,5 +171,4 @@ def _index_moved(found: Collector, old: Command, new: Command, one: Message, oth
     )
     if facts["old"] != facts["new"]:
         found.add("index-moved", item, places, Impact.LOUD, use, **facts)
-    for before, after in _turned(one, other, KeyRole.INDEX):
-        found.attributes([_ORDER], item, places, before, after, use, name="index")
+    _turned(found, both, item, places, one, other, KeyRole.INDEX, use)

@@ -45,14 +45,14 @@ def is_emptied(old: Message, new: Message) -> bool:
     """Whether a command no longer gives a message any fields, by more than the removal of a single one."""
     gone = [k.name for k in old.keys if k.role is KeyRole.CONSTANT] + [f.name for f in old.layout.fields]
     left = new.layout.fields or any(k.role is KeyRole.CONSTANT for k in new.keys)
-    if left or not gone or new.layout.path[0] != "commands":
+    if left or not gone or new.layout.path[0] != "commands" or old.remote is not new.remote:
         return False
     return len(gone) > 1 or old.layout.path[0] != "commands" or _frame(old) != _frame(new)
 
 
 def _frame(message: Message) -> tuple[object, ...]:
     codes = tuple(key.value for key in message.keys if key.role is KeyRole.CODE)
-    return message.address, codes, message.accept, message.dlc, message.remote
+    return codes, message.accept, message.dlc
 
 
 def is_named(layout: Layout) -> bool:

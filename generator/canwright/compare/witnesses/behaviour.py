@@ -115,15 +115,15 @@ class Behaviour:
     def _of_other_form(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
         """What the old host makes of a reply of another form, judged as a whole."""
         old, new = case.both
-        rejection = self._rejected_answer(old, new, sent, read)
+        accepted, rejected = self._answers_of_other_form(old, new, sent, read)
         for observation in self._identified(case, sent, read):
-            if rejection or observation.witness.impact is not Impact.LOUD:
+            if not accepted or observation.witness.impact is not Impact.LOUD:
                 yield observation
-        if rejection is None:
+        if rejected is not None:
+            facts: dict[str, Fact] = {"sent": f"`{sent.command}`", "reason": _reason(rejected[1].reason.value)}
+            yield self._made(case, Aspect.ANSWER, Impact.LOUD, {}, rejected[0], "received-rejected", facts)
+        if accepted:
             yield from self._read(case, sent, read)
-        else:
-            facts: dict[str, Fact] = {"sent": f"`{sent.command}`", "reason": _reason(rejection[1].reason.value)}
-            yield self._made(case, Aspect.ANSWER, Impact.LOUD, {}, rejection[0], "received-rejected", facts)
 
     def _available(self, case: _Case) -> Iterator[Observation]:
         """The parameter values under which only the old edition has a command."""
@@ -151,11 +151,11 @@ class Behaviour:
         sender, receiver = (e.command(m.command) for e, m in zip(self._editions[side], (sent, read), strict=True))
         return self._counterparts.of(sender) is receiver and sender.is_echoed == receiver.is_echoed
 
-    def _rejected_answer(
+    def _answers_of_other_form(
         self, old: Command, new: Command, sent: Message, read: Message
-    ) -> tuple[CanFrame, Rejection] | None:
-        """A reply with the reason why the old host does not accept it as an answer; None if it accepts any."""
-        host, found = self._decoders[Side.SENDING][0], None
+    ) -> tuple[bool, tuple[CanFrame, Rejection] | None]:
+        """Whether the old host accepts a reply as an answer, and one that it rejects."""
+        host, accepted, rejected = self._decoders[Side.SENDING][0], False, None
         for asked, node, reply in self._exchanges(old, new, sent, read):
             ids = (sent.id, read.id) if sent.address == read.address else (sent.id, sent.id)
             placed = _moved(reply, *ids, node) or reply
@@ -163,10 +163,9 @@ class Behaviour:
             wrong = (
                 answer if isinstance(answer, Rejection) else rejects_constants(read, placed, self._assignments.first)
             )
-            if wrong is None:
-                return None
-            found = found or (placed, wrong)
-        return found
+            accepted = accepted or wrong is None
+            rejected = rejected or (placed, wrong) if wrong is not None else rejected
+        return accepted, rejected
 
     def _has_same_form(self, old: Command, new: Command, sent: Message, read: Message) -> bool:
         if old.request is None or new.request is None:
