@@ -19,17 +19,19 @@ class Nodes:
                     self._of.setdefault(message, _nodes(edition, command, message))
 
     def of(self, message: Message) -> Sequence[int] | None:
-        """The nodes of a message; None if its frames contain no node, or if the spec does not say which nodes exist."""
+        """The nodes of a message: all numbers of its field if the spec does not limit them; None without a node."""
         return self._of[message]
 
     def first(self, *messages: Message) -> int | None:
-        """A node that all messages have, as far as they have nodes; None if none of them has any."""
+        """A node that all messages have, as far as they have nodes; None if none has."""
         return max((nodes[0] for nodes in map(self.of, messages) if nodes is not None), default=None)
 
 
 def _nodes(edition: Edition, command: Command, message: Message) -> Sequence[int] | None:
-    if message.id.nodes is not None or message.node_bits is None:
+    bits = message.node_bits
+    if message.id.nodes is not None or bits is None:
         return message.id.nodes
     address = edition.address(message.address)
     rules = [other.id for other in (command.request, command.reply) if other is not None]
-    return next((rule.nodes for rule in (*rules, address.request, address.reply) if rule.nodes is not None), None)
+    ranges = (rule.nodes for rule in (*rules, address.request, address.reply))
+    return next((nodes for nodes in ranges if nodes is not None), range(1 << bits.width))
