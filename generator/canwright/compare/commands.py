@@ -294,7 +294,7 @@ def _alike(values: list[object]) -> bool:
 
 def _texts(found: Collector, old: Command, new: Command) -> None:
     item, places = _item(old), paths(old, new)
-    found.title(item, at(places, "title"), (old.group, new.group), old.group_title, new.group_title)
+    found.title(item, at(places, "title"), new.group, old.group_title, new.group_title)
     found.text("text-changed", item, at(places, "about"), old.group, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
     found.text("text-changed", item, at(places, "notes"), old.group, *notes)

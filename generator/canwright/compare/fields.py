@@ -121,7 +121,7 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
         impact = Impact.SAFE if ignored else Impact.LOUD
         found.add("constant-changed", item, (before, after), impact, use, name=new.name, **shown)
     if (old.title, new.title) != (old.type.title, new.type.title):
-        found.title(item, at(places, "title"), (old.name, new.name), old.title, new.title)
+        found.title(item, at(places, "title"), new.name, old.title, new.title)
     found.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
     if isinstance(old.role, ReservedRole) is isinstance(new.role, ReservedRole):  # reserved bits have no meaning
         _type(found, both, item, old, new, use)

@@ -6,11 +6,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Layout
 from ..model.message import Command, Message
-from ..model.types import Member, Text, Type
+from ..model.types import ImpliedTitle, Member, Text, Type
 
 
 class Named(Protocol):
@@ -105,8 +104,12 @@ def renamable(old: Iterable[R], new: Iterable[R]) -> Matched[R]:
 
 
 def same_title(one: Titled, other: Titled) -> bool:
-    """Whether two things have one title, or none: titles that only repeat the names."""
-    return one.title == other.title or all(set(t.title.values()) <= {formatting.spoken(t.name)} for t in (one, other))
+    """Whether the specs give two things one title, or none."""
+    return _is_same_title(one.title, other.title)
+
+
+def _is_same_title(one: Text, other: Text) -> bool:
+    return one == other or (isinstance(one, ImpliedTitle) and isinstance(other, ImpliedTitle))
 
 
 def members(old: Sequence[Member], new: Sequence[Member]) -> Matched[Member]:
@@ -155,9 +158,7 @@ def _apart(matched: Matched[Command], names: Collection[str]) -> Matched[Command
 def _same_titles(one: Command, other: Command) -> bool:
     if one.entry is not None and other.entry is not None and not same_title(one.entry, other.entry):
         return False
-    spoken = [{formatting.spoken(c.group)} for c in (one, other)]
-    titles = [c.group_title for c in (one, other)]
-    return titles[0] == titles[1] or [set(t.values()) for t in titles] == spoken
+    return _is_same_title(one.group_title, other.group_title)
 
 
 def fields(old: Layout, new: Layout) -> Matched[Field]:
