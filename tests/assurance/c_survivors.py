@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import ClassVar
 
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
@@ -88,6 +89,8 @@ class Recorder(CAdapter):
 
 class Program:
     """A program, the headers that it includes, below `family`, and questions to it."""
+
+    level: ClassVar[tuple[str, ...]] = ("-O0",)
 
     def __init__(self, folder: Path, family: str, headers: Mapping[str, str], harness: str) -> None:
         self.folder, self._family = folder, family
@@ -176,7 +179,7 @@ class Program:
         program = include / "program"
         flags = (
             "-w",
-            "-O0",
+            *self.level,
             "-g0",
             "-ferror-limit=0",
             *SANITIZED,
@@ -224,6 +227,9 @@ class Subject(Program):
 
 class RuntimeSubject(Program):
     """The headers that are the same for every protocol, asked by a module that compares them with exact fractions."""
+
+    level = ("-O1", "-fsanitize=local-bounds")
+    """Also stops at an access beyond a variable, which the compiler can check only when it optimizes."""
 
     def __init__(self, asking: ModuleType, folder: Path) -> None:
         headers = {file.name: file.read_text("utf-8") for file in sorted(target.RUNTIME.glob("*.h"))}

@@ -96,7 +96,18 @@ def _scaled(size: Fraction, exponent: int) -> tuple[int, int, int]:
 
 def cases(count: int, chance: random.Random) -> list[Case]:
     """Random cases."""
-    kinds = (_quotient, _corrected, _corrected, _beside_offset, _narrowed, _bits, _nearest, _nearest, _of_ratio)
+    kinds = (
+        _quotient,
+        _corrected,
+        _corrected,
+        _beside_offset,
+        _beside_coarse,
+        _narrowed,
+        _bits,
+        _nearest,
+        _nearest,
+        _of_ratio,
+    )
     return [chance.choice(kinds)(chance) for _ in range(count)]
 
 
@@ -105,7 +116,8 @@ def _quotient(chance: random.Random) -> Case:
     signed = chance.random() < 0.5
     divisor = chance.choice((1, 10, 100, 1000, 2048, abs(any_integer(chance, 63)) or 1))
     middle = chance.getrandbits(54) * divisor << chance.randint(0, 10)
-    dividend = chance.choice((abs(any_integer(chance, 64)), middle + chance.choice((-1, 0, 1)))) % (1 << 64 - signed)
+    size = chance.choice((0, abs(any_integer(chance, 64)), chance.getrandbits(54), middle + chance.choice((-1, 0, 1))))
+    dividend = size % (1 << 64 - signed)
     dividend *= chance.choice((1, -1)) if signed else 1
     return Case("s" if signed else "u", (dividend, divisor), _ok(bits_of(Fraction(dividend, divisor), DOUBLE)))
 
@@ -116,7 +128,7 @@ def _corrected(chance: random.Random) -> Case:
     if chance.random() < 0.5:
         scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
         offset = Fraction(0)
-    near = chance.choice((0, 0, 1 << 51, 1 << 63, 1 << 64))
+    near = chance.choice((0, 0, 1 << 51, 1 << 63, 1 << 64, 11 << 61))
     size = near + any_integer(chance, 12) if near else chance.getrandbits(chance.randint(52, 65))
     raw = (size + Fraction(chance.choice((0, 1)), 2)) * chance.choice((1, -1))
     value = float(raw * scale + offset)
@@ -134,6 +146,16 @@ def _beside_offset(chance: random.Random) -> Case:
     if steps > 1 << 62 or abs(steps % 1 - Fraction(1, 2)) < Fraction(scale.denominator, 1 << 45):
         value = 0.0  # so close to a tie that the last bits of the value decide
     return _corrected_value(chance, value, Linear(scale, -raw * scale))
+
+
+def _beside_coarse(chance: random.Random) -> Case:
+    """A value whose quotient in floating point is next to 2^51, after three rounded operations."""
+    scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
+    raw = any_integer(chance, 50)
+    value = float(((1 << 51) + raw) * scale)
+    for _ in range(chance.randrange(4)):
+        value = math.nextafter(value, math.inf if scale > 0 else -math.inf)
+    return _corrected_value(chance, value, Linear(scale, raw * scale))
 
 
 def _corrected_value(chance: random.Random, value: float, linear: Linear) -> Case:
@@ -158,7 +180,7 @@ def _narrowed(chance: random.Random) -> Case:
     exponent = chance.choice((chance.randint(1023 - 152, 1023 + 129), chance.randint(1023 - 151, 1023 - 125)))
     zeros = 29 + max(0, 1023 - 126 - exponent)  # the bits that leave the fraction
     middle = chance.getrandbits(64) >> zeros << zeros | 1 << zeros - 1
-    beside = 1 << chance.randrange(zeros) if zeros < 64 else 0
+    beside = chance.choice((1, 1 << chance.randrange(zeros))) if zeros < 64 else 0
     bits = chance.choice((chance.getrandbits(64), middle, middle + beside, middle - 1)) % (1 << 64)
     if chance.random() < 0.9:
         bits = bits & ~(0x7FF << 52) | exponent << 52
@@ -189,7 +211,7 @@ def _any_bits(chance: random.Random, precision: int) -> int:
     exponents = (0, 1, (1 << width - 1 - fraction) - 1, chance.getrandbits(width - 1 - fraction))
     if precision == DOUBLE:
         exponents = (*exponents, *[chance.randint(1023 - 152, 1023 + 129) for _ in exponents], 1023 + 127)
-    ends = (0, 1, (1 << fraction) - 1, (1 << fraction) - 1 - (1 << 28 if precision == DOUBLE else 1))
+    ends = (0, 1, (1 << fraction) - 1, (1 << fraction) - (1 << 28 if precision == DOUBLE else 2))
     mantissa = chance.choice((*ends, *[chance.getrandbits(fraction) for _ in ends]))
     return chance.getrandbits(1) << width - 1 | chance.choice(exponents) << fraction | mantissa
 

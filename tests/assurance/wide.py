@@ -83,7 +83,8 @@ def _terms(chance: random.Random) -> Iterator[Case]:
 
 def _frames(chance: random.Random) -> Case:
     """Two frames, often with one byte of difference; a filter, often with one bit of difference."""
-    one, dlc, id_, mask = chance.getrandbits(64), chance.choice((*range(9), 255)), *(chance.getrandbits(32),) * 2
+    one, dlc = chance.getrandbits(64), chance.choice((*range(9), 255))
+    id_, mask = chance.getrandbits(32), chance.getrandbits(32)
     other = one ^ chance.choice((0, 1 << chance.randrange(64)))
     other_dlc = chance.choice((dlc, dlc, dlc, chance.randrange(9)))
     wanted = id_ ^ chance.choice((0, 1 << chance.randrange(32)))
