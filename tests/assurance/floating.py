@@ -208,9 +208,9 @@ def _bits(chance: random.Random) -> Case:
 def _any_bits(chance: random.Random, precision: int) -> int:
     """Bits of a number; often special ones, and those beside the limits of a float."""
     width, fraction = (32, 23) if precision == SINGLE else (64, 52)
-    exponents = (0, 1, (1 << width - 1 - fraction) - 1, chance.getrandbits(width - 1 - fraction))
+    exponents = [0, 1, (1 << width - 1 - fraction) - 1, chance.getrandbits(width - 1 - fraction)]
     if precision == DOUBLE:
-        exponents = (*exponents, *[chance.randint(1023 - 152, 1023 + 129) for _ in exponents], 1023 + 127)
+        exponents += [*(chance.randint(1023 - 152, 1023 + 129) for _ in range(4)), 1023 + 127]
     ends = (0, 1, (1 << fraction) - 1, (1 << fraction) - (1 << 28 if precision == DOUBLE else 2))
     mantissa = chance.choice((*ends, *[chance.getrandbits(fraction) for _ in ends]))
     return chance.getrandbits(1) << width - 1 | chance.choice(exponents) << fraction | mantissa
