@@ -97,7 +97,7 @@ def _exchanged() -> Iterator[tuple[int, bytes]]:
     assert item.frames is not None
     kinds = FrameKinds(item.edition, 0)
     data: dict[tuple[Direction, int], list[bytes]] = {}
-    for frame in item.frames.frames:
+    for frame in (f for f in item.frames.frames if f.id != 0x280):
         request = kinds.kind(CanFrame(frame.id, frame.data)).request if frame.direction is Direction.REQUEST else None
         if request is None or request.is_regular(int.from_bytes(frame.data, "little")):
             data.setdefault((frame.direction, frame.data[0]), []).append(frame.data)

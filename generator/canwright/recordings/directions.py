@@ -38,7 +38,7 @@ WINDOW = 2_000_000
 LOOKED_AHEAD = 4096
 """The number of frames at the start of a log that are searched for marks."""
 UNTIMED = 64
-"""The number of frames without times on a bus that count as the window."""
+"""The number of frames on a bus that count as the window, if they or the frames before them have no time."""
 MAX_OPEN = 16
 """The maximum number of open exchanges on a channel, and of frames that wait in one."""
 MAX_WAITING = 4096
@@ -407,13 +407,15 @@ class Directions:
                 del open_[exchange.channel]
 
     def _advance(self, bus: _Bus, time: int | None) -> None:
-        """Advances the clock of a bus by the time since the last frame; a jump backwards counts as no time."""
-        if time is None:
+        """Advances the clock of a bus by the time since the last frame; a jump backwards counts as no time.
+
+        The clock depends on pairs of neighbouring frames only, so that it does not matter where a log begins.
+        """
+        if time is None or bus.time is None:
             bus.clock += self._window // UNTIMED
-        else:
-            if bus.time is not None and time > bus.time:
-                bus.clock += time - bus.time
-            bus.time = time
+        elif time > bus.time:
+            bus.clock += time - bus.time
+        bus.time = time
         for exchange in sorted(bus.waiting, key=_UNTIL) if bus.waiting else ():
             if exchange.until < bus.clock:
                 self._settle(exchange)
