@@ -42,6 +42,8 @@ EXTENDED, REMOTE = 1, 2
 
 _NOTHING, _ONE, _OTHER = 0, 1, 2
 """What a request opens at a node: no exchange, one that a single frame closes, or possibly another."""
+_LOOKED_AFTER = 8
+"""The number of frames of a node that are searched for the reply to a request, if the next one can be a request too."""
 _ABSENT, _ANY = -2, -1
 """Numbers in place of a node: the frame concerns none, or frames without a node."""
 
@@ -471,7 +473,29 @@ class _Log:
         replaces = ~answers | (~is_soon & (is_distinct | is_same))
         is_replaced = is_repeated & ~is_echoed & np.where(is_both, replaces, classes[then] == REQUEST)
         steps[first[is_replaced]] = 1
+        waits = np.flatnonzero(is_both & answers & ~is_echoed & is_soon & is_distinct)
+        steps[self._waiting_replies(block, entries, first[waits])] = 2
         return steps
+
+    def _waiting_replies(self, block: FrameArrays, entries: _Entries, first: Array) -> Array:
+        """The requests whose next frame can be a request too, but replies: no other frame replies within the window."""
+        nodes, of, _, classes, clock, _ = entries
+        found = [first[:0]]
+        for distance in range(2, _LOOKED_AFTER + 2):
+            first = first[first + distance < nodes.size]
+            first = first[nodes[first] == nodes[first + distance]]
+            later = first + distance
+            is_late = clock[later] - clock[first + 1] > self._window
+            found.append(first[is_late])
+            first, later = first[~is_late], later[~is_late]
+            if not first.size:
+                break
+            answers = self._kinds.answers(block, of.at(first), of.at(later))
+            is_reply = classes[later] == REPLY
+            ends = ~is_reply & ((answers & (classes[later] == _BOTH)) | (of.kinds[first] == of.kinds[later]))
+            found.append(first[ends])
+            first = first[~ends & ~(is_reply & answers)]
+        return np.concatenate(found)
 
 
 class _Sharing(Enum):
