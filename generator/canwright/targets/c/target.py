@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import NameProblem, Output, Specification, Target
-from . import generate
+from ..base import CodeExample, NameProblem, Output, Specification, Target, WorkedExchange
+from . import generate, program
 from .names import Names, layouts, member
 from .problems import between, problems
 
@@ -47,6 +47,9 @@ class CTarget(Target):
         for message in edition.all_messages():
             names |= {field.path: member(field.name) for field in message.layout.fields if field.fixed is None}
         return names
+
+    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
+        return CodeExample("c", program(edition, worked))
 
 
 TARGET = CTarget()

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import NameProblem, Output, Specification, Target
-from . import generate, text
+from ..base import CodeExample, NameProblem, Output, Specification, Target, WorkedExchange
+from . import generate, program, text
 from .problems import problems
 
 
@@ -46,6 +46,9 @@ class PythonTarget(Target):
         for message in edition.all_messages():
             names |= {field.path: text.attribute(field.name) for field in message.layout.fields if field.fixed is None}
         return names
+
+    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
+        return CodeExample("python", program(edition, worked))
 
 
 TARGET = PythonTarget()
