@@ -60,6 +60,11 @@ def test_pictures_are_drawings_that_show_every_field(pages: dict[str, str]) -> N
     assert "pictures/v2.35/read_status_1-request.svg" not in pages, "no field to show"
 
 
+def test_replies_to_a_broadcast_are_on_the_ids_of_the_nodes(pages: dict[str, str]) -> None:
+    rows = [line for line in pages["en/v2.35/bus.md"].splitlines() if line.startswith("| Motors 1 to 4")]
+    assert [row.split(" | ")[1:3] for row in rows] == [["`0x280`", "`0x140 + node`"]]
+
+
 def test_pictures_are_legible_on_a_phone(pages: dict[str, str]) -> None:
     for path, text in pages.items():
         if path.endswith(".svg"):

@@ -45,6 +45,7 @@ class Sourced(Concept):
     """The source of an entry, and what is known about the node."""
 
     source: Annotated[Name, Doc("A name of `sources`.")]
+    manual: Annotated[str, Doc("Section of the source.", examples=("2.5",))] = ""
     note: Annotated[
         Text | None, Doc("A remark for readers of this entry, in each language; a plain text is in English.")
     ] = None

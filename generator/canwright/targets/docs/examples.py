@@ -32,7 +32,11 @@ class Worked(NamedTuple):
 
     def example(self, labels: Mapping[str, str], sources: Mapping[str, str], language: str) -> Example:
         """The example in a language; `sources` are texts in that language, by name."""
-        source = _source(sources[self.golden.source], in_language(self.golden.note or "", language))
+        remarks = [labels["section"].format(self.golden.manual)] if self.golden.manual else []
+        remarks += filter(None, [in_language(self.golden.note or "", language)])
+        source = markdown(sources[self.golden.source].rstrip(".。"))
+        if remarks:
+            source += labels["remark"].format(markdown(labels["and"].join(remarks)))
         return Example(self.frame, self.given, self.means % labels, source)
 
 
@@ -60,11 +64,6 @@ def in_language(text: Text, language: str) -> str:
     if isinstance(text, str):
         return text if language == "en" else ""
     return "".join(said for of, said in text.items() if of == language)
-
-
-def _source(source: str, note: str) -> str:
-    """The source of a frame with its note."""
-    return f"{markdown(source.removesuffix('.'))} ({markdown(note)})" if note else markdown(source)
 
 
 def _meanings(frame: GoldenFrame, units: Mapping[str, str]) -> Iterator[str]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...model import formatting
-from ...model.message import Command, Direction
+from ...model.message import Address, Command, Direction
 from ...model.metadata import Effect, Erratum, Level
 from ...templating.markup import code, markdown
 from . import tables
@@ -133,6 +133,12 @@ class Pages:
         parts = [markdown(command.name), side, *([markdown(drawn.only)] if drawn.only else [])]
         alt = f"{self._labels['picture']} {self._labels['comma'].join(parts)}"
         return Picture(drawn.file, alt, code(drawn.only))
+
+    def reply_ids(self, address: Address) -> Sequence[str]:
+        """The ids of the replies to requests on an address, which can be those of another address."""
+        commands = [one for one in self._common.edition.commands if one.address == address.name]
+        found = [one.reply.id for one in commands if one.reply] if commands else [address.reply]
+        return list(dict.fromkeys(code(formatting.id_rule(rule)) for rule in found))
 
     def types(self) -> Mapping[str, Any]:
         """The page of types."""
