@@ -91,6 +91,13 @@ def head(nodes: str, languages: str = "") -> str:
     return text + (f"languages: [{languages}]\n" if languages else "")
 
 
+def head_of_addresses() -> str:
+    """The start of a spec with 256 addresses of 65536 nodes each."""
+    address = "{{id: {} + node * 256, extended: true, nodes: 0..65535}}"
+    addresses = "".join(f"a{i}: {address.format(i)}, " for i in range(256))
+    return HEAD.replace("{lamp: {id: 0x100 + node, nodes: 1..4}}", "{" + addresses + "}")
+
+
 def texts(count: int) -> str:
     return "x" * count
 
@@ -265,22 +272,12 @@ ATTACKS: dict[str, Callable[[], Attack]] = {
         )
     ),
     "addresses": lambda: Attack(
-        HEAD.replace(
-            "{lamp: {id: 0x100 + node, nodes: 1..4}}",
-            "{"
-            + "".join(f"a{i}: {{id: {i} + node * 256, extended: true, nodes: 0..65535}}, " for i in range(256))
-            + "}",
-        )
+        head_of_addresses()
         + "commands:\n"
         + "".join(f"  c{i}: {{code: {i}, address: a{i}, {READ}}}\n" for i in range(256))
     ),
     "addresses with fields in the id": lambda: Attack(
-        HEAD.replace(
-            "{lamp: {id: 0x100 + node, nodes: 1..4}}",
-            "{"
-            + "".join(f"a{i}: {{id: {i} + node * 256, extended: true, nodes: 0..65535}}, " for i in range(256))
-            + "}",
-        )
+        head_of_addresses()
         + "commands:\n"
         + "".join(f"  c{i}: {{code: {i}, address: a{i}, reply: {{a: {{at: id.24, raw: u5}}}}}}\n" for i in range(256))
     ),

@@ -96,9 +96,12 @@ class Target(ABC):
         """Names that two editions of one run share: the later edition, and a message."""
         yield from ()
 
-    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        """What users of the output write for an item of the spec, by the path of the item; for `canwright diff`."""
-        return {}
+    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
+        """Every name that users of the output write, with the path of its item in the spec; for `canwright diff`.
+
+        A name that disappears has to be replaced in programs. The first name of an item stands for it in reports.
+        """
+        yield from ()
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:
         """A program with the output of this target that encodes the request and decodes the reply, for documents.

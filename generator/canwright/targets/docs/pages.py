@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...model import formatting
+from ...model.deprecation import Deprecation
 from ...model.message import Address, Command, Direction
 from ...model.metadata import Effect, Erratum, Level
 from ...templating.markup import code, markdown
@@ -79,6 +80,8 @@ class Pages:
     def admonitions(self, effects: Sequence[Effect], command: Command | None = None) -> Sequence[Admonition]:
         """Blocks with these effects, the worst first; with what else is to be known of a command."""
         texts: dict[str, list[str]] = {kind: [] for kind in _KINDS.values()}
+        if command is not None and command.deprecated:
+            texts["WARNING"].append(self.deprecation(command.deprecated))
         if command is not None and not command.implemented:
             texts["WARNING"].append(self._labels["not_implemented"])
         for effect in effects:
@@ -147,6 +150,10 @@ class Pages:
     def description(self, thing: tables.Titled) -> str:
         """Title and description of an object, in Markdown."""
         return tables.description(thing, self._labels, self._language)
+
+    def deprecation(self, deprecated: Deprecation) -> str:
+        """Since when, and until when, an object is deprecated."""
+        return tables.deprecation(deprecated, self._labels)
 
     def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
         """The parameter values that an object is limited to."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ...model import formatting
+from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
@@ -105,6 +106,7 @@ def field_rows(
             resolution, raw, values = _numbers(field, layout, command, labels)
             what = (
                 description(field, labels, language)
+                + (f" ({deprecation(field.deprecated, labels)})" if field.deprecated else "")
                 + (f"{labels['and']}{labels['holds_node']}" if isinstance(field.role, NodeRole) else "")
                 + _section(field, layout, command, labels)
                 + _members(field.type, labels)
@@ -128,6 +130,12 @@ def description(thing: Titled, labels: Labels, language: str) -> str:
     """Title and description of an object, in Markdown."""
     about = thing.about[language]
     return markdown(thing.title[language] + (labels["stop"] + about if about else ""))
+
+
+def deprecation(deprecated: Deprecation, labels: Labels) -> str:
+    """`Deprecated: since v2, until v3`."""
+    period = labels["deprecated_until" if deprecated.until else "deprecated_since"]
+    return labels["deprecated"] + labels["colon"] + period.format(since=deprecated.since, until=deprecated.until)
 
 
 def _members(type_: Type, labels: Labels) -> str:
