@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import NameProblem, Output, Specification, Target
-from . import generate
+from ..base import CodeExample, NameProblem, Output, Specification, Target, WorkedExchange
+from . import generate, program
 from .exported import exported_names
 from .problems import between, problems
 
@@ -29,6 +29,9 @@ class CTarget(Target):
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         return exported_names(edition)
+
+    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
+        return CodeExample("c", program(edition, worked))
 
 
 TARGET = CTarget()

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import NameProblem, Output, Specification, Target
-from . import generate, text
+from ..base import CodeExample, NameProblem, Output, Specification, Target, WorkedExchange
+from . import generate, program, text
 from .fields import varying
 from .messages import base_classes
 from .problems import problems
@@ -48,6 +48,9 @@ class PythonTarget(Target):
         used = {setting for command in edition.commands for setting in command.limited_by}
         yield from ((("settings", s.name), f'"{s.name}"') for s in edition.settings if s in used)
         yield from ((("effects", effect.name), f'"{effect.name}"') for effect in edition.effects)
+
+    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
+        return CodeExample("python", program(edition, worked))
 
 
 TARGET = PythonTarget()
