@@ -19,6 +19,7 @@ from . import editions
 from .common import Common
 from .links import COMMANDS, PICTURES, command_page, entry_anchor
 from .pages import Pages
+from .site_data import FILE, site_data
 from .tables import Labels
 
 _PAGES = ("types", "parameters", "errata", "bus")
@@ -36,7 +37,7 @@ class _Book(NamedTuple):
 
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
-    """One folder for each language, with one folder for each edition."""
+    """One folder for each language, with one folder for each edition; and data for the site."""
     env = environment(
         "docs",
         {
@@ -61,6 +62,8 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
             if book.language in item.edition.languages:
                 folder = f"{book.language}/{folder_of[item.edition]}"
                 yield from _edition(env, common, book, folder)
+    listed = [(folder_of[edition], edition) for edition in editions.in_order(folder_of)]
+    yield Output(FILE, site_data(listed))
 
 
 def folders(editions: Sequence[Edition]) -> Mapping[Edition, str]:
