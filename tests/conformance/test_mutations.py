@@ -37,10 +37,7 @@ GENERATED = 4
 """So many of the latter, evenly spread, are always replayed through generated code as well."""
 
 EVERYWHERE = {
-    "mwd_motor/v2.35": (
-        "types.torque_current.scale.MG 1",
-        "layouts.status_1.fields.voltage.at 4",
-    ),
+    "mwd_motor/v2.35": ("types.torque_current.scale.MG 1",),
     "blower/v1": ("types.speed.byte_order big", "commands.set_speed.request.trim.raw u16"),
     "arm/v1": (
         "types.torque.scale t_max as v_max",

@@ -230,7 +230,12 @@ EVERY_EXTENSION = (
 @functools.cache
 def _by_every_extension(text: str) -> str:
     """As a site shows it that has every extension turned on that gives words or signs a meaning."""
-    return markdown.markdown(text, extensions=EVERY_EXTENSION)
+    return _every_extension().reset().convert(text)
+
+
+@functools.cache
+def _every_extension() -> markdown.Markdown:
+    return markdown.Markdown(extensions=EVERY_EXTENSION)
 
 
 @functools.cache
