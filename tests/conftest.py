@@ -1,4 +1,4 @@
-"""Shows at the end of a run how many golden frames went through each target."""
+"""The order of the files, folders for caches, and how many golden frames went through each target."""
 
 from __future__ import annotations
 
@@ -9,6 +9,18 @@ from typing import Any
 import pytest
 
 from .conformance.summary import REPORTS, lines
+
+LONGEST = {
+    "test_quality.py",
+    "test_conformance.py",
+    "test_mutations.py",
+    "test_readme.py",
+    "test_site.py",
+    "test_texts.py",
+    "test_c_compiles.py",
+    "test_specs.py",
+}
+"""These files come first: a worker that started one of them last would run on its own at the end."""
 
 OF_WORKERS: list[str] = []
 """What was counted in the processes that the tests are shared among."""
@@ -23,6 +35,10 @@ def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         patch.setenv("ZIG_GLOBAL_CACHE_DIR", os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(shared / "zig")))
         yield
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
