@@ -238,6 +238,8 @@ class Facts:
                 else:
                     flag = 1 << 31 if rule.extended else 0
                     found[names.upper(address.name, direction.value, "id")] = rule.base | flag
+        if self._edition.bus.reply_within_ms is not None:
+            found[names.upper("reply_within_us")] = math.ceil(self._edition.bus.reply_within_ms * 1000)
         for command in self._edition.commands:
             if command.code is not None:
                 found[self._names.upper(command.name, "code")] = command.code
