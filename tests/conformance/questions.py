@@ -203,7 +203,7 @@ class Questions:
                 near += [n for number in numbers for n in (number, number * 1.000001, number * 0.999999)]
             bits = (encoder.nearest_raw(field, Fraction(n)) for n in near if math.isfinite(n))
             infinity, sign = {32: 0xFF << 23, 64: 0x7FF << 52}[type_.width], 1 << type_.width - 1
-            special = (infinity, infinity | sign, infinity | 1, infinity - 1, sign, 1)
+            special = (infinity, infinity | sign, infinity | 1, infinity - 1, sign, sign | 1, 1)
             return [*(b for b in bits if isinstance(b, int)), chance.getrandbits(type_.width), high, 0, *special]
         if span is not None:
             numbers_ = {n: Fraction(v) for n, v in encoder.assignment.items() if n in type_.numbers}
