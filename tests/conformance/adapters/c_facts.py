@@ -252,15 +252,22 @@ class Facts:
                 found[names.upper(stem, "scale_den")] = linear.scale.denominator
                 found[names.upper(stem, "offset_num")] = linear.offset.numerator
                 found[names.upper(stem, "offset_den")] = linear.offset.denominator
+            found |= self._ranges(stem, type_)
+        return found
+
+    def _ranges(self, stem: str, type_: Type) -> dict[str, int]:
+        """The ends of the range of a type, and of each of its cases."""
+        found: dict[str, int] = {}
+        if type_.encoding is not Encoding.FLOAT:
             spans = {"": type_.raw_range.constant, **{f"_{n}": span for n, span in type_.raw_range.cases.items()}}
-            for case, span in spans.items() if type_.encoding is not Encoding.FLOAT else ():
+            for case, span in spans.items():
                 low, high = type_.raw_limits
                 if span is not None and span.low.parameter is None:
                     low = max(low, math.ceil(span.low.constant))
                 if span is not None and span.high.parameter is None:
                     high = min(high, math.floor(span.high.constant))
-                found[names.upper(stem, f"raw_min{case}")] = low
-                found[names.upper(stem, f"raw_max{case}")] = high
+                found[self._names.upper(stem, f"raw_min{case}")] = low
+                found[self._names.upper(stem, f"raw_max{case}")] = high
         return found
 
     def _of_address(self, kind: str, name: str) -> Iterator[Fact]:
