@@ -97,7 +97,11 @@ def _repurposed(found: Collector, old: Command, new: Command) -> None:
 
 def _removed(found: Collector, command: Command, new: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, new)
-    found.add(f"{kind}-removed", item, (path, parent), Impact.LOUD, Use((Side.SENDING,), (command.group,)), **facts)
+    use, places = Use((Side.SENDING,), (command.group,)), (path, parent)
+    if kind == "command":
+        found.removed("command-removed", item, places, Impact.LOUD, use, command.deprecated, **facts)
+    else:
+        found.add("entry-removed", item, places, Impact.LOUD, use, **facts)
 
 
 def _added(found: Collector, command: Command, old: Edition) -> None:
@@ -137,6 +141,7 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
         found.attributes(
             _OF_CONDITIONS, Item.of_entry(old.entry), paths(old.entry, new.entry), of_entry, new_of_entry, use
         )
+    found.deprecation(_item(old), paths(old, new), new.group, old.deprecated, new.deprecated)
     _texts(found, old, new)
     _forms(found, both, old, new)
     _address(found, old, new)

@@ -99,7 +99,7 @@ def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
         found.attributes(_OF_CONSTANT, item, places, one, other, use, name=other.name)
     for gone in (one for one in matched.removed if one.name in before):
         places, facts = ((*old.path, gone.name), new.path), {"name": gone.name, "place": gone.place}
-        found.add("field-removed", item, places, Impact.SILENT, use, **facts)
+        found.removed("field-removed", item, places, Impact.SILENT, use, None, **facts)
     for fresh in (one for one in matched.added if one.name in after):
         places, facts = (old.path, (*new.path, fresh.name)), {"name": fresh.name, "place": fresh.place}
         found.add("field-added", item, places, Impact.LOUD, use, **facts)

@@ -56,7 +56,9 @@ def compare(found: Collector, both: Editions, command: str, one: Message, anothe
         if gone.name not in constant_keys(another):
             facts = {"name": gone.name, "place": place_of(gone)}
             place = _parent(gone, new)
-            found.add("field-removed", _owner(gone, item), (gone.path, place), Impact.SILENT, use, **facts)
+            found.removed(
+                "field-removed", _owner(gone, item), (gone.path, place), Impact.SILENT, use, gone.deprecated, **facts
+            )
     for fresh in replaced.added:
         if fresh.name not in constant_keys(one):
             taken = any(match.overlap(fresh, f) for f in old.fields)
@@ -120,6 +122,7 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
         shown = {"old": _constant(old), "new": _constant(new)}
         impact = Impact.SAFE if ignored else Impact.LOUD
         found.add("constant-changed", item, (before, after), impact, use, name=new.name, **shown)
+    found.deprecation(item, places, new.name, old.deprecated, new.deprecated)
     if (old.title, new.title) != (old.type.title, new.type.title):
         found.title(item, at(places, "title"), new.name, old.title, new.title)
     found.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)

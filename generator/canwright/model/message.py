@@ -8,6 +8,7 @@ from enum import Enum
 from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
+from .deprecation import Deprecation
 from .layout import Layout, NodeRole, Segment, Space
 from .metadata import Effect, Setting
 from .types import Assignment, ImpliedTitle, Order, Text
@@ -202,6 +203,7 @@ class Command:
     short_group: str
     group: str
     former_group: str | None
+    deprecated: Deprecation | None
     entry: Entry | None
     code: int | None
     address: str

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Generic, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
+from .deprecation import Deprecation
 
 T = TypeVar("T")
 
@@ -188,6 +189,7 @@ class Member:
 
     name: str
     renamed_from: str | None
+    deprecated: Deprecation | None
     value: int
     title: Text
     about: Text

@@ -22,7 +22,7 @@ from .layouts import LayoutResolver
 from .limits import check_limits
 from .messages import ENTRY, MessageResolver
 from .parameters import resolve_parameters
-from .types import read_units, resolve_types
+from .types import deprecation, read_units, resolve_types
 
 T = TypeVar("T")
 
@@ -160,6 +160,7 @@ def _command(
         short_group=written.short_name or form.command,
         group=form.command,
         former_group=written.renamed_from,
+        deprecated=deprecation(written.deprecated),
         entry=of,
         code=messages.code_of(form),
         address=messages.address_of(form.command),
