@@ -250,7 +250,8 @@ def _same(one: Any, other: Any, names: Names) -> bool:
     if one == other and not names.members:
         return True
     if isinstance(one, tuple) and one and isinstance(one[0], tuple):
-        return isinstance(other, tuple) and len(one) == len(other) and all(map(_same, one, other, [names] * len(one)))
+        alike = isinstance(other, tuple) and len(one) == len(other) and all(isinstance(value, tuple) for value in other)
+        return alike and all(map(_same, one, other, [names] * len(one)))
     if one[0] == "member" == other[0]:
         renamed = names.members.get(one[1].lower(), one[1].lower())
         return renamed is not None and renamed.upper() == other[1]
