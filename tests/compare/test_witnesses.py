@@ -324,3 +324,10 @@ def test_a_frame_with_unknown_bits_in_its_id_is_loud(tmp_path: Path) -> None:
     press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
     (change,) = found(tmp_path, press, ("host: {raw: u8", "host: {raw: u7"))
     assert (change.rule.id, change.impact) == ("width-changed", Impact.LOUD)
+
+
+def test_a_request_that_is_rejected_has_no_reply(tmp_path: Path) -> None:
+    """Without the other message, a constant no longer distinguishes; the new node still rejects another value."""
+    oven = (ROOT / "tests/assurance/specs/oven/v1.yaml").read_text("utf-8")
+    (change,) = found(tmp_path, oven, (oven[oven.index("  erase_recipe:") :], ""))
+    assert verdicts([change]) == {"command-removed command erase_recipe": {"sending": LOUD}}
