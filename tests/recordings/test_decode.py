@@ -415,8 +415,8 @@ def test_both_dbc_files_read_the_channels_of_a_split_log() -> None:
                 found.setdefault(name, []).append(float(value))
             message.channel += 1  # asammdf takes channel 0 for any
             writer.on_message_received(message)
-    with MDF("split.mf4") as log:
-        extracted = log.extract_bus_logging({"CAN": [(files[0], 1), (files[1], 2)]})
+    with MDF("split.mf4") as mdf:
+        extracted = mdf.extract_bus_logging({"CAN": [(files[0], 1), (files[1], 2)]})
     for name, values_ in found.items():
         samples = []
         for group, index in extracted.channels_db[name]:
