@@ -46,6 +46,7 @@ def test_generate_then_check_then_edit(folder: Path) -> None:
         "python",
         "dbc",
         "docs",
+        "javascript",
         "wireshark",
     }
     assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0

@@ -6,8 +6,9 @@ import ast
 import functools
 import html.parser
 import itertools
+import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import cantools
@@ -24,6 +25,7 @@ from lupa import lua54
 from markdown_it import MarkdownIt
 
 from ..compilers import WARNINGS, Compiler, each_compiler
+from ..node import run as run_node
 from ..targets.test_c_compiles import everything, headers, write
 from .everything import SPEC, filled, filled_fields, text_fields
 from .hostile import HARMLESS, HOSTILE, REFUSED
@@ -58,6 +60,33 @@ def shown(harmless_folder: Path, harmless: Files) -> str:
     return text
 
 
+def test_javascript_reads_hostile_texts(tmp_path: Path) -> None:
+    """All of them at once: the titles of the module are the texts of the spec, and the comments are only comments."""
+    files = made(HOSTILE, tmp_path)
+    for path in (path for path in files if path.startswith("javascript/")):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(files[path], "utf-8")
+    (texts,) = tmp_path.glob("javascript/*/*.texts.js")
+    module = json.dumps(texts.as_uri().replace(".texts", ""))
+    found = run_node(f"""
+        await import({module});
+        const {{ TEXTS }} = await import({json.dumps(texts.as_uri())});
+        console.log(JSON.stringify(TEXTS));""")
+    assert not re.search(
+        r"[^\n -~]|[<>]", "".join(line for line in files[texts.relative_to(tmp_path).as_posix()].splitlines()[2:])
+    )
+    shown = set(_strings(json.loads(found)))
+    assert len(shown & {" ".join(text.split()) for text in HOSTILE} | shown & set(HOSTILE)) > 20
+
+
+def _strings(value: object) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (list, dict)):
+        for one in value.values() if isinstance(value, dict) else value:
+            yield from _strings(one)
+
+
 def test_every_text_of_the_language_is_filled() -> None:
     assert filled_fields() == text_fields()
     assert {"CommandSpec.notes", "TypeSpec.differs", "AddressSpec.title", "GoldenFrame.note"} <= filled_fields()
@@ -83,6 +112,8 @@ def _same_file(path: str, hostile: str, harmless: str) -> bool:
         "py": _same_python,
         "dbc": _same_dbc,
         "lua": _same_lua,
+        "js": _same_javascript,
+        "ts": _same_c,
         "md": _any_page,
     }
     return same.get(path.rsplit(".", 1)[-1], _equal)(hostile, harmless)
@@ -137,6 +168,17 @@ def _lua_tokens(source: str) -> str:
     assert lua54.LuaRuntime().compile(source)
     literals = re.sub(r'"(?:[^"\\]|\\.)*"', '""', _without_hash(source))
     return re.sub(r",?}", "}", "".join(literals.split()))
+
+
+def _same_javascript(hostile: str, harmless: str) -> bool:
+    return _javascript_tokens(hostile) == _javascript_tokens(harmless)
+
+
+@functools.cache
+def _javascript_tokens(source: str) -> str:
+    """A source without the contents of its literals and without layout; all spec text is in ASCII literals."""
+    literals = re.sub(r'"(?:[^"\\<>]|\\.)*"', '""', _without_hash(source))
+    return re.sub(r",?([}\]])", r"\1", "".join(re.sub(r"^//.*", "", literals).split()))
 
 
 def _same_dbc(hostile: str, harmless: str) -> bool:
