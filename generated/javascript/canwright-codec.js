@@ -32,6 +32,7 @@ export function createEdition(tables) {
       codec.answer(directions.request, request, reply);
     },
     candidates: (frame) => codec.candidates(directions, frame),
+    rawOf: (direction, command, field, value, parameters) => codec.rawOf(direction, command, field, value, parameters),
     encodeRequest: (command, given) => codec.encode("request", command, given),
     encodeReply: (command, given) => codec.encode("reply", command, given),
   };
@@ -171,6 +172,15 @@ class Codec {
     const raws = new Map(fields.map((field) => [field.name, field.given(given[field.name], known, values !== undefined)]));
     const frame = message.write(node, raws, known);
     return this.result(message, message.rule.nodes ? node : null, frame, raws, known);
+  }
+
+  rawOf(direction, command, name, value, parameters) {
+    const known = this.known(parameters);
+    const field = this.message(direction, command).fields(known).find((one) => one.name === name);
+    if (!field) {
+      throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
+    }
+    return field.given(value, known, true);
   }
 
   /** The reply that a frame is to a request, with its node. Throws CodecError if it is none. */

@@ -6,8 +6,8 @@ export interface Text {
   readonly zh?: string;
 }
 
-/** Texts with the parameter values under which they apply; these are empty if they always apply. */
-export type ByParameter = readonly (readonly [values: string, text: string])[];
+/** Texts with the parameter values under which they apply; these are empty if they always apply. null is unknown. */
+export type ByParameter = readonly (readonly [values: string, text: string | null])[];
 
 /** Titles of an edition, for people. What has no title is left out. */
 export interface EditionTexts {

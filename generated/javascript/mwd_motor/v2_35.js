@@ -15,6 +15,7 @@ export const {
   decodeAnswer,
   checkReply,
   candidates,
+  rawOf,
   encodeRequest,
   encodeReply,
 } = createEdition({

@@ -408,7 +408,7 @@ export const TEXTS = {
   types: [
     { range: [["", "-850..850"]] },
     {
-      resolution: [["MS, MH", "not given"], ["MF", "16.5/2048 A"], ["MG", "33/2048 A"]],
+      resolution: [["MS, MH", null], ["MF", "16.5/2048 A"], ["MG", "33/2048 A"]],
       range: [["", "-2048..2048"]],
     },
     { resolution: [["", "0.01 \u00b0/s"]] },

@@ -453,7 +453,7 @@ export const TEXTS = {
     },
     { range: [["", "-850..850"]] },
     {
-      resolution: [["MS, MH", "not given"], ["MF", "16.5/2048 A"], ["MG", "33/2048 A"]],
+      resolution: [["MS, MH", null], ["MF", "16.5/2048 A"], ["MG", "33/2048 A"]],
       range: [["", "-2048..2048"]],
     },
     { resolution: [["", "0.01 \u00b0/s"]] },
@@ -486,7 +486,7 @@ export const TEXTS = {
     },
     {},
     { range: [["", "-1000..1000"]] },
-    { resolution: [["MS, MH", "not given"], ["MF", "33/4096 A"], ["MG", "66/4096 A"]] },
+    { resolution: [["MS, MH", null], ["MF", "33/4096 A"], ["MG", "66/4096 A"]] },
     {},
     { resolution: [["", "0.01 \u00b0"]] },
     { resolution: [["", "0.01 \u00b0"]], range: [["", "0..36000*gear_ratio-1"]] },
@@ -510,6 +510,6 @@ export const TEXTS = {
         over_temperature: { en: "Over-temperature protection", zh: "\u8fc7\u6e29\u4fdd\u62a4" },
       },
     },
-    { resolution: [["MS, MH", "not given"], ["MF", "33/4096 A"], ["MG", "66/4096 A"]] },
+    { resolution: [["MS, MH", null], ["MF", "33/4096 A"], ["MG", "66/4096 A"]] },
   ],
 };

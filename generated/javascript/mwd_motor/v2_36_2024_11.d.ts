@@ -429,6 +429,8 @@ export function decodeAnswer<C extends keyof Answers>(request: RequestOf<C>, fra
 export function checkReply(request: Frame, reply: Frame): void;
 /** The messages that a frame can be if its direction is unknown, replies first. */
 export function candidates(frame: Frame): readonly Candidate[];
+/** The raw integer nearest to a value of a field, of an array of each element. Throws CodecError. */
+export function rawOf(direction: Direction, command: string, field: string, value: unknown, parameters?: Parameters): number | bigint | readonly (number | bigint)[];
 /** The request of a command. Throws CodecError if the node or a value is rejected, TypeError for missing or other fields. */
 export function encodeRequest<C extends keyof Requests>(command: C, content?: Content<Requests[C], Parameters>): RequestOf<C>;
 /** The reply of a command, for a simulated node. Throws as `encodeRequest` does. */

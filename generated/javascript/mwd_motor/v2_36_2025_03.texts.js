@@ -783,7 +783,7 @@ export const TEXTS = {
     },
     { range: [["", "-850..850"]] },
     {
-      resolution: [["MS, MH", "not given"], ["MF", "16.5/2048 A"], ["MG", "33/2048 A"]],
+      resolution: [["MS, MH", null], ["MF", "16.5/2048 A"], ["MG", "33/2048 A"]],
       range: [["", "-2048..2048"]],
     },
     { resolution: [["", "0.01 \u00b0/s"]] },
@@ -850,7 +850,7 @@ export const TEXTS = {
     },
     {},
     { range: [["", "-1000..1000"]] },
-    { resolution: [["MS, MH", "not given"], ["MF", "33/4096 A"], ["MG", "66/4096 A"]] },
+    { resolution: [["MS, MH", null], ["MF", "33/4096 A"], ["MG", "66/4096 A"]] },
     {},
     {
       resolution: [["14", "360/16384 \u00b0"], ["15", "360/32768 \u00b0"], ["16", "360/65536 \u00b0"]],
@@ -895,7 +895,7 @@ export const TEXTS = {
         input_lost: { en: "Input signal missing", zh: "\u8f93\u5165\u4fe1\u53f7\u4e22\u5931" },
       },
     },
-    { resolution: [["MS, MH", "not given"], ["MF", "33/4096 A"], ["MG", "66/4096 A"]] },
+    { resolution: [["MS, MH", null], ["MF", "33/4096 A"], ["MG", "66/4096 A"]] },
     {
       members: {
         failed: { en: "Saving failed", zh: "\u4fdd\u5b58\u5931\u8d25" },

@@ -16,6 +16,7 @@ from . import text
 from .declarations import declarations
 from .example import example
 from .package import RUNTIME, TEXTS, import_name, module_path, package, package_name
+from .page import explorer
 from .tables import EditionTables
 from .titles import titles
 
@@ -40,3 +41,4 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
         texts, types = env.get_template("texts.js.j2"), env.get_template("texts.d.ts.j2")
         yield Output(f"{path}{TEXTS}.js", texts.render(header=first, titles=titles(edition)))
         yield Output(f"{path}{TEXTS}.d.ts", types.render(header=first))
+    yield from explorer(specifications)

@@ -55,8 +55,12 @@ def _field(field: Field, tables: EditionTables) -> Value:
 
 
 def _type(type_: Type) -> Value:
-    """Resolutions and ranges, each with the parameter values under which they apply, and the titles of members."""
-    resolutions: list[Value] = [list(one) for one in formatting.scale(type_)]
+    """Resolutions (None if unknown) and ranges, each with the parameter values under which they apply; titles of members."""
+    linears = (linear for _, linear in type_.linear.distinct())
+    resolutions: list[Value] = [
+        [names, None if linear is None else what]
+        for (names, what), linear in zip(formatting.scale(type_), linears, strict=True)
+    ]
     ranges: list[Value] = [list(one) for one in formatting.ranges(type_)]
     has_resolution = type_.is_number and not type_.is_plain
     return {
