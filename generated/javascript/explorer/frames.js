@@ -4,7 +4,7 @@
 /** Reads frames from texts: lines of cansend, candump and its logs; writes them as cansend does. */
 canwright.frames = (() => {
   const CANSEND = /(?:^|\s)([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(R\d?|[0-9A-Fa-f.]*)(?=\s|$)/;
-  const CANDUMP = /(?:^|\s)([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s+\[(\d+)\]\s*((?:[0-9A-Fa-f]{2}(?:\s+|$))*|remote request)/i;
+  const CANDUMP = /(?:^|\s)([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s+\[(\d+)\]\s*(remote request|(?:[0-9A-Fa-f]{2}(?:\s+|$))*)/i;
   const MARK = /(?:^|\s)(TX|RX|T|R)(?=\s|$)/;
   const TIME = /^\s*\(([^)]*)\)/;
 

@@ -57,16 +57,19 @@ canwright.meaning = (() => {
     return number !== null && number[0] > 0n && !(low && isBelow(number, low)) && !(high && isBelow(high, number));
   }
 
-  /** The sets of values of the parameter that decides on the fields, one for each set of fields; one empty set without it. */
-  function variants(message, texts, given) {
+  /**
+   * The values of a parameter under which a message exists, apart for each set of fields that it `decides`.
+   * One item, which can be null, if no parameter decides on the fields.
+   */
+  function variants(edition, message, given) {
     const { parameter, fields } = message;
-    const only = texts.commands[message.command]?.only ?? {};
+    const only = edition.texts.commands[message.command].only ?? {};
     if (parameter === null) {
-      return [only[Object.keys(only)[0]] ? { parameter: Object.keys(only)[0], values: only[Object.keys(only)[0]], decides: false } : null];
+      const [condition] = Object.entries(only);
+      return [condition ? { parameter: condition[0], values: condition[1], decides: false } : null];
     }
     const groups = new Map();
-    const every = [...new Set(fields.flatMap((field) => field.only ?? []))];
-    for (const value of given[parameter] ? [given[parameter]] : every) {
+    for (const value of given[parameter] ? [given[parameter]] : edition.codec.PARAMETERS[parameter].values) {
       if (!only[parameter] || only[parameter].includes(value)) {
         const key = fields.map((field) => (field.only === null || field.only.includes(value) ? 1 : 0)).join("");
         groups.set(key, [...(groups.get(key) ?? []), value]);
@@ -87,8 +90,7 @@ canwright.meaning = (() => {
     const encode = direction === "request" ? edition.codec.encodeRequest : edition.codec.encodeReply;
     try {
       const again = encode(command, { node, raw, parameters });
-      const key = canwright.frames.format(again.frame) === canwright.frames.format(frame);
-      return key ? "" : "reserved";
+      return canwright.frames.format(again.frame) === canwright.frames.format(frame) ? "" : "reserved";
     } catch (error) {
       if (error instanceof canwright.CodecError) {
         return "range";
@@ -131,7 +133,7 @@ canwright.meaning = (() => {
       const given = known(edition, parameters);
       for (const candidate of edition.codec.candidates(frame)) {
         const message = edition.messages.get(`${candidate.direction} ${candidate.command}`);
-        for (const variant of variants(message, edition.texts, given)) {
+        for (const variant of variants(edition, message, given)) {
           const one = interpretation(edition, candidate, variant, frame, given);
           if (one) {
             found.push(one);
@@ -146,7 +148,7 @@ canwright.meaning = (() => {
   function blank(edition, direction, command, parameters) {
     const given = known(edition, parameters);
     const message = edition.messages.get(`${direction} ${command}`);
-    const [variant] = variants(message, edition.texts, given);
+    const [variant] = variants(edition, message, given);
     const chosen = variant?.decides ? { ...given, [variant.parameter]: variant.values[0] } : given;
     const present = message.fields.filter(({ fixed, only }) => fixed === null && (only === null || only.includes(chosen[message.parameter])));
     const encode = direction === "request" ? edition.codec.encodeRequest : edition.codec.encodeReply;
