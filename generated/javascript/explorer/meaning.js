@@ -114,7 +114,7 @@ canwright.meaning = (() => {
     const differs = deviation(edition, decoded, chosen);
     const isAbsent = variant && !variant.decides && given[variant.parameter] && !variant.values.includes(given[variant.parameter]);
     const isAnnounced = edition.texts.commands[candidate.command]?.implemented === false;
-    const penalty = { range: 3, reserved: 2 }[differs] ?? 0;
+    const penalty = { reserved: 3, range: 2 }[differs] ?? 0;
     return {
       edition,
       message,

@@ -84,7 +84,7 @@
   }
 
   function showCommands() {
-    const edition = meaning.find(state.edition) ?? meaning.editions[0];
+    const edition = meaning.find(state.edition) ?? chosen?.edition ?? meaning.editions[0];
     at("edition").replaceChildren(
       ...meaning.editions.map((one) => make("option", { value: meaning.label(one), selected: one === edition }, meaning.label(one))),
     );
@@ -104,7 +104,8 @@
       Object.assign(state, { direction, command });
       use(meaning.blank(edition, direction, command, state.parameters).decoded.frame);
     } else {
-      showCommands();
+      state.command = "";
+      update();
     }
   }
 
@@ -237,6 +238,10 @@
       return make("li", {}, button);
     });
     at("found").replaceChildren(...items);
+    const current = items[found.indexOf(chosen)];
+    if (current) {
+      at("found").scrollTop = current.offsetTop - at("found").offsetTop - 8;
+    }
   }
 
   /** A value with its unit; the raw integer if there is none. */
