@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
+import threading
 from collections.abc import Callable, Iterator
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +29,13 @@ TORQUE = "#frame=141%23A1329B00F4010080&edition=v2.35&direction=reply&series=MG&
 Open = Callable[..., Page]
 
 
+class _Quiet(SimpleHTTPRequestHandler):
+    """A server without messages."""
+
+    def log_message(self, format: str, *args: object) -> None:
+        pass
+
+
 @pytest.fixture(scope="module")
 def page_of_motors(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page with the editions of the motor protocol."""
@@ -46,15 +56,16 @@ def opened(chromium: Browser) -> Iterator[Open]:
     contexts = []
 
     def open_page(file: Path, state: str = "", **options: Any) -> Page:
+        root = options.pop("root", file.parent.as_uri())
         context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}, "locale": "en-US", **options})
         contexts.append(context)
         page = context.new_page()
         page.on("console", lambda message: problems.append(f"{message.type}: {message.text}"))
         page.on("pageerror", lambda error: problems.append(str(error)))
         page.on("dialog", lambda dialog: problems.append(f"dialog: {dialog.message}"))
-        allowed = (file.parent.as_uri(), "data:")
+        allowed = (root, "data:")
         page.on("request", lambda request: None if request.url.startswith(allowed) else problems.append(request.url))
-        page.goto(file.as_uri() + state)
+        page.goto(f"{root}/{file.name}{state}")
         return page
 
     yield open_page
@@ -140,6 +151,15 @@ def test_a_message_is_composed(page_of_motors: Path, opened: Open) -> None:
     page.get_by_label("Value of angle", exact=True).fill("90")
     page.get_by_label("Value of angle", exact=True).press("Enter")
     assert page.locator("#cansend").inner_text() == "cansend can0 141#A501000028230000"
+
+
+def test_it_works_below_a_sub_path(page_of_motors: Path, opened: Open) -> None:
+    folder = page_of_motors.parents[1]
+    with ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(_Quiet, directory=str(folder))) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        page = opened(page_of_motors, TORQUE, root=f"http://127.0.0.1:{server.server_port}/{FOLDER}")
+        assert page.locator("#chosen-facts").inner_text() == "set_torque · reply · v2.35"
+        server.shutdown()
 
 
 def test_an_address_selects_edition_and_direction(page_of_motors: Path, opened: Open) -> None:
