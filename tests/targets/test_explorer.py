@@ -21,7 +21,7 @@ from canwright.targets import c, python
 from canwright.targets.javascript.page import FOLDER, explorer
 from canwright.templating.resources import TEMPLATES
 
-from ..compilers import ZIG
+from ..compilers import WARNINGS, ZIG
 from ..conformance.adapter import write_files
 from ..node import run
 from ..spec_texts import ROOT, SPECS, called
@@ -98,7 +98,7 @@ def _run_c(folder: Path, programs: Sequence[tuple[str, str, str]]) -> None:
         "\n".join(["#include <stdio.h>", *includes, printer, functions, f"int main(void) {{ {calls} return 0; }}"]),
         "utf-8",
     )
-    ZIG.run("c99", f"-I{folder / 'include'}", source, "-o", folder / "main")
+    ZIG.run("c99", *WARNINGS, f"-I{folder / 'include'}", source, "-o", folder / "main")
 
     done = subprocess.run([folder / "main"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, bodies[done.returncode - 1]

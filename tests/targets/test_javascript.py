@@ -70,6 +70,7 @@ def test_numbers_are_exact() -> None:
         for bits in (4, 53, 64, 200, 1080)
         for _ in range(60)
     ]
+    cases += [(((1 << 53) + 1 << 100) + one, 1 << 100) for one in (-1, 0, 1)]  # near a tie
     cases += [((1 << 54) + 1, 1), ((1 << 54) + 3, 2), (1, 1 << 1075), (3, 1 << 1075), (1 << 1024, 1), (5, 1 << 1074)]
     wanted = []
     for n, d in cases:
