@@ -2,7 +2,7 @@
 
 /** Types of fields: the conversion between raw integers and values, with scales and ranges that can depend on parameters. */
 
-import { ceil, compare, floatBits, floatOf, floor, nearest, quotient, ratio, rational, rounded } from "./canwright-numbers.js";
+import { ceil, compare, floatBits, floatOf, floor, nearest, quotient, ratio, rational, rounded, toOdd } from "./canwright-numbers.js";
 
 /** Why a frame or a value is rejected: `refusal` is the reason, `field` the name of the field that caused it. */
 export class CodecError extends Error {
@@ -80,7 +80,7 @@ export class FieldType {
       throw new CodecError("not_finite", `${field} is not a finite number`, field);
     }
     if (this.isFloat) {
-      const bits = floatBits(this.width, steps(Number(value), line));
+      const bits = floatBits(this.width, typeof value === "bigint" ? this.exactFloat(value, line) : steps(value, line));
       if (bits === null) {
         throw new CodecError("out_of_range", `${field} is too large for its float`, field);
       }
@@ -88,6 +88,13 @@ export class FieldType {
     }
     const count = typeof value === "number" ? steps(value, line) : Infinity;
     return this.check(Math.abs(count) < COARSE ? rounded(count) : exactSteps(value, line), parameters, field);
+  }
+
+  /** The number of an integer, which is rounded once. */
+  exactFloat(value, line) {
+    const above = value * line.divisor - line.addend;
+    const sign = line.factor < 0n ? -1n : 1n;
+    return (this.width === 32 ? toOdd : quotient)(above * sign, line.factor * sign);
   }
 
   /** The raw integer of the name of an enum, of names of flags, or of an integer. */

@@ -146,7 +146,7 @@ class Questions:
         yield CanFrame(self._chance.getrandbits(29), self._chance.randbytes(self._chance.randrange(9)), True)
 
     def _frame(self, message: Message, node: int | None, noise: bool = False) -> CanFrame:
-        """A frame of a message, or of one of its accepted keys; with `noise`, bits without a meaning are random."""
+        """A frame of a message, or of one of its accepted keys; with `noise`, bits are random, except for constants."""
         encoder = self._encoders.under(self._known(message))
         raws = {name: self._raw(encoder, field) for name, field in (encoder.fields(message) or {}).items()}
         frame = encoder.encode_raws(message, node, raws)
@@ -156,7 +156,9 @@ class Questions:
             keys[0] = (keys[0][0], (*message.accept, *message.claims))
         id_, word = frame.id, int.from_bytes(frame.data, "little")
         if noise:
-            word |= self._chance.getrandbits(8 * len(frame.data) or 1)
+            constants = (f for f in message.layout.fields if f.space is Space.DATA and f.demanded is not None)
+            fixed = sum(1 << bit for f in constants for e in f.elements for bit in e.bits)
+            word |= self._chance.getrandbits(8 * len(frame.data) or 1) & ~fixed
         for key, values in keys:
             value = self._chance.choice(values)
             for i, bit in enumerate(bits_of(key.segments)):
@@ -178,11 +180,15 @@ class Questions:
 
     def _raw(self, encoder: Encoder, field: Field) -> Raw:
         """A valid raw integer of a field, or a list for an array."""
-        raws = [self._chance.choice(self._valid(encoder, field)) for _ in field.elements]
+        raws = [self._valid(encoder, field) for _ in field.elements]
         return raws if field.is_array else raws[0]
 
-    def _valid(self, encoder: Encoder, field: Field) -> list[int]:
-        return [raw for raw in self._candidates(encoder, field) if encoder.rejects_raw(field, raw) is None] or [0]
+    def _valid(self, encoder: Encoder, field: Field) -> int:
+        """A valid raw integer of an element of a field."""
+        candidates = self._candidates(encoder, field)
+        start = self._chance.randrange(len(candidates))
+        turned = itertools.chain(candidates[start:], candidates[:start])
+        return next((raw for raw in turned if encoder.rejects_raw(field, raw) is None), 0)
 
     def _candidates(self, encoder: Encoder, field: Field) -> list[int]:
         """Raw integers at the limits of a field, beyond them, and between."""
@@ -197,7 +203,7 @@ class Questions:
                 near += [n for number in numbers for n in (number, number * 1.000001, number * 0.999999)]
             bits = (encoder.nearest_raw(field, Fraction(n)) for n in near if math.isfinite(n))
             infinity, sign = {32: 0xFF << 23, 64: 0x7FF << 52}[type_.width], 1 << type_.width - 1
-            special = (infinity, infinity | sign, infinity | 1, infinity - 1, sign, 1)
+            special = (infinity, infinity | sign, infinity | 1, infinity - 1, sign, sign | 1, 1)
             return [*(b for b in bits if isinstance(b, int)), chance.getrandbits(type_.width), high, 0, *special]
         if span is not None:
             numbers_ = {n: Fraction(v) for n, v in encoder.assignment.items() if n in type_.numbers}
@@ -249,9 +255,7 @@ class Questions:
 
     def _value(self, encoder: Encoder, field: Field) -> Any:
         """A valid value; None where the field has no scale."""
-        values = [
-            self._of_raw(encoder, field, self._chance.choice(self._valid(encoder, field))) for _ in field.elements
-        ]
+        values = [self._of_raw(encoder, field, self._valid(encoder, field)) for _ in field.elements]
         return None if None in values else values if field.is_array else values[0]
 
     def _of_raw(self, encoder: Encoder, field: Field, raw: int, steps: Fraction = Fraction(0)) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 import re
+import struct
 import subprocess
 from fractions import Fraction
 from pathlib import Path
@@ -140,6 +141,30 @@ def test_integers_above_53_bits_are_bigint(tmp_path: Path) -> None:
         f"-36028797018963967 {-36028797018963967 / 10} 18446744073709551615 255,255,255,255,255,255,255,255",
         "out_of_range TypeError TypeError 5",
     ]
+
+
+FLOAT = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100}}
+types: {level: {raw: f32, scale: 3}}
+commands: {dim: {request: {level: {at: 0, type: level}}, reply: none}}
+"""
+
+
+def test_bigints_are_rounded_to_floats_once(tmp_path: Path) -> None:
+    """Next to a tie of 32-bit floats, which the nearest double is."""
+    item = Specification(edition(tmp_path, FLOAT), None)
+    folder = write_files(target.generate([item], {}), tmp_path)
+    tie = ((1 << 24) + 1) << 40
+    values = [3 * tie + 3 * step for step in (-1, 0, 1)] + [-3 * tie - 3]
+    program = f"""
+        import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
+        const bits = (level) => lamp.encodeRequest("dim", {{ values: {{ level }} }}).raw.level;
+        console.log([{", ".join(f"{value}n" for value in values)}].map(bits).join());"""
+    exact = (struct.unpack("<I", struct.pack("<f", float(n << 40)))[0] for n in (1 << 24, 1 << 24, (1 << 24) + 2))
+    assert [int(one) for one in run(program).split(",")] == [*exact, 0xDF800001]
 
 
 def test_wrong_arguments_are_errors_and_messages_are_immutable(tmp_path: Path) -> None:

@@ -104,6 +104,19 @@ function floatOf(width, bits) {
   return VIEW.getFloat64(0);
 }
 
+/** The double next to a quotient whose last bit is odd, unless a double is exact: rounded to 32 bits, it is rounded once. */
+function toOdd(numerator, denominator) {
+  const number = quotient(numerator, denominator);
+  if (!Number.isFinite(number) || number === 0) {
+    return number;
+  }
+  const order = compare([numerator, denominator], ratio(number)) * Math.sign(number);
+  VIEW.setFloat64(0, number);
+  const bits = VIEW.getBigUint64(0);
+  VIEW.setBigUint64(0, order !== 0 && bits % 2n === 0n ? bits + BigInt(order) : bits);
+  return VIEW.getFloat64(0);
+}
+
 /** The bit pattern of the float nearest to a number; null if it is infinite. */
 function floatBits(width, number) {
   if (!Number.isFinite(width === 32 ? Math.fround(number) : number)) {
@@ -195,7 +208,7 @@ class FieldType {
       throw new CodecError("not_finite", `${field} is not a finite number`, field);
     }
     if (this.isFloat) {
-      const bits = floatBits(this.width, steps(Number(value), line));
+      const bits = floatBits(this.width, typeof value === "bigint" ? this.exactFloat(value, line) : steps(value, line));
       if (bits === null) {
         throw new CodecError("out_of_range", `${field} is too large for its float`, field);
       }
@@ -203,6 +216,13 @@ class FieldType {
     }
     const count = typeof value === "number" ? steps(value, line) : Infinity;
     return this.check(Math.abs(count) < COARSE ? rounded(count) : exactSteps(value, line), parameters, field);
+  }
+
+  /** The number of an integer, which is rounded once. */
+  exactFloat(value, line) {
+    const above = value * line.divisor - line.addend;
+    const sign = line.factor < 0n ? -1n : 1n;
+    return (this.width === 32 ? toOdd : quotient)(above * sign, line.factor * sign);
   }
 
   /** The raw integer of the name of an enum, of names of flags, or of an integer. */

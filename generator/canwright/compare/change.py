@@ -76,6 +76,13 @@ def filled(fact: Fact, language: str, words: Mapping[str, str], escape: Callable
     return fact if isinstance(fact, str) else escape(fact.get(language) or next(iter(fact.values()), ""))
 
 
+def with_facts(
+    sentence: str, facts: Mapping[str, Fact], language: str, words: Mapping[str, str], escape: Callable[[str], str]
+) -> str:
+    """A sentence with its facts, which it names in braces, as text in a language."""
+    return sentence.format_map({name: filled(fact, language, words, escape) for name, fact in facts.items()})
+
+
 @dataclass(frozen=True)
 class ChangeRule:
     """An id for people to look up, and the sentence, with names of facts in braces, that describes a change."""
@@ -107,6 +114,7 @@ class Change:
 
     `verdicts` are the impacts on the sides that it affects. `cases` are the parameter values under which it applies, all
     if empty. `witnesses` are the frames that demonstrate it, the worst of each side first.
+    `announced` is true for the removal of something that was deprecated long enough.
     """
 
     rule: ChangeRule
@@ -118,6 +126,7 @@ class Change:
     used_by: tuple[str, ...]
     cases: tuple[Assignment, ...] = ()
     witnesses: tuple[Witness, ...] = ()
+    announced: bool = False
 
     @property
     def impact(self) -> Impact:
@@ -145,5 +154,4 @@ class Change:
 
         `escape` makes texts of the spec safe where the sentence goes; names and numbers are safe everywhere.
         """
-        facts = {name: filled(fact, language, words, escape) for name, fact in self.facts.items()}
-        return (sentence or self.rule.says).format_map(facts)
+        return with_facts(sentence or self.rule.says, self.facts, language, words, escape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
@@ -23,19 +23,19 @@ class JavaScriptTarget(Target):
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
         return problems(edition)
 
-    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        """Commands, fields, parameters and members of enums; in JavaScript all of them are texts and properties."""
-        names: dict[DocumentPath, str] = {command.path: f'"{command.name}"' for command in edition.commands}
+    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
+        """Commands, fields, parameters and members; in JavaScript all of them are texts and properties."""
+        yield from ((command.path, f'"{command.name}"') for command in edition.commands)
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)
-            names[at] = parameter.name
-            names |= {(*at, "values", value.name): f'"{value.name}"' for value in parameter.values}
-        for type_ in edition.types:
-            key = "enum" if type_.enum else "flags"
-            names |= {(*type_.path, key, m.name): f'"{m.name}"' for m in (*type_.enum, *type_.flags)}
+            yield at, parameter.name
+            yield from (((*at, "values", value.name), f'"{value.name}"') for value in parameter.values)
         for message in edition.all_messages():
-            names |= {field.path: field.name for field in message.layout.fields if field.fixed is None}
-        return names
+            for field in (field for field in message.layout.fields if field.fixed is None):
+                yield field.path, field.name
+                key = "enum" if field.type.enum else "flags"
+                members = (*field.type.enum, *field.type.flags)
+                yield from (((*field.type.path, key, member.name), f'"{member.name}"') for member in members)
 
 
 TARGET = JavaScriptTarget()

@@ -100,6 +100,19 @@ export function floatOf(width, bits) {
   return VIEW.getFloat64(0);
 }
 
+/** The double next to a quotient whose last bit is odd, unless a double is exact: rounded to 32 bits, it is rounded once. */
+export function toOdd(numerator, denominator) {
+  const number = quotient(numerator, denominator);
+  if (!Number.isFinite(number) || number === 0) {
+    return number;
+  }
+  const order = compare([numerator, denominator], ratio(number)) * Math.sign(number);
+  VIEW.setFloat64(0, number);
+  const bits = VIEW.getBigUint64(0);
+  VIEW.setBigUint64(0, order !== 0 && bits % 2n === 0n ? bits + BigInt(order) : bits);
+  return VIEW.getFloat64(0);
+}
+
 /** The bit pattern of the float nearest to a number; null if it is infinite. */
 export function floatBits(width, number) {
   if (!Number.isFinite(width === 32 ? Math.fround(number) : number)) {
