@@ -115,6 +115,7 @@ def _same_file(path: str, hostile: str, harmless: str) -> bool:
         "dbc": _same_dbc,
         "lua": _same_lua,
         "js": _same_javascript,
+        "json": _same_json,
         "ts": _same_c,
         "md": _any_page,
     }
@@ -170,6 +171,19 @@ def _lua_tokens(source: str) -> str:
     assert lua54.LuaRuntime().compile(source)
     literals = re.sub(r'"(?:[^"\\]|\\.)*"', '""', _without_hash(source))
     return re.sub(r",?}", "}", "".join(literals.split()))
+
+
+def _same_json(hostile: str, harmless: str) -> bool:
+    return _blank(json.loads(hostile)) == _blank(json.loads(harmless))
+
+
+def _blank(value: object) -> object:
+    """The structure of a value, with its numbers and names, without the texts."""
+    if isinstance(value, dict):
+        return {name: _blank(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_blank(one) for one in value]
+    return "" if isinstance(value, str) else value
 
 
 def _same_javascript(hostile: str, harmless: str) -> bool:
