@@ -70,7 +70,9 @@ class Sheet(NamedTuple):
 
     name: str
     forms: Sequence[Form]
+    exchange: WorkedExchange | None
     programs: Sequence[Program]
+    """Programs for the exchange."""
     view: Mapping[str, Any]
 
 
@@ -135,7 +137,7 @@ class Common:
                 )
                 for one, found in zip(group, chosen, strict=True)
             ]
-            yield Sheet(first.group, forms, list(self._programs(exchange)), view)
+            yield Sheet(first.group, forms, exchange, list(self._programs(exchange)), view)
 
     def _programs(self, exchange: WorkedExchange | None) -> Iterator[Program]:
         for target in targets() if exchange else ():

@@ -10,8 +10,9 @@ from ..base import Output, Specification, Target
 from . import folders, generate
 
 SITE = frozenset(
-    {"404.html", "assets", "assurance", "en", "index.html", "new-edition", "search"}
+    {"404.html", "assets", "assurance", "en", "index.html", "new-edition", "pictures", "search"}
     | {"sitemap.xml", "sitemap.xml.gz", "support", "zh"}
+    | {"quickstart", "which-edition", "bus-load", "dbc-import", "downloads", "glossary", "own-protocol", "benchmarks"}
 )
 """Files and folders beside those of the editions, in the documents or in their site."""
 
