@@ -47,7 +47,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.delenv("NO_COLOR", raising=False)
     shutil.copytree(resources.TEMPLATES, tmp_path / "templates")
     shutil.copytree(resources.PACKAGE / "targets", tmp_path / "package/targets")
-    for name, copied in (("UNITS", "units.yaml"), ("SCHEMA", "canwright.schema.json")):
+    for name, copied in (("UNITS", "units.yaml"), ("SYNONYMS", "synonyms.yaml"), ("SCHEMA", "canwright.schema.json")):
         shutil.copy(getattr(resources, name), tmp_path / copied)
         monkeypatch.setattr(resources, name, tmp_path / copied)
     monkeypatch.setattr(resources, "TEMPLATES", tmp_path / "templates")
@@ -138,6 +138,7 @@ CHANGES: dict[str, Callable[[Path, pytest.MonkeyPatch], object]] = {
     "generator source": lambda project, patch: edited(project / "package/targets/c/view.py"),
     "runtime source": lambda project, patch: edited(project / "package/targets/c/runtime/canwright.h"),
     "units": lambda project, patch: edited(project / "units.yaml"),
+    "synonyms": lambda project, patch: edited(project / "synonyms.yaml"),
     "the schema": lambda project, patch: edited(project / "canwright.schema.json"),
     "Python": lambda project, patch: patch.setattr(sys, "version", "3.99"),
     "flags of Python": lambda project, patch: patch.setattr(sys, "flags", (*sys.flags, 1)),

@@ -71,14 +71,22 @@ def test_one_edit_gives_one_finding_with_the_names(
         assert part in change.says()
 
 
-def test_functions_get_another_name_because_of_a_field(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("rule", "old", "new"),
+    [
+        ("command-added", "", "  more: {code: 0x13, reply: {level: {at: 1, raw: u32}}}\n"),
+        (
+            "field-added",
+            "  scan: {code: 0x13, request: {level: {at: 2, type: level}}, reply: {a: {at: 1, raw: u8}}}\n",
+            "  scan: {code: 0x13, request: {level: {at: 2, type: level}}, reply: {a: {at: 1, raw: u8}, level: {at: 2, raw: u32}}}\n",
+        ),
+    ],
+)
+def test_functions_get_another_name_because_of_a_field(tmp_path: Path, rule: str, old: str, new: str) -> None:
     """C adds the raw format to the functions of a type if a field of another type has its name."""
-    old, new = (
-        edition(tmp_path, SPEC),
-        edition(tmp_path, f"{SPEC}  more: {{code: 0x13, reply: {{level: {{at: 1, raw: u32}}}}}}\n"),
-    )
-    found = {change.rule.id: change for change in compare(old, new, targets())}
-    assert set(found) == {"command-added", "names-changed"}
+    changes = compare(edition(tmp_path, SPEC + old), edition(tmp_path, SPEC + new), targets())
+    found = {change.rule.id: change for change in changes}
+    assert set(found) == {rule, "names-changed"}
     assert str(found["names-changed"].item) == "type level"
     assert "`…_level_to_milli` → `…_level_u16_to_milli`" in found["names-changed"].says()
 

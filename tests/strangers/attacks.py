@@ -229,6 +229,9 @@ ATTACKS: dict[str, Callable[[], Attack]] = {
     "many layouts": lambda: Attack(HEAD + "layouts:\n" + many(35_000, "  l#: {fields: {a: {at: 2, raw: u8}}}\n") + ONE),
     "overlapping fields": lambda: Attack(HEAD + commands(300, f"reply: {fields(700)}")),
     "overlapping wide fields": lambda: Attack(HEAD + commands(150, f"reply: {fields(990, '{at: 0, raw: u64}')}")),
+    "overlapping big-endian fields": lambda: Attack(
+        HEAD + "byte_order: big\n" + commands(20, f"reply: {fields(990, '{at: 3, raw: u32}')}")
+    ),
     "overlapping arrays": lambda: Attack(
         HEAD + commands(150, f"reply: {fields(990, '{at: 0, raw: u1, array: 1..64}')}")
     ),

@@ -15,13 +15,15 @@ import markdown
 import pytest
 from canwright.cli import main
 from canwright.diagnostics.diagnostic import SpecError
-from canwright.project import site
 from canwright.project.loader import load
 from canwright.project.pipeline import generate
 from canwright.targets.registry import target_names
 from click.testing import CliRunner
 from lupa import lua54
 from markdown_it import MarkdownIt
+from markdown_it.renderer import RendererHTML
+from myst_parser.config.main import MdParserConfig
+from myst_parser.parsers.mdit import create_md_parser
 
 from ..compilers import WARNINGS, Compiler, each_compiler
 from ..targets.test_c_compiles import everything, headers, write
@@ -194,10 +196,11 @@ def _blocks(files: Files) -> list[str]:
 
 @functools.cache
 def _by_site(text: str) -> str:
-    return markdown.markdown(text, extensions=site.EXTENSIONS)
+    return str(create_md_parser(MdParserConfig(gfm_only=True), RendererHTML).render(text))
 
 
 EVERY_EXTENSION = (
+    *("tables", "toc", "attr_list", "md_in_html"),
     *("footnotes", "abbr", "admonition", "def_list", "wikilinks", "fenced_code", "sane_lists"),
     *("pymdownx." + name for name in ("emoji", "details", "tabbed", "caret", "tilde", "mark", "critic", "keys")),
     *("pymdownx." + name for name in ("arithmatex", "magiclink", "tasklist", "inlinehilite", "betterem", "snippets")),
@@ -207,7 +210,7 @@ EVERY_EXTENSION = (
 @functools.cache
 def _by_every_extension(text: str) -> str:
     """As a site shows it that has every extension turned on that gives words or signs a meaning."""
-    return markdown.markdown(text, extensions=[*site.EXTENSIONS, *EVERY_EXTENSION])
+    return markdown.markdown(text, extensions=EVERY_EXTENSION)
 
 
 @functools.cache

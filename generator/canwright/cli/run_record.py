@@ -166,7 +166,9 @@ def _own_files() -> Iterator[object]:
                 if one != "__pycache__" and folder / one not in (resources.EXAMPLES, resources.CHANGE_EXAMPLES)
             )
             yield from ([file, digest_of_regular(f"{name}/{file}")] for file in sorted(files))
-    yield from ([data.name, digest_of_regular(str(data))] for data in (resources.UNITS, resources.SCHEMA))
+    yield from (
+        [data.name, digest_of_regular(str(data))] for data in (resources.UNITS, resources.SYNONYMS, resources.SCHEMA)
+    )
 
 
 def _read(file: Path) -> _Record | None:

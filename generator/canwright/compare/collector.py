@@ -11,7 +11,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.deprecation import Deprecation
 from ..model.edition import Edition
-from ..model.types import Assignment, Text
+from ..model.types import Assignment, ImpliedTitle, Text
 from .catalogue import CHANGES
 from .change import Change, Fact, Impact, Item, Side, Word, worst
 from .exported_names import ExportedNames
@@ -165,14 +165,14 @@ class Collector:
         if differ(old, new) and self._texts.setdefault(key, places) == places:  # as the title of an entry and its field
             self.add(rule, item, places, Impact.SAFE, UNUSED, name=name, old=shortened(old), new=shortened(new))
 
-    def title(self, item: Item, places: Places, names: tuple[str, str], old: Text, new: Text) -> None:
-        """Adds a change of a title, unless both only repeat the names."""
-        if not all(set(t.values()) == {formatting.spoken(name)} for name, t in zip(names, (old, new), strict=True)):
-            self.text("title-changed", item, places, names[1], old, new)
+    def title(self, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
+        """Adds a change of a title, unless none is written in either spec."""
+        if not all(isinstance(title, ImpliedTitle) for title in (old, new)):
+            self.text("title-changed", item, places, name, old, new)
 
     def texts(self, item: Item, places: Places, old: Titled, new: Titled) -> None:
         """Adds changes of a title and a description."""
-        self.title(item, at(places, "title"), (old.name, new.name), old.title, new.title)
+        self.title(item, at(places, "title"), new.name, old.title, new.title)
         self.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
 
     def __iter__(self) -> Iterator[Change]:

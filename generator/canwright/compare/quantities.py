@@ -77,7 +77,7 @@ def _scales(found: Collector, pair: Pair) -> bool:
         if _scale(one) != _scale(other):
             pair.add(found, "scale-changed", Impact.SILENT, "scale", case, *shown)
             changed = True
-        elif one and other and one.printed != other.printed and not one.is_identity:
+        elif one and other and (one.printed or "1") != (other.printed or "1") and not one.is_identity:
             pair.add(found, "scale-rewritten", Impact.SAFE, "scale", case, *shown)
     return changed
 

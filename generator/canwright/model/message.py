@@ -11,7 +11,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from .deprecation import Deprecation
 from .layout import Layout, NodeRole, Segment, Space
 from .metadata import Effect, Setting
-from .types import Assignment, Order, Text
+from .types import Assignment, ImpliedTitle, Order, Text
 
 LISTED_NODES = 256
 """The maximum number of nodes of an address that an output lists one by one."""
@@ -243,7 +243,8 @@ class Command:
         """The title of the command without that of the entry."""
         if self.entry is None:
             return self.title
-        return {lang: text.removesuffix(f": {self.entry.title[lang]}") for lang, text in self.title.items()}
+        title = {lang: text.removesuffix(f": {self.entry.title[lang]}") for lang, text in self.title.items()}
+        return ImpliedTitle(title) if isinstance(self.title, ImpliedTitle) else title
 
     @property
     def reply(self) -> Message | None:

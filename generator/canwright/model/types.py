@@ -21,6 +21,11 @@ T = TypeVar("T")
 Text = Mapping[str, str]
 """One text in every language of the edition, by language code."""
 
+
+class ImpliedTitle(dict[str, str]):
+    """The title of an item for which the spec has none: the words of its name."""
+
+
 Assignment = Mapping[str, str]
 """Parameter values by name, as `{"model": "A"}`; unknown ones are left out."""
 

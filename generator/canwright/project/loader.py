@@ -17,10 +17,11 @@ from ..rules.checker import check
 from ..rules.rule import Subject
 from ..targets.base import Specification
 from ..targets.registry import targets
-from ..templating.resources import UNITS
+from ..templating.resources import SYNONYMS, UNITS
 from .golden_file import GoldenFile, read_golden_file
 
 FRAMES_SUFFIX = ".frames.yaml"
+_NO_SPECS = (UNITS.name, SYNONYMS.name)
 
 
 @dataclass(frozen=True)
@@ -127,5 +128,5 @@ def spec_files(folder: Path) -> list[Path]:
 
 def specs_below(folder: Path) -> list[Path]:
     """The specs in a folder and in its folders: `FAMILY/EDITION.yaml` and `EDITION.yaml`."""
-    own = (f for f in folder.glob("*.yaml") if not f.name.endswith(FRAMES_SUFFIX) and f.name != UNITS.name)
+    own = (f for f in folder.glob("*.yaml") if not f.name.endswith(FRAMES_SUFFIX) and f.name not in _NO_SPECS)
     return sorted([*own, *spec_files(folder)])

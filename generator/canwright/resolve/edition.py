@@ -13,6 +13,7 @@ from ..language.notation import LAST_ID, SHORT_ID, IdExpression
 from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
+from ..model.types import ImpliedTitle
 from .affected import Affected
 from .command_forms import CommandForm
 from .context import Context
@@ -148,7 +149,8 @@ def _command(
             manual=entry.manual or tables[written.table].manual or "",
             path=at,
         )
-        title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
+        whole = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
+        title = ImpliedTitle(whole) if isinstance(title, ImpliedTitle) else whole
         layout = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
         if layout == ENTRY:
             command_effects += _named(context, (*at, "effects"), "effect", entry.effects, effects)

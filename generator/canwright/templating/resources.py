@@ -1,4 +1,4 @@
-"""The data files of canwright: templates, units and the JSON Schema.
+"""The data files of canwright: templates, units, synonyms and the JSON Schema.
 
 An installed package contains them; in a clone, they are in the folders beside `generator/`.
 """
@@ -15,6 +15,8 @@ TEMPLATES = _ROOT / "templates"
 SPECS = _ROOT / "spec"
 """The editions that come with canwright, for commands that read logs."""
 UNITS = SPECS / "units.yaml"
+SYNONYMS = SPECS / "synonyms.yaml"
+"""Words with one meaning, for the search of the documents."""
 SCHEMA = SPECS / "canwright.schema.json"
 
 EXAMPLES = PACKAGE / "rules" / "examples"

@@ -51,6 +51,8 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
 
     Parameters are not fixed; they are arguments of functions.
     """
+    if not specifications:
+        return
     env = environment("c", FILTERS)
     views = [(one, edition_view(one.edition)) for one in specifications]
     shown = [(view, example(one, view)) for one, view in views]
@@ -84,10 +86,10 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     for family in families:
         yield Output(f"share/pkgconfig/{family.name}.pc", env.get_template("package.pc.j2").render(family=family))
     files = (*PACKAGES, *(["examples/CMakeLists.txt"] * has_examples))
-    for file in files if shown else ():
-        e, x = shown[0]
-        cxx = cxx_view(views[0][0].edition, e)
-        y = cxx_example(cxx, x.exchanges[0]) if x.exchanges else None
+    e, x = shown[0]
+    cxx = cxx_view(views[0][0].edition, e)
+    y = cxx_example(cxx, x.exchanges[0]) if x.exchanges else None
+    for file in files:
         yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
 
 

@@ -98,7 +98,7 @@ def fold(source: str) -> str:
 
     Comments and directives are not changed.
     """
-    return "\n".join(part for line in source.split("\n") for part in _folded(line))
+    return "\n".join(line if len(line) <= WIDTH else _folded(line) for line in source.split("\n"))
 
 
 def arguments(names: Sequence[str]) -> str:
@@ -124,10 +124,10 @@ _NO_CODE = ("#", "/*", "* ", "*/")
 _FOLD = re.compile(r"(?<=,) | (?=(?:&&|\|\||\|) )")
 
 
-def _folded(line: str) -> list[str]:
+def _folded(line: str) -> str:
     code = line.lstrip(" ")
-    if len(line) <= WIDTH or code.startswith(_NO_CODE):
-        return [line]
+    if code.startswith(_NO_CODE):
+        return line
     margin = " " * (len(line) - len(code) + 4)
     first, *parts = _FOLD.split(line)
     separators = _FOLD.findall(line)
@@ -138,4 +138,4 @@ def _folded(line: str) -> list[str]:
             lines.append(margin + part)
         else:
             lines[-1] += separator + part
-    return lines
+    return "\n".join(lines)

@@ -20,6 +20,7 @@ from . import editions, guides
 from .common import Common
 from .links import COMMANDS, PICTURES, command_page, entry_anchor
 from .pages import Pages
+from .site_data import FILE, site_data
 from .tables import Labels
 
 _PAGES = ("types", "parameters", "errata", "bus")
@@ -42,7 +43,7 @@ class _Book(NamedTuple):
 
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
-    """One folder for each language, with one folder for each edition."""
+    """One folder for each language, with one folder for each edition; and data for the site."""
     env = environment(
         "docs",
         {
@@ -68,6 +69,8 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
             if book.language in item.edition.languages:
                 folder = f"{book.language}/{folder_of[item.edition]}"
                 yield from _edition(env, common, book, folder)
+    listed = [(folder_of[edition], edition) for edition in editions.in_order(folder_of)]
+    yield Output(FILE, site_data(listed))
 
 
 def folders(editions: Sequence[Edition]) -> Mapping[Edition, str]:

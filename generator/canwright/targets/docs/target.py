@@ -9,12 +9,8 @@ from ...model.types import Assignment
 from ..base import Output, Specification, Target
 from . import folders, generate
 
-SITE = frozenset(
-    {"404.html", "assets", "assurance", "en", "index.html", "new-edition", "pictures", "search"}
-    | {"sitemap.xml", "sitemap.xml.gz", "support", "zh"}
-    | {"quickstart", "which-edition", "bus-load", "dbc-import", "downloads", "glossary", "own-protocol", "benchmarks"}
-)
-"""Files and folders beside those of the editions, in the documents or in their site."""
+_PAGES = (".html", ".md")
+"""Suffixes of pages, in the site and in the documents."""
 
 
 class DocsTarget(Target):
@@ -27,8 +23,8 @@ class DocsTarget(Target):
 
     def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
         for edition, folder in folders(editions).items():
-            if folder.lower() in SITE:
-                yield edition, f"the folder `{folder}` of this edition is already part of the documentation site"
+            if folder.lower().endswith(_PAGES):
+                yield edition, f"the folder `{folder}` of this edition would have the name of a page of the documents"
 
 
 TARGET = DocsTarget()

@@ -1,0 +1,177 @@
+"""What Markdown of a code host means beyond CommonMark and tables: alerts, anchors, and links that are checked."""
+
+from __future__ import annotations
+
+import html
+import posixpath
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import unquote
+
+from docutils import nodes
+from sphinx import addnodes
+from sphinx.builders import Builder
+from sphinx.environment import BuildEnvironment
+from sphinx.transforms import SphinxTransform
+from sphinx.util import logging
+
+from .build import EXPLORER
+
+_ALERTS: dict[str, type[nodes.Element]] = {
+    "NOTE": nodes.note,
+    "TIP": nodes.tip,
+    "IMPORTANT": nodes.important,
+    "WARNING": nodes.warning,
+    "CAUTION": nodes.caution,
+}
+_ALERT = re.compile(r"\s*>\s*\[!([A-Z]+)\]\s*")
+_ANCHOR = re.compile(r'<a id="([\w.\-]+)">')
+_TRUSTED = re.compile(r"<(?:br|/?(?:details|summary|sub|sup|kbd))>")
+"""The HTML that pages may contain besides anchors and comments. Texts of a spec are escaped and contain none."""
+
+_FENCE = re.compile(r"\s*(```|~~~)")
+_HEADING = re.compile(r"#{1,6}\s+(.*)")
+_LOGGER = logging.getLogger(__name__)
+
+
+class TrustedHtml(SphinxTransform):
+    """Removes comments; reports HTML that pages do not contain, so that no text can become part of the site as HTML."""
+
+    default_priority = 200
+
+    def apply(self, **kwargs: object) -> None:
+        for raw in list(self.document.findall(nodes.raw)):
+            text = raw.astext().strip()
+            if text.startswith("<!--") and text.find("-->") == len(text) - 3:
+                raw.parent.remove(raw)
+            elif not (_TRUSTED.fullmatch(text) or _ANCHOR.fullmatch(text) or text == "</a>"):
+                _LOGGER.warning("HTML is not allowed in a page: %s", text, location=raw)
+                raw.replace_self(nodes.Text(text))
+
+
+class Anchors(SphinxTransform):
+    """Makes `<a id="NAME"></a>` a target of links."""
+
+    default_priority = 210
+
+    def apply(self, **kwargs: object) -> None:
+        anchors = self.env.metadata[self.env.docname].setdefault("anchors", {})
+        for raw in list(self.document.findall(nodes.raw)):
+            found = _ANCHOR.fullmatch(raw.astext())
+            if found:
+                target = nodes.target("", "", ids=[found[1]], names=[found[1]])
+                self.document.note_explicit_target(target)
+                anchors[found[1]] = found[1]
+                raw.replace_self(target)
+            elif raw.astext() == "</a>":
+                raw.parent.remove(raw)
+
+
+class Alerts(SphinxTransform):
+    """Makes quotations that start with a line `> [!WARNING]` admonitions.
+
+    The line of the source decides: a text of a spec is escaped there, and looks like an alert only afterwards.
+    """
+
+    default_priority = 220
+
+    def apply(self, **kwargs: object) -> None:
+        quotes = list(self.document.findall(nodes.block_quote))
+        lines = Path(self.document["source"]).read_text("utf-8").split("\n") if quotes else []
+        for quote in quotes:
+            found = _ALERT.fullmatch(lines[quote.line - 1]) if quote.line else None
+            first = quote.children[0] if quote.children else None
+            if found and found[1] in _ALERTS and isinstance(first, nodes.paragraph):
+                del first.children[: 2 if len(first.children) > 1 else 1]
+                alert = _ALERTS[found[1]]()
+                alert.extend(quote.children if first.children else quote.children[1:])
+                quote.replace_self(alert)
+
+
+class Links(SphinxTransform):
+    """Finds out where relative links lead: to a page, to the frame explorer, or to a file, which the site then contains.
+
+    The pages on their own do not contain the explorer. If the site does not either, only the text of the link remains.
+    """
+
+    default_priority = 230
+
+    def apply(self, **kwargs: object) -> None:
+        docname = self.env.docname
+        for link in list(self.document.findall(nodes.reference)):
+            path, _, anchor = unquote(link.get("refuri", ":")).partition("#")
+            target = posixpath.normpath(posixpath.join(posixpath.dirname(docname), path))
+            if ":" in path or path.startswith("/"):
+                continue
+            if target == f"../{EXPLORER}/index.html":
+                if not self.config.canwright_has_explorer:
+                    link.replace_self(link.children)
+            elif not path or path.endswith(".md"):
+                link["page"], link["anchor"] = (target.removesuffix(".md") if path else docname), anchor
+            elif (Path(self.env.srcdir) / target).is_file():
+                link.replace_self(addnodes.download_reference("", "", *link.children, reftarget=f"/{target}"))
+            else:
+                _LOGGER.warning("the link leads to a file that does not exist: %s", path, location=link)
+
+
+def resolve_links(env: BuildEnvironment, builder: Builder, document: nodes.document, docname: str) -> None:
+    """Makes links between pages those of the site; reports those that lead to no page or no section."""
+    for link in document.findall(nodes.reference):
+        page, anchor = link.get("page"), link.get("anchor", "")
+        if page is None:
+            continue
+        anchors = env.metadata[page].get("anchors", {})
+        if page not in env.all_docs:
+            _LOGGER.warning("the link leads to a page that does not exist: %s.md", page, location=link)
+        elif anchor and anchor not in anchors:
+            _LOGGER.warning("the link leads to a section that does not exist: %s.md#%s", page, anchor, location=link)
+        else:
+            link["refuri"] = builder.get_relative_uri(docname, page) if page != docname else ""
+            link["refuri"] += f"#{anchors[anchor]}" if anchor else ""
+            link["internal"] = True
+
+
+class SectionIds(SphinxTransform):
+    """Gives sections the anchors that a code host gives the same page in the first language.
+
+    All languages have the same anchors, so a link to another language stays at the section.
+    """
+
+    default_priority = 240
+
+    def apply(self, **kwargs: object) -> None:
+        sections = list(self.document.findall(nodes.section))
+        own = list(heading_ids(Path(self.document["source"])))
+        first = Path(self.config.canwright_docs) / self.config.canwright_languages[0] / f"{self.env.docname}.md"
+        common = list(heading_ids(first))
+        ids = common if len(common) == len(own) else own
+        anchors = self.env.metadata[self.env.docname].setdefault("anchors", {})
+        for section, host, new in zip(sections, own, ids, strict=True):
+            section["ids"] = [new]
+            section.attributes.pop("slug", None)
+            self.document.ids[new] = section
+            anchors[host] = new
+
+
+def heading_ids(page: Path) -> Iterator[str]:
+    """The anchors of the headings of a page, as code hosts compute them; nothing if there is no page."""
+    used: set[str] = set()
+    fence = ""
+    for line in page.read_text("utf-8").split("\n") if page.is_file() else ():
+        mark = _FENCE.match(line)
+        if mark and fence in ("", mark[1]):
+            fence = "" if fence else mark[1]
+        heading = None if fence else _HEADING.fullmatch(line)
+        if heading:
+            slug = _slug(heading[1])
+            new = next(name for name in (slug, *(f"{slug}-{n}" for n in range(1, len(used) + 2))) if name not in used)
+            used.add(new)
+            yield new
+
+
+def _slug(heading: str) -> str:
+    text = re.sub(r"<[^>]*>|[`*]", "", heading)
+    text = re.sub(r"\[((?:[^\]\\]|\\.)*)\]\([^)]*\)", r"\1", text)
+    text = html.unescape(re.sub(r"\\(.)", r"\1", text)).strip().lower()
+    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-") or "section"

@@ -1,0 +1,143 @@
+"""Data for a site of the pages: its editions and commands, and what a search finds on which page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import yaml
+
+from ...model import formatting
+from ...model.edition import Edition
+from ...model.layout import Field
+from ...model.message import Command, Direction, IdRule, Message
+from ...model.types import Type
+from ...templating import resources
+
+FILE = "site.json"
+
+Record = dict[str, Any]
+"""An item that a search finds: `kind`, `name`, `pages` in the folder of the edition, and what is known of its code,
+title, description, unit and anchor. Texts are by language and not escaped."""
+
+
+def site_data(listed: Sequence[tuple[str, Edition]]) -> str:
+    """The file, as JSON with a line for each record; `listed` are editions with their folders, in the order of menus."""
+    lines = ",\n".join(_edition(folder, edition) for folder, edition in listed)
+    return f'{{"synonyms": {_json(_synonyms())},\n"editions": [\n{lines}\n]}}\n'
+
+
+def _edition(folder: str, edition: Edition) -> str:
+    about = {"folder": folder, "family": edition.family, "name": edition.name, "languages": list(edition.languages)}
+    records = ",\n".join(_json({name: v for name, v in record.items() if v}) for record in _records(edition))
+    return f'{_json(about)[:-1]}, "records": [\n{records}\n]}}'
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _synonyms() -> list[list[str]]:
+    """Groups of words with one meaning, in any language: those of the field, then those of protocols."""
+    files = (resources.TEMPLATES / "docs" / "synonyms.yaml", resources.SYNONYMS)
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    return [group for file in files for group in yaml.load(file.read_text("utf-8"), Loader=loader)]
+
+
+def _records(edition: Edition) -> Iterator[Record]:
+    yield from (_command(command) for command in edition.commands)
+    yield from _ids(edition)
+    yield from _fields(edition)
+    yield from _types(edition)
+    for erratum in edition.errata:
+        about = {lang: f"{erratum.used[lang]} {erratum.why[lang]}" for lang in edition.languages}
+        place = {"pages": ["errata"], "anchor": f"errata.{erratum.id}"}
+        yield {"kind": "erratum", "name": erratum.id, "title": dict(erratum.printed), "about": about, **place}
+    for effect in edition.effects:
+        pages = [page_of(command) for command in edition.commands if effect in command.effects]
+        yield {"kind": "effect", "name": effect.name, "title": dict(effect.title), "pages": list(dict.fromkeys(pages))}
+    for kind, page, items in (
+        ("parameter", "parameters", edition.parameters),
+        ("setting", "index", edition.settings),
+        ("mode", "bus", edition.bus.modes),
+        ("table", "index", edition.tables),
+    ):
+        for item in items:
+            place = {"pages": [page], "anchor": f"{'bus.' if kind == 'mode' else ''}{kind}s.{item.name}"}
+            yield {"kind": kind, "name": item.name, "title": dict(item.title), "about": dict(item.about), **place}
+
+
+def page_of(command: Command) -> str:
+    """The page of a command in the folder of its edition, without suffix."""
+    return f"commands/{command.name}"
+
+
+def _command(command: Command) -> Record:
+    codes = [f"0x{command.code:02X}"] if command.code is not None else []
+    return {
+        "kind": "command",
+        "name": command.name,
+        "code": ", ".join(codes or sorted(_fixed_ids(command))),
+        "title": dict(command.title),
+        "about": dict(command.about),
+        "pages": [page_of(command)],
+    }
+
+
+def _messages(commands: Iterable[Command]) -> Iterator[tuple[Command, Message]]:
+    for command in commands:
+        for message in (command.message(direction) for direction in Direction):
+            if message is not None:
+                yield command, message
+
+
+def _fixed_ids(command: Command) -> set[str]:
+    """The ids of messages that no node is part of."""
+    return {formatting.id_rule(m.id) for _, m in _messages([command]) if m.id.nodes is None and not m.id_mask}
+
+
+def _ids(edition: Edition) -> Iterator[Record]:
+    """The rules between nodes and ids: a search computes the node of an id."""
+    found: dict[IdRule, Record] = {}
+    for address in edition.addresses:
+        for direction in Direction:
+            rule = address.rule(direction)
+            nodes = rule.nodes if rule.nodes is not None else range(1)
+            numbers = {"base": rule.base, "step": rule.node_step, "first": nodes.start, "last": nodes.stop - 1}
+            item = {"kind": "id", "name": formatting.id_rule(rule), "title": dict(address.title), "ids": numbers}
+            found.setdefault(rule, {**item, "directions": [], "pages": ["bus"]})["directions"].append(direction.value)
+    yield from found.values()
+
+
+def _fields(edition: Edition) -> Iterator[Record]:
+    """Fields that differ in name, title or unit, with the pages of all commands that have them; requests first."""
+    found: dict[tuple[object, ...], tuple[Field, dict[str, None]]] = {}
+    for direction in Direction:
+        for command in edition.commands:
+            message = command.message(direction)
+            for field in message.layout.fields if message is not None else ():
+                unit = field.type.unit
+                key = (field.name, *field.title.items(), unit.name if unit else "")
+                found.setdefault(key, (field, {}))[1][page_of(command)] = None
+    for field, pages in found.values():
+        unit = field.type.unit
+        units = [unit.symbol, *unit.title.values()] if unit else []
+        yield {"kind": "field", "name": field.name, "title": dict(field.title), "units": units, "pages": list(pages)}
+
+
+def _types(edition: Edition) -> Iterator[Record]:
+    """Types with names and their values; values of other types are on the pages of the commands that have them."""
+    of_type: dict[Type, list[str]] = {}
+    for command, message in _messages(edition.commands):
+        for field in message.layout.fields:
+            of_type.setdefault(field.type, []).append(page_of(command))
+    for type_ in dict.fromkeys((*edition.types, *of_type)):
+        is_named = type_.path[0] == "types"
+        place: Mapping[str, object] = {"pages": list(dict.fromkeys(of_type.get(type_, ())))}
+        if is_named:
+            place = {"pages": ["types"], "anchor": f"types.{type_.name}"}
+            yield {"kind": "type", "name": type_.name, "title": dict(type_.title), "about": dict(type_.about), **place}
+        for member in (*type_.enum, *type_.flags):
+            titles = {"title": dict(member.title), "about": dict(member.about)}
+            yield {"kind": "value", "name": member.name, **titles, "of": type_.name if is_named else "", **place}

@@ -1,0 +1,329 @@
+"""The site in a browser: from a folder and from a server, search, switches, keyboard, phone, print, accessibility."""
+
+from __future__ import annotations
+
+import functools
+import json
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from canwright.project.loader import spec_files, specification
+from canwright.project.site import build
+from playwright.sync_api import Browser, Page, expect
+
+from ..spec_texts import ROOT
+from ..strangers.everything import filled
+from .browser import browser
+from .test_site import pages_of
+
+pytestmark = pytest.mark.machine
+
+EDITIONS = ("v2.35", "v2.35-2024-02", "v2.36-2024-11", "v2.36-2025-03")
+COMMAND = "en/v2.35/commands/set_torque.html"
+PAGES = (
+    *("en/index.html", "zh/index.html", COMMAND, "zh/v2.36-2025-03/commands/set_speed.html"),
+    *("en/v2.36-2025-03/index.html", "en/v2.36-2025-03/types.html", "zh/v2.35-2024-02/changes.html"),
+)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site of all editions, in a folder whose name has a space."""
+    folder = tmp_path_factory.mktemp("all editions")
+    build(pages_of([specification(spec) for spec in spec_files(ROOT / "spec")], folder / "docs"), folder / "site")
+    return folder / "site"
+
+
+class _Quiet(SimpleHTTPRequestHandler):
+    """A server below a sub-path, which answers unknown addresses with the page of the site for them."""
+
+    def log_message(self, format: str, *args: object) -> None:
+        pass
+
+    def translate_path(self, path: str) -> str:
+        return super().translate_path(path.removeprefix("/below/this"))
+
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        content = Path(self.directory, "404.html").read_bytes()
+        self.send_response(code)
+        self.send_header("Content-Type", "text/html")
+        self.send_header("Content-Length", str(len(content)))
+        self.end_headers()
+        if self.command != "HEAD":
+            self.wfile.write(content)
+
+
+@pytest.fixture(scope="module")
+def address(site: Path) -> Iterator[str]:
+    """The address of the site on a server, below a sub-path."""
+    with ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(_Quiet, directory=str(site))) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/below/this"
+        server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    with browser() as launched:
+        yield launched
+
+
+Open = Callable[..., Page]
+
+
+@pytest.fixture
+def opened(chromium: Browser) -> Iterator[Open]:
+    """Opens a page in a context of its own. At the end, nothing was reported and no other host was asked."""
+    problems: list[str] = []
+    contexts = []
+
+    def open_page(url: str, **options: Any) -> Page:
+        context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}, **options})
+        contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda message: problems.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.on("dialog", lambda dialog: problems.append(f"dialog: {dialog.message}"))
+        allowed = ("file:", "data:", "http://127.0.0.1:")
+        page.on("request", lambda request: None if request.url.startswith(allowed) else problems.append(request.url))
+        page.goto(url)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert problems == []
+
+
+def folder_of(site: Path) -> str:
+    """The address of the site in its folder."""
+    return site.as_uri()
+
+
+def test_navigation_from_a_folder_and_below_a_sub_path(site: Path, address: str, opened: Open) -> None:
+    for start in (folder_of(site), address):
+        page = opened(f"{start}/index.html", locale="zh-CN")
+        page.wait_for_url("**/zh/index.html")
+        page.goto(f"{start}/en/index.html")
+        page.get_by_role("navigation", name="Pages").get_by_role("link", name="v2.36-2025-03").click()
+        page.get_by_role("navigation", name="Pages").get_by_role("link", name="0xA1 Torque control").click()
+        assert page.title() == "0xA1 Torque control, v2.36-2025-03 · canwright"
+        path = page.get_by_role("navigation", name="Path").get_by_role("link")
+        assert path.all_inner_texts() == ["Home", "v2.36-2025-03", "Commands"]
+        page.get_by_role("link", name="Next").click()
+        page.wait_for_url("**/set_speed.html")
+        path.first.click()
+        page.wait_for_url("**/en/index.html")
+
+
+def test_switches_keep_page_and_section(site: Path, opened: Open) -> None:
+    page = opened(f"{folder_of(site)}/{COMMAND}#reply")
+    page.get_by_role("link", name="中文").click()
+    page.wait_for_url("**/zh/v2.35/commands/set_torque.html#reply")
+    page.get_by_role("navigation", name="版本").get_by_role("link", name="v2.36-2025-03").click()
+    page.wait_for_url("**/zh/v2.36-2025-03/commands/set_torque.html#reply")
+    top = page.evaluate("document.getElementById('reply').getBoundingClientRect().top")
+    assert -5 < top < 300
+    page.goto(f"{folder_of(site)}/en/v2.35/commands/read_pid.html")
+    missing = page.get_by_role("navigation", name="Edition").get_by_role("link", name="v2.36-2025-03")
+    missing.click()
+    page.wait_for_url("**/en/v2.36-2025-03/index.html")
+
+
+def test_an_unknown_address_below_a_sub_path(address: str, opened: Open) -> None:
+    for path in ("/en/v2.35/commands/none.html", "/none/none.html", "/none"):
+        page = opened("about:blank")
+        page.goto(address + path)
+        link = page.get_by_role("link", name="start page")
+        expect(link).to_have_attribute(
+            "href", f"{address.partition('127.0.0.1')[2].partition('/')[1]}below/this/index.html"
+        )
+
+
+SEARCH = """async ([queries, edition]) => {
+    const { language, texts } = document.getElementById("site-search").dataset;
+    const search = createSearch(searchIndex, language);
+    return queries.map(query => search(query, edition, JSON.parse(texts)));
+}"""
+
+
+def hits(page: Page, queries: Sequence[str], edition: str = "") -> dict[str, list[Mapping[str, Any]]]:
+    """The hits of each query, by the search of the page."""
+    if not page.evaluate("typeof createSearch === 'function' && typeof searchIndex === 'object'"):
+        page.keyboard.press("/")
+        page.get_by_role("searchbox").fill("x")
+        expect(page.get_by_role("status")).not_to_be_empty()
+        page.keyboard.press("Escape")
+    return dict(zip(queries, page.evaluate(SEARCH, [list(queries), edition]), strict=True))
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_title_and_code_of_every_item_find_its_page(site: Path, opened: Open, language: str) -> None:
+    """Among the first two hits, on a page of each edition, with the texts of both languages."""
+    index = (site / language / "_static/search-index.js").read_text("utf-8")
+    data = json.loads(index.removeprefix("searchIndex = ").removesuffix(";\n"))
+    page = opened(f"{folder_of(site)}/{language}/index.html")
+    failed = []
+    for edition in data["editions"]:
+        folder = edition["folder"]
+        wanted: dict[str, list[set[str]]] = {}
+        for record in edition["records"]:
+            if record["kind"] in ("command", "field", "value", "erratum"):
+                pages = {f"{folder}/{name}" for name in record["pages"]}
+                for text in (record["name"], record.get("code", ""), *record.get("title", {}).values()):
+                    wanted.setdefault(text, []).append(pages)
+        wanted.pop("", None)
+        found = hits(page, list(wanted), folder)
+        for query, items in wanted.items():
+            first = {hit["page"] for hit in found[query][:2]}
+            failed += [f"{folder}: {query}: {first} instead of {pages}" for pages in items if not first & pages]
+    assert failed == []
+
+
+@pytest.mark.parametrize(
+    ("query", "expected"),
+    [
+        *(
+            (query, "commands/set_torque")
+            for query in ("A1", "0xA1", "a1", "set_torque", "set torque", "力矩控制", "转矩闭环")
+        ),
+        *((query, "bus") for query in ("0x141", "141", "波特率", "baud rate", "bitrate", "bit rate")),
+        *((query, "commands/motor_stop") for query in ("急停", "e-stop", "emergency stop", "estop")),
+        *((query, "commands/read_multi_turn_angle") for query in ("multi-turn angle", "读取多圈角度", "0x92")),
+        *((query, "commands/write_encoder_offset_rom") for query in ("wears rom", "encoder zero", "encoder offset")),
+        *((query, "commands/read_status_1") for query in ("欠压", "undervoltage", "0x9A")),
+    ],
+)
+def test_words_that_people_search_for(
+    site: Path, chromium_page: Callable[[str], Page], query: str, expected: str
+) -> None:
+    for language in ("en", "zh"):
+        found = hits(chromium_page(language), [query], "v2.35")[query]
+        assert f"v2.35/{expected}" in [hit["page"] for hit in found[:5]], [hit["page"] for hit in found[:5]]
+        assert found[0]["edition"] in ("v2.35", "")
+
+
+@pytest.fixture(scope="module")
+def chromium_page(site: Path, chromium: Browser) -> Iterator[Callable[[str], Page]]:
+    """The first page of a language, opened once."""
+    context = chromium.new_context()
+
+    @functools.cache
+    def first(language: str) -> Page:
+        page = context.new_page()
+        page.goto(f"{folder_of(site)}/{language}/index.html")
+        return page
+
+    yield first
+    context.close()
+
+
+def test_search_with_the_keyboard_only(site: Path, opened: Open) -> None:
+    page = opened(f"{folder_of(site)}/{COMMAND}")
+    for keys, query, target in (
+        ("/", "0xA2", "v2.35/commands/set_speed.html"),
+        ("Control+k", "急停", "v2.35/commands/motor_stop.html"),
+        ("/", "mh_amperes", "v2.35/errata.html#errata.mh_amperes"),
+    ):
+        page.keyboard.press(keys)
+        page.keyboard.type(query)
+        expect(page.get_by_role("status")).to_contain_text("result")
+        page.keyboard.press("Enter")
+        page.wait_for_url(f"**/en/{target}")
+    page.keyboard.press("/")
+    page.keyboard.type("torque")
+    expect(page.get_by_role("status")).to_contain_text("result")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowDown")
+    second = page.locator("#site-search li").nth(1).get_by_role("link").first
+    expect(second).to_be_focused()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("dialog")).to_be_hidden()
+    page.keyboard.press("/")
+    page.keyboard.type("qqqq")
+    expect(page.get_by_role("status")).to_contain_text("No results")
+
+
+def test_every_link_and_button_can_be_reached_with_the_keyboard(site: Path, opened: Open) -> None:
+    page = opened(f"{folder_of(site)}/{COMMAND}")
+    reached = set()
+    for _ in range(90):
+        page.keyboard.press("Tab")
+        reached.add(
+            page.evaluate("document.activeElement.closest('[class]')?.className + ' ' + document.activeElement.tagName")
+        )
+    for part in ("skip-to-content", "site-search", "reference internal", "site-language", "theme-toggle"):
+        assert any(part in one for one in reached), part
+
+
+def test_pages_on_a_phone_and_on_paper(site: Path, opened: Open) -> None:
+    """Nothing is wider than the screen; on paper, no column of a table is cut off."""
+    page = opened(f"{folder_of(site)}/{COMMAND}", viewport={"width": 390, "height": 844})
+    for name in PAGES:
+        page.set_viewport_size({"width": 390, "height": 844})
+        page.emulate_media(media="screen")
+        page.goto(f"{folder_of(site)}/{name}")
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390, name
+        page.set_viewport_size({"width": 720, "height": 1000})
+        page.emulate_media(media="print")
+        wide = "[...document.querySelectorAll('table')].filter(t => t.getBoundingClientRect().right > innerWidth + 1).length"
+        assert page.evaluate(wide) == 0, name
+    page.emulate_media(media="screen")
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto(f"{folder_of(site)}/{COMMAND}")
+    page.get_by_role("button", name="Search").click()
+    page.get_by_role("searchbox").fill("0x9A")
+    page.locator("#site-search li a").first.click()
+    page.wait_for_url("**/read_status_1.html")
+
+
+def test_texts_of_a_spec_are_texts(tmp_path: Path, opened: Open) -> None:
+    """In pages, menus and search results: no element, no script."""
+    text = "<script>alert(1)</script><img src=x onerror=alert(2)> {{ 7*7 }} {math}`x` [a](javascript:alert(3)) \"'"
+    build(pages_of([filled(lambda: text, tmp_path / "spec")], tmp_path / "docs"), tmp_path / "site")
+    assert len(sorted((tmp_path / "site").rglob("*.html"))) > 20
+    page = opened(f"{(tmp_path / 'site').as_uri()}/en/index.html")
+    for file in sorted((tmp_path / "site").rglob("*.html")):
+        page.goto(file.as_uri())
+        assert (
+            page.evaluate(
+                "document.querySelectorAll('img[src=x], [onerror], article script, a[href^=javascript]').length"
+            )
+            == 0
+        )
+    page.goto(f"{(tmp_path / 'site').as_uri()}/en/v1/commands/dim.html")
+    assert text in page.title()
+    page.keyboard.press("/")
+    page.keyboard.type("alert")
+    expect(page.locator("#site-search li").first).to_contain_text(
+        "<script>alert(1)</script><img src=x onerror=alert(2)>"
+    )
+    assert page.locator("#site-search img").count() == 0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessibility(site: Path, opened: Open, scheme: str) -> None:
+    """axe-core finds nothing serious."""
+    page = opened(f"{folder_of(site)}/{COMMAND}", color_scheme=scheme)
+    found = []
+    for name in PAGES:
+        page.goto(f"{folder_of(site)}/{name}")
+        for violation in Axe().run(page).response["violations"]:
+            if violation["impact"] in ("serious", "critical"):
+                found.append(f"{name}: {violation['id']}: {violation['nodes'][0]['html'][:200]}")
+    assert found == []
+
+
+def test_the_size_of_the_site_and_of_a_first_view(site: Path, address: str, opened: Open) -> None:
+    total = sum(file.stat().st_size for file in site.rglob("*") if file.is_file())
+    assert total < 30_000_000
+    page = opened("about:blank")
+    sizes: list[int] = []
+    page.on("response", lambda response: sizes.append(len(response.body())))
+    page.goto(f"{address}/{COMMAND}", wait_until="networkidle")
+    assert 0 < sum(sizes) < 4 * 200_000
