@@ -44,6 +44,9 @@ def test_every_link_leads_somewhere(pages: dict[str, str]) -> None:
         text = re.sub(r"^```.*?^```", "", page, flags=re.MULTILINE | re.DOTALL)
         for link in re.findall(r"\]\(([^)]+)\)", text):
             file, _, anchor = link.partition("#")
+            if file == "../../../explorer/index.html":
+                assert re.fullmatch(r"frame=[0-9A-F]+%23[0-9A-F]*&edition=v2.35&direction=(request|reply)", anchor)
+                continue
             parts = [*Path(path).parent.parts, *Path(file).parts]
             while ".." in parts:
                 at = parts.index("..")
@@ -70,7 +73,7 @@ def test_replies_to_a_broadcast_are_on_the_ids_of_the_nodes(pages: dict[str, str
 
 
 def test_the_calculator_needs_no_network_and_agrees_with_the_lengths(pages: dict[str, str]) -> None:
-    page = pages["en/bus-load.html"]
+    page = pages["en/bus-load-calculator.html"]
     assert not re.search(r"https?:|src=|@import", page)
     data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
     command = next(one for one in data[0]["commands"] if one["name"] == "broadcast_torque")
@@ -238,7 +241,7 @@ def test_a_frame_is_written_as_can_utils_take_it() -> None:
     for name in ("cells", "blower"):
         for page in docs.generate([specification(ROOT / f"tests/specs/{name}/v1.yaml")], {}):
             found |= dict.fromkeys(
-                re.findall(r"^\| `([0-9A-F]+)#([0-9A-F]*|R)` \|", page.text, re.MULTILINE), page.path
+                re.findall(r"^\| \[`([0-9A-F]+)#([0-9A-F]*|R)`\]", page.text, re.MULTILINE), page.path
             )
     assert {len(id_) for id_, _ in found} == {3, 8}
     assert ("0D05FF41", "64FFFE0000000000") in found

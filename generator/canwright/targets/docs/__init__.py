@@ -126,7 +126,7 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
     script = (Path(__file__).parent / "runtime" / "bus_load.js").read_text("utf-8")
     data = guides.load_data(book.listed, language)
     calculator = env.get_template("bus-load.html.j2").render(view, data=data, script=script)
-    yield Output(f"{language}/bus-load.html", calculator)
+    yield Output(f"{language}/bus-load-calculator.html", calculator)
 
 
 def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) -> Iterator[Output]:

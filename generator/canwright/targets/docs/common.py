@@ -169,7 +169,7 @@ class Common:
             is_repeated,
             not message.remote and any(picture.drawing.has_free_bits for picture in drawn),
             [] if is_repeated else [one for one in drawn if one.drawing.has_fields],
-            [worked(frame, message) for frame in frames],
+            [worked(self.edition.name, frame, message) for frame in frames],
         )
 
     def _has_selector_beside(self, message: Message) -> bool:
