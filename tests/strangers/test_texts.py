@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import ast
 import functools
-import json
 import html.parser
 import itertools
+import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
