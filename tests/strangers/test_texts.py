@@ -10,6 +10,7 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import cantools
 import markdown
@@ -118,8 +119,32 @@ def _same_file(path: str, hostile: str, harmless: str) -> bool:
         "json": _same_json,
         "ts": _same_c,
         "md": _any_page,
+        "html": _same_html,
+        "json": _same_json,
     }
     return same.get(path.rsplit(".", 1)[-1], _equal)(hostile, harmless)
+
+
+def _same_html(hostile: str, harmless: str) -> bool:
+    """The same page around data of the same shape."""
+    (page, data, rest), (other, other_data, other_rest) = (
+        (start, *end.split("</script>", 1))
+        for start, _, end in (t.partition('id="data">') for t in (hostile, harmless))
+    )
+    return (page, rest) == (other, other_rest) and _shape(json.loads(data)) == _shape(json.loads(other_data))
+
+
+def _same_json(hostile: str, harmless: str) -> bool:
+    return _shape(json.loads(hostile)) == _shape(json.loads(harmless))
+
+
+def _shape(data: Any) -> Any:
+    """Data without its texts."""
+    if isinstance(data, dict):
+        return {key: _shape(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [_shape(value) for value in data]
+    return "" if isinstance(data, str) else data
 
 
 def _any_page(hostile: str, harmless: str) -> bool:
