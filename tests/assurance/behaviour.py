@@ -612,8 +612,9 @@ class _Run:
             if isinstance(message, cls):
                 yield message
             else:
-                node = request.node if hasattr(cls, "NODES") else None
-                yield cls.unpack(node, request.can_id, data, known)
+                asked = _asked(command, request) if hasattr(cls, "NODES") else None
+                for node in nodes_of(cls) if asked is None else [asked]:
+                    yield cls.unpack(node, request.can_id, data, known)
             return
         key = (cls, repr(known))
         if key not in self.replies:

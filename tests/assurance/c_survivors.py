@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import ClassVar
 
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
@@ -51,7 +52,7 @@ CASES = 10_000
 """So many cases of exact fractions are asked of the runtime."""
 
 SOONEST = 500
-"""So many of these cases are asked first."""
+"""So many of these cases, and of the questions about an edition, are asked first; they kill most mutants."""
 
 FRAMES = 4000
 """So many random frames are checked and printed."""
@@ -88,6 +89,8 @@ class Recorder(CAdapter):
 
 class Program:
     """A program, the headers that it includes, below `family`, and questions to it."""
+
+    level: ClassVar[tuple[str, ...]] = ("-O0",)
 
     def __init__(self, folder: Path, family: str, headers: Mapping[str, str], harness: str) -> None:
         self.folder, self._family = folder, family
@@ -174,9 +177,9 @@ class Program:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, "utf-8")
         program = include / "program"
-        flags = (
+        flags: tuple[str | Path, ...] = (
             "-w",
-            "-O0",
+            *self.level,
             "-g0",
             "-ferror-limit=0",
             *SANITIZED,
@@ -216,14 +219,21 @@ class Subject(Program):
         headers = {file.name: file.read_text("utf-8") for file in sorted((include / edition.family).glob("*.h"))}
         super().__init__(folder, edition.family, headers, harness(edition, include))
         recorder = Recorder(edition, self.original, header_text(edition, include))
+        asked = []
         for ask in (_ask_everything, _ask_rounds):
             recorder.lines = []
             ask(self.item, recorder)
-            self.add_questions(recorder.lines)
+            asked.append(recorder.lines)
+        some = random.Random(1).sample(asked[0], min(len(asked[0]), SOONEST))
+        for lines in (some, *asked):
+            self.add_questions(lines)
 
 
 class RuntimeSubject(Program):
     """The headers that are the same for every protocol, asked by a module that compares them with exact fractions."""
+
+    level = ("-O1", "-fsanitize=local-bounds")
+    """Also stops at an access beyond a variable, which the compiler can check only when it optimizes."""
 
     def __init__(self, asking: ModuleType, folder: Path) -> None:
         headers = {file.name: file.read_text("utf-8") for file in sorted(target.RUNTIME.glob("*.h"))}

@@ -18,11 +18,11 @@ class HasKey(Protocol):
 
 @dataclass(frozen=True)
 class Equivalent:
-    """A pattern of mutants: function, line, and mutated line; `...` stands for any text."""
+    """A pattern of mutants: function, line, and mutated lines; `...` stands for any text."""
 
     function: str
     original: str
-    mutated: str
+    mutated: tuple[str, ...]
     reason: str
 
     def matches(self, mutant: HasKey) -> bool:
@@ -31,7 +31,9 @@ class Equivalent:
         if not re.fullmatch(_pattern(self.function), function):
             return False
         found = re.fullmatch(_pattern(self.original), original)
-        return found is not None and re.fullmatch(_filled(self.mutated, found.groups()), mutated) is not None
+        if found is None:
+            return False
+        return any(re.fullmatch(_filled(line, found.groups()), mutated) for line in self.mutated)
 
 
 def _pattern(text: str) -> str:
@@ -49,7 +51,8 @@ def _filled(text: str, groups: Sequence[str]) -> str:
 
 def read(file: Path) -> list[Equivalent]:
     """The list of a file."""
-    return [Equivalent(**entry) for entry in yaml.safe_load(file.read_text("utf-8")) or []]
+    listed = yaml.safe_load(file.read_text("utf-8")) or []
+    return [Equivalent(**{**entry, "mutated": tuple(entry["mutated"])}) for entry in listed]
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from canwright.model.types import Linear
 from canwright.targets.c import RUNTIME
 
 from ..compilers import build
-from ..float_rule import quotient, raw_of_double
+from ..float_rule import nearest_integer, quotient, raw_of_double
 
 PROGRAM = Path(__file__).with_name("floating.c")
 SINGLE, DOUBLE = 24, 53
@@ -96,7 +96,18 @@ def _scaled(size: Fraction, exponent: int) -> tuple[int, int, int]:
 
 def cases(count: int, chance: random.Random) -> list[Case]:
     """Random cases."""
-    kinds = (_quotient, _corrected, _corrected, _narrowed, _widened)
+    kinds = (
+        _quotient,
+        _corrected,
+        _corrected,
+        _beside_offset,
+        _beside_coarse,
+        _narrowed,
+        _bits,
+        _nearest,
+        _nearest,
+        _of_ratio,
+    )
     return [chance.choice(kinds)(chance) for _ in range(count)]
 
 
@@ -105,7 +116,8 @@ def _quotient(chance: random.Random) -> Case:
     signed = chance.random() < 0.5
     divisor = chance.choice((1, 10, 100, 1000, 2048, abs(any_integer(chance, 63)) or 1))
     middle = chance.getrandbits(54) * divisor << chance.randint(0, 10)
-    dividend = chance.choice((abs(any_integer(chance, 64)), middle + chance.choice((-1, 0, 1)))) % (1 << 64 - signed)
+    size = chance.choice((0, abs(any_integer(chance, 64)), chance.getrandbits(54), middle + chance.choice((-1, 0, 1))))
+    dividend = size % (1 << 64 - signed)
     dividend *= chance.choice((1, -1)) if signed else 1
     return Case("s" if signed else "u", (dividend, divisor), _ok(bits_of(Fraction(dividend, divisor), DOUBLE)))
 
@@ -113,14 +125,41 @@ def _quotient(chance: random.Random) -> Case:
 def _corrected(chance: random.Random) -> Case:
     """A value whose raw integer has 52 to 65 bits, also beside the middle of two raw integers and beside 2^63, 2^64."""
     scale, offset = Fraction(chance.choice(SCALES)), Fraction(chance.choice(OFFSETS))
-    linear = Linear(scale, offset)
-    signed = chance.random() < 0.5
-    near = chance.choice((0, 0, 1 << 51, 1 << 63, 1 << 64))
+    if chance.random() < 0.5:
+        scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
+        offset = Fraction(0)
+    near = chance.choice((0, 0, 1 << 51, 1 << 63, 1 << 64, 11 << 61))
     size = near + any_integer(chance, 12) if near else chance.getrandbits(chance.randint(52, 65))
     raw = (size + Fraction(chance.choice((0, 1)), 2)) * chance.choice((1, -1))
     value = float(raw * scale + offset)
     for _ in range(chance.choice((0, 1, 2))):
         value = math.nextafter(value, chance.choice((math.inf, -math.inf)))
+    return _corrected_value(chance, value, Linear(scale, offset))
+
+
+def _beside_offset(chance: random.Random) -> Case:
+    """A value that is so small that its raw integer is next to that of the offset, which has 52 to 64 bits."""
+    scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
+    raw = chance.getrandbits(chance.randint(52, 63)) * chance.choice((1, -1))
+    value = _double(chance.getrandbits(1) << 63 | chance.randrange(1023) << 52 | chance.getrandbits(52))
+    steps = abs(Fraction(value) / scale)
+    if steps > 1 << 62 or abs(steps % 1 - Fraction(1, 2)) < Fraction(scale.denominator, 1 << 45):
+        value = 0.0  # so close to a tie that the last bits of the value decide
+    return _corrected_value(chance, value, Linear(scale, -raw * scale))
+
+
+def _beside_coarse(chance: random.Random) -> Case:
+    """A value whose quotient in floating point is next to 2^51, after three rounded operations."""
+    scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
+    raw = any_integer(chance, 50)
+    value = float(((1 << 51) + raw) * scale)
+    for _ in range(chance.randrange(4)):
+        value = math.nextafter(value, math.inf if scale > 0 else -math.inf)
+    return _corrected_value(chance, value, Linear(scale, raw * scale))
+
+
+def _corrected_value(chance: random.Random, value: float, linear: Linear) -> Case:
+    signed = chance.random() < 0.5
     nearest = raw_of_double(value, linear)
     low, high = (-(1 << 63), (1 << 63) - 1) if signed else (0, (1 << 64) - 1)
     factor, addend, divisor = linear.as_quotient
@@ -141,7 +180,8 @@ def _narrowed(chance: random.Random) -> Case:
     exponent = chance.choice((chance.randint(1023 - 152, 1023 + 129), chance.randint(1023 - 151, 1023 - 125)))
     zeros = 29 + max(0, 1023 - 126 - exponent)  # the bits that leave the fraction
     middle = chance.getrandbits(64) >> zeros << zeros | 1 << zeros - 1
-    bits = chance.choice((chance.getrandbits(64), middle, middle + 1, middle - 1)) % (1 << 64)
+    beside = chance.choice((1, 1 << chance.randrange(zeros))) if zeros < 64 else 0
+    bits = chance.choice((chance.getrandbits(64), middle, middle + beside, middle - 1)) % (1 << 64)
     if chance.random() < 0.9:
         bits = bits & ~(0x7FF << 52) | exponent << 52
     if chance.random() < 0.05:
@@ -151,12 +191,77 @@ def _narrowed(chance: random.Random) -> Case:
     return Case("f", (bits,), _ok(bits_of(number_of(bits, DOUBLE), SINGLE) | bits >> 63 << 31))
 
 
-def _widened(chance: random.Random) -> Case:
-    """A float as a double."""
-    bits = chance.getrandbits(32) & chance.choice((0xFFFFFFFF, 0x807FFFFF))
-    if not is_finite(bits, SINGLE):
-        return Case("d", (bits,), "not_finite 0")
-    return Case("d", (bits,), _ok(bits_of(number_of(bits, SINGLE), DOUBLE) | bits >> 31 << 63))
+def _bits(chance: random.Random) -> Case:
+    """The bits of a number of the same format, or of the other one; also infinity, NaN, zero and subnormal numbers."""
+    operation, given, result = chance.choice(
+        (("J", SINGLE, DOUBLE), ("K", SINGLE, SINGLE), ("D", DOUBLE, DOUBLE), ("E", DOUBLE, SINGLE))
+    )
+    value, steps = (_any_bits(chance, given) for _ in range(2))
+    if not is_finite(value, given):
+        return Case(operation, (value, steps), "not_finite 0")
+    infinity, width = (0x7F800000, 32) if result == SINGLE else (0x7FF << 52, 64)
+    sign = steps >> (31 if given == SINGLE else 63) << width - 1
+    found = bits_of(number_of(steps, given), result) | sign if is_finite(steps, given) else infinity
+    return Case(operation, (value, steps), _ok(found) if found & infinity != infinity else "out_of_range 0")
+
+
+def _any_bits(chance: random.Random, precision: int) -> int:
+    """Bits of a number; often special ones, and those beside the limits of a float."""
+    width, fraction = (32, 23) if precision == SINGLE else (64, 52)
+    exponents = [0, 1, (1 << width - 1 - fraction) - 1, chance.getrandbits(width - 1 - fraction)]
+    if precision == DOUBLE:
+        exponents += [*(chance.randint(1023 - 152, 1023 + 129) for _ in range(4)), 1023 + 127]
+    ends = (0, 1, (1 << fraction) - 1, (1 << fraction) - (1 << 28 if precision == DOUBLE else 2))
+    mantissa = chance.choice((*ends, *[chance.getrandbits(fraction) for _ in ends]))
+    return chance.getrandbits(1) << width - 1 | chance.choice(exponents) << fraction | mantissa
+
+
+def _nearest(chance: random.Random) -> Case:
+    """The integer nearest to a number of steps: ties and their neighbours, limits, NaN and infinity."""
+    kinds = {"A": (DOUBLE, 32, 1), "B": (DOUBLE, 64, 1), "C": (DOUBLE, 64, 0)}
+    kinds |= {"G": (SINGLE, 32, 1), "H": (SINGLE, 64, 1), "I": (SINGLE, 64, 0)}
+    operation = chance.choice([*kinds])
+    precision, width, is_signed = kinds[operation]
+    least, most = (-1 << width - 1, (1 << width - 1) - 1) if is_signed else (0, (1 << width) - 1)
+    near = chance.choice((0, least, most, most + 1, any_integer(chance, width)))
+    exact = near + Fraction(chance.choice((-3, -2, -1, 0, 1, 2, 3)), chance.choice((1, 2, 3)))
+    steps = bits_of(exact, precision) + (chance.choice((-1, 0, 0, 1)) if exact else 0)
+    value = chance.choice((0, 0, 0, _any_bits(chance, precision)))
+    if not is_finite(value, precision):
+        return Case(operation, (value, steps, least, most), "not_finite 0")
+    if chance.random() < 0.05:
+        steps = 0x7FC00000 if precision == SINGLE else 0x7FF8 << 48
+        return Case(operation, (value, steps, least, most), "out_of_range 0")
+    nearest = nearest_integer(number_of(steps, precision))
+    low, high = least, most
+    if least <= nearest <= most:
+        low, high = chance.choice(((least, most), (nearest, nearest), (nearest + 1, most), (least, nearest - 1)))
+    if not least <= low <= high <= most:
+        low, high = least, most
+    is_valid = low <= nearest <= high
+    return Case(operation, (value, steps, low, high), _ok(nearest % (1 << 64)) if is_valid else "out_of_range 0")
+
+
+def _of_ratio(chance: random.Random) -> Case:
+    """A number multiplied or divided by a ratio: each operation is rounded."""
+    operation, precision = chance.choice((("M", DOUBLE), ("N", DOUBLE), ("O", SINGLE), ("P", SINGLE)))
+
+    def rounded(number: Fraction | int) -> Fraction:
+        return number_of(bits_of(Fraction(number), precision), precision)
+
+    numerator, denominator = chance.randint(1, (1 << 31) - 1), chance.randint(1, (1 << 32) - 1)
+    one, other = (rounded(Fraction(any_integer(chance, 40) or 1, 1024)) for _ in range(2))
+    if operation in "MO":
+        result = rounded(one * rounded(numerator)) / rounded(other * rounded(denominator))
+    else:
+        result = rounded(one * rounded(denominator)) / rounded(numerator)
+    given = (bits_of(one, precision), bits_of(other, precision), numerator, denominator)
+    return Case(operation, given, _ok(bits_of(result, precision)))
+
+
+def _double(bits: int) -> float:
+    number: float = struct.unpack("<d", struct.pack("<Q", bits))[0]
+    return number
 
 
 def _of(number: float) -> int:

@@ -61,6 +61,93 @@ static void show(char operation, const uint64_t *given)
     printf("%u %s\n", (unsigned)length, size > 0u ? text : "");
 }
 
+static void print_wide(const canwright_wide_t *wide)
+{
+    unsigned i;
+    for (i = CANWRIGHT_WORDS; i > 0u; i--) {
+        printf("%08" PRIX32, wide->word[i - 1u]);
+    }
+}
+
+static void print_term(const canwright_term_t *term)
+{
+    print_wide(&term->size);
+    printf(" %d %d\n", term->exponent, term->negative ? 1 : 0);
+}
+
+/* Wide integers of four numbers each, the least significant first; then shifts, factors and bits. */
+static void calculate_wide(char operation, const uint64_t *given)
+{
+    const int count = (int)(int64_t)given[8];
+    uint64_t whole = 0u;
+    bool fits;
+    canwright_term_t term = {{{0u}}, (int)(int64_t)given[9], true};
+    canwright_wide_t other;
+    size_t i;
+    for (i = 0u; i < CANWRIGHT_WORDS; i++) {
+        term.size.word[i] = (uint32_t)(given[i / 2u] >> (32u * (i % 2u)));
+        other.word[i] = (uint32_t)(given[4u + i / 2u] >> (32u * (i % 2u)));
+    }
+    switch (operation) {
+    case 'A':
+        canwright_wide_add(&term.size, &other);
+        break;
+    case 'B':
+        canwright_wide_subtract(&term.size, &other);
+        break;
+    case 'D':
+        fits = canwright_wide_divide(&whole, &term.size, &other, count);
+        if (!fits) {
+            puts("false");
+            return;
+        }
+        printf("%" PRIX64 " ", whole);
+        break;
+    case 'E':
+        printf("%d\n", canwright_wide_less(&term.size, &other) ? 1 : 0);
+        return;
+    case 'G':
+        printf("%d\n", canwright_wide_length(&term.size));
+        return;
+    case 'I':
+        canwright_wide_left(&term.size, count);
+        break;
+    case 'J':
+        canwright_wide_right(&term.size, count);
+        break;
+    case 'K':
+        canwright_wide_multiply(&term.size, given[4]);
+        break;
+    case 'T':
+        canwright_term_align(&term, count);
+        break;
+    case 'U':
+        canwright_term_single(&term, (uint32_t)given[4]);
+        break;
+    default:
+        canwright_term_double(&term, given[4]);
+        break;
+    }
+    print_term(&term);
+}
+
+/* Frames of given[0] and given[1] with the DLC given[2] and given[3], and the ids given[4] and given[5]. */
+static void compare_frames(const uint64_t *given)
+{
+    canwright_frame_t one;
+    canwright_frame_t other;
+    const canwright_filter_t filter = {(uint32_t)given[5], (uint32_t)given[6]};
+    memset(&one, 0xFF, sizeof one);
+    memcpy(one.data, &given[0], sizeof one.data);
+    memcpy(other.data, &given[1], sizeof other.data);
+    one.dlc = (uint8_t)given[2];
+    other.dlc = (uint8_t)given[3];
+    one.id = (uint32_t)given[4];
+    printf("%d %d", canwright_same_data(&one, &other) ? 1 : 0, canwright_accepts(&filter, &one) ? 1 : 0);
+    canwright_clear(&one);
+    printf(" %d %d\n", memcmp(one.reserved, "\0\0\0", 3u), memcmp(one.data, "\0\0\0\0\0\0\0\0", 8u));
+}
+
 static void calculate(char operation, const uint64_t *given)
 {
     const int64_t one = (int64_t)given[0];
@@ -123,6 +210,10 @@ int main(void)
         }
         if (line[0] >= 'a') {
             show(line[0], given);
+        } else if (line[0] == 'F') {
+            compare_frames(given);
+        } else if (strchr("ABDEGIJKTUV", line[0]) != NULL) {
+            calculate_wide(line[0], given);
         } else {
             calculate(line[0], given);
         }

@@ -1,7 +1,8 @@
 """Compares integer arithmetic and printing of the C runtime with exact fractions: `python -m tests.assurance.integers [COUNT]`.
 
-Random and boundary cases of the functions of `canwright.h` and `canwright_print.h`: values of integers and of numbers
-in floating point under any scale, ties and their neighbours, results beyond 64 bits, short buffers, rejected frames.
+Random and boundary cases of the functions of `canwright.h`, `canwright_exact.h` and `canwright_print.h`: values of integers
+and of numbers in floating point under any scale, ties and their neighbours, results beyond 64 bits, wide integers, short
+buffers, rejected frames.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from canwright.targets.c import RUNTIME
 from ..compilers import build
 from ..float_rule import nearest_integer
 from .floating import DEFAULT_COUNT, DOUBLE, SINGLE, Case, any_integer, differences, is_finite, number_of
+from .wide import wide_cases
 
 PROGRAM = Path(__file__).with_name("integers.c")
 SIZE = 200
@@ -48,7 +50,11 @@ def cases(count: int, chance: random.Random) -> list[Case]:
         _share,
         _bits,
     )
-    return [chance.choice(kinds)(chance) for _ in range(count)]
+    found: list[Case] = []
+    while len(found) < count:
+        found += [kind(chance) for kind in kinds]
+        found += wide_cases(chance)
+    return found[:count]
 
 
 def _printed(operation: str, given: Sequence[int], text: str, chance: random.Random) -> Case:

@@ -10,9 +10,9 @@ too long or does not compile.
 arithmetic and logical operators, numbers, conditions, statements and returned values; not texts, annotations and
 docstrings. Asked are the golden frames, random questions, and the checks of `tests.assurance.python_facts`.
 
-Mutants of the runtime are shown to `tests.assurance.integers`, to `tests.assurance.floating` and to all editions, and
-survive only if none of them kills it. Functions that are not reached are named. A complete run takes hours; `--part` and
-`--edition` divide it.
+Mutants of the runtime are shown to `tests.assurance.integers`, to `tests.assurance.floating` and to one edition after
+another, until all that survive are listed. Functions that are not reached are named. A complete run takes hours; `--part`
+and `--edition` divide it.
 Every survivor must be listed as equivalent, with a reason, in `equivalent_c.yaml` or `equivalent_python.yaml`. The exit
 status is 1 for a survivor that is not listed and for a killed mutant that is.
 """
@@ -106,6 +106,8 @@ class Run:
                 shown = [mutant for mutant in subject.mutants() if mutant.is_runtime and mutant.key in left]
                 reached |= {mutant.key for mutant in shown}
                 left -= {mutant.key for mutant in shown} - {mutant.key for mutant in subject.survivors(shown)}
+            if not judge([], [mutants[key] for key in left], self._equivalents).unlisted:
+                break
         chosen = [mutants[key] for key in mutants if key in reached]
         unreached = [mutants[key] for key in mutants if key not in reached]
         self._report("runtime", chosen, [mutants[key] for key in left & reached], unreached)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.abc
 import importlib.machinery
 import importlib.util
@@ -19,6 +20,7 @@ from canwright.targets import python as target
 from canwright.targets.base import Specification
 
 from ..conformance.adapter import Cannot
+from ..conformance.adapters import modules
 from ..conformance.adapters.python import PythonAdapter
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Answer, Question, Questions, disagreement
@@ -85,19 +87,24 @@ class Subject:
 
         sys.setprofile(note)
         try:
-            _ask(self.item, self._load(self._codes), self._asked)
+            with self._imported(self._codes) as module:
+                _ask(self.item, module, self._asked)
         finally:
             sys.setprofile(None)
         return called
 
-    def _load(self, codes: Mapping[str, CodeType]) -> ModuleType:
-        family = self.item.edition.family
-        for name in [name for name in sys.modules if name.split(".")[0] == family]:
-            del sys.modules[name]
-        sys.meta_path.insert(0, _Finder(codes))
-        for name in codes:
-            importlib.import_module(name)
-        return sys.modules[self._module]
+    @contextlib.contextmanager
+    def _imported(self, codes: Mapping[str, CodeType]) -> Iterator[ModuleType]:
+        """Imports the package; it is removed at the end, so that later imports find the files of others."""
+        finder = _Finder(codes)
+        with modules.without_modules(self.item.edition.family):
+            sys.meta_path.insert(0, finder)
+            try:
+                for name in codes:
+                    importlib.import_module(name)
+                yield sys.modules[self._module]
+            finally:
+                sys.meta_path.remove(finder)
 
     def mutants(self) -> list[Mutant]:
         """The mutants of the edition and the runtime, without those of functions that are not called."""
@@ -127,7 +134,8 @@ class Subject:
             os.dup2(null, 1)
             os.dup2(null, 2)
             code = compile(changed(self._texts[mutant.file], mutant), mutant.file, "exec")
-            _ask(self.item, self._load({**self._codes, self._name(mutant.file): code}), self._asked)
+            with self._imported({**self._codes, self._name(mutant.file): code}) as module:
+                _ask(self.item, module, self._asked)
             status = 0
         except BaseException:
             status = 1

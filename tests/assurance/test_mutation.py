@@ -60,6 +60,6 @@ def test_a_copy_of_a_function_has_the_change() -> None:
 )
 def test_survivors_and_the_list_must_agree(alive: int, listed: int, unlisted: int, killed: int) -> None:
     mutants: Any = c_mutants.mutants("x.h", HEADER)[:1]
-    entries = [Equivalent("f", "if (x < ...) {", "if (x <= ...) {", "for this test")]
+    entries = [Equivalent("f", "if (x < ...) {", ("if (x > ...) {", "if (x <= ...) {"), "for this test")]
     verdict = judge(mutants, mutants[:alive], entries[:listed])
     assert (len(verdict.unlisted), len(verdict.killed)) == (unlisted, killed)

@@ -1,6 +1,7 @@
 """Speed and memory of the generated columns package: `python -m tests.bench.columns`.
 
-One million frames, from a log of candump and from BLF, to columns of values. Beside it: python-can with cantools and the
+One million frames, from a log of candump and from BLF, to columns of values; also without marks, with directions that
+canwright infers. Beside it: python-can with cantools and the
 generated DBC of the replies, on a part of the same log; and NumPy code for this one protocol, written by hand, which
 reads the same logs to the same columns. It assumes a well-formed log whose lines have one length.
 
@@ -13,12 +14,13 @@ from __future__ import annotations
 import gc
 import itertools
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
 import time
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from datetime import datetime, timezone
 from pathlib import Path
 from statistics import median
@@ -27,9 +29,11 @@ from typing import Any
 import can
 import cantools.database
 import numpy as np
-from canwright.language.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
+from canwright.recordings.direction_arrays import infer_directions
+from canwright.recordings.frame_kinds import FrameKinds
+from canwright.semantics.frame import CanFrame
 from canwright.targets import dbc
 
 from ..spec_texts import ROOT
@@ -67,43 +71,47 @@ def _logs(folder: Path) -> Iterator[tuple[Path, Path]]:
         yield paths
 
 
-def write_log(path: Path, count: int) -> None:
-    """Requests and replies by turns, with marks, of all nodes."""
-    item = specification(SPEC)
-    assert item.frames is not None
-    golden = [f for f in item.frames.frames if f.id != 0x280 and f.data[0] in CODES]
-    pairs = [_of(golden, direction) for direction in Direction]
-    chosen = random.Random(1)
+def write_log(path: Path, count: int, *, has_marks: bool = True) -> None:
+    """Requests, each with its reply, of all nodes; text of candump or BLF. BLF always has marks."""
     stamps = itertools.count(1_700_000_000_000_000, 250)
+    frames = zip(range(count), stamps, _exchanged(), strict=False)
     if path.suffix == ".log":
         with path.open("w", encoding="ascii") as log:
-            for number, stamp in zip(range(count), stamps, strict=False):
-                data = chosen.choice(pairs[number % 2])
+            for number, stamp, (id_, data) in frames:
                 seconds, fraction = divmod(stamp, 1_000_000)
-                mark = "RT"[number % 2 == 0]
-                log.write(
-                    f"({seconds}.{fraction:06}) can0 {0x141 + chosen.randrange(32):03X}#{data.hex().upper()} {mark}\n"
-                )
+                mark = f" {'TR'[number % 2]}" if has_marks else ""
+                log.write(f"({seconds}.{fraction:06}) can0 {id_:03X}#{data.hex().upper()}{mark}\n")
         return
     with can.BLFWriter(str(path)) as writer:
-        for number, stamp in zip(range(count), stamps, strict=False):
-            data = chosen.choice(pairs[number % 2])
-            id_, is_reply = 0x141 + chosen.randrange(32), number % 2 == 1
+        for number, stamp, (id_, data) in frames:
             writer.on_message_received(
-                can.Message(timestamp=stamp / 1e6, arbitration_id=id_, is_extended_id=False, data=data, is_rx=is_reply)
+                can.Message(
+                    timestamp=stamp / 1e6, arbitration_id=id_, is_extended_id=False, data=data, is_rx=number % 2 == 1
+                )
             )
 
 
-def _of(golden: list[GoldenFrame], direction: Direction) -> list[bytes]:
-    return [frame.data for frame in golden if frame.direction is direction]
+def _exchanged() -> Iterator[tuple[int, bytes]]:
+    """Ids and data of requests and replies by turns. Requests have no bits that they reserve."""
+    item = specification(SPEC)
+    assert item.frames is not None
+    kinds = FrameKinds(item.edition, 0)
+    data: dict[tuple[Direction, int], list[bytes]] = {}
+    for frame in (f for f in item.frames.frames if f.id != 0x280):
+        request = kinds.kind(CanFrame(frame.id, frame.data)).request if frame.direction is Direction.REQUEST else None
+        if request is None or request.is_regular(int.from_bytes(frame.data, "little")):
+            data.setdefault((frame.direction, frame.data[0]), []).append(frame.data)
+    chosen = random.Random(1)
+    while True:
+        id_, code = 0x141 + chosen.randrange(32), chosen.choice(CODES)
+        for way in Direction:
+            yield id_, chosen.choice(data[way, code])
 
 
 def _measures(log: Path, part: Path) -> Iterator[Measure]:
     read = {".log": read_candump, ".blf": read_blf}[log.suffix]
     ours, by_hand, peer = decoded_by_columns(log), decoded_by_hand(read(log)), cantools_work(part)
-    assert ours.keys() == by_hand.keys() and len(ours) > 10, ours.keys() ^ by_hand.keys()
-    for name, values in ours.items():
-        assert np.array_equal(values, by_hand[name]), name
+    _compare(ours, by_hand)
     turns = [
         [_seconds(work) for work in (lambda: decoded_by_columns(log), lambda: decoded_by_hand(read(log)), peer)]
         for _ in range(TURNS)
@@ -116,12 +124,42 @@ def _measures(log: Path, part: Path) -> Iterator[Measure]:
     yield Measure(f"{kind}, time relative to NumPy by hand", numpy, at_most=2)
     yield Measure(f"{kind}, MB for 1 million frames", _memory(log), at_most=MEGABYTES)
     if log.suffix == ".log":
-        with log.open("rb") as short, (log.parent / "longest.log").open("wb") as long:
-            for _ in range(LONG // FRAMES):
-                short.seek(0)
-                while block := short.read(1 << 20):
-                    long.write(block)
-        yield Measure(f"{kind}, MB for 5 million frames", _memory(log.parent / "longest.log"), at_most=MEGABYTES)
+        long = log.parent / "longest.log"
+        _repeat(log, long)
+        yield Measure(f"{kind}, MB for 5 million frames", _memory(long), at_most=MEGABYTES)
+        yield from _without_marks(log.parent, ours, peer)
+
+
+def _without_marks(folder: Path, expected: Mapping[str, Any], peer: Work) -> Iterator[Measure]:
+    """The same frames without marks, with inferred directions."""
+    log, long = folder / "unmarked.log", folder / "longest.log"
+    write_log(log, FRAMES, has_marks=False)
+    _compare(decoded_by_columns(log, has_marks=False), expected)
+    turns = [
+        [_seconds(work) for work in (lambda: decoded_by_columns(log, has_marks=False), peer)] for _ in range(TURNS)
+    ]
+    python_can = median(columns / (other * FRAMES / SAMPLE) for columns, other in turns)
+    seconds = median(columns for columns, _ in turns)
+    title = "candump without marks"
+    yield Measure(
+        f"{title}, time relative to python-can and cantools", python_can, at_most=0.1, note=f"{seconds:.2f} s"
+    )
+    _repeat(log, long)
+    yield Measure(f"{title}, MB for 5 million frames", _memory(long, str(SPEC)), at_most=MEGABYTES)
+
+
+def _compare(ours: Mapping[str, Any], others: Mapping[str, Any]) -> None:
+    assert ours.keys() == others.keys() and len(ours) > 10, ours.keys() ^ others.keys()
+    for name, values in ours.items():
+        assert np.array_equal(values, others[name]), name
+
+
+def _repeat(log: Path, long: Path) -> None:
+    """Writes the content of a log several times into a long one."""
+    with log.open("rb") as source, long.open("wb") as target:
+        for _ in range(LONG // FRAMES):
+            source.seek(0)
+            shutil.copyfileobj(source, target)
 
 
 def _seconds(work: Work) -> float:
@@ -131,10 +169,10 @@ def _seconds(work: Work) -> float:
     return time.process_time() - start
 
 
-def _memory(log: Path) -> float:
-    """The peak of a process that decodes a log and writes its tables as Parquet."""
+def _memory(log: Path, *spec: str) -> float:
+    """The peak of a process that decodes a log and writes its tables as Parquet; a spec infers the directions."""
     done = subprocess.run(
-        [sys.executable, "-m", "tests.bench.columns_memory", str(PACKAGE), str(log)],
+        [sys.executable, "-m", "tests.bench.columns_memory", str(PACKAGE), str(log), *spec],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -143,13 +181,14 @@ def _memory(log: Path) -> float:
     return float(done.stdout)
 
 
-def decoded_by_columns(log: Path) -> dict[str, Any]:
-    """The columns of all tables, by table and column."""
+def decoded_by_columns(log: Path, *, has_marks: bool = True) -> dict[str, Any]:
+    """The columns of all tables, by table and column. Without marks, the directions are inferred."""
     from mwd_motor_columns import Direction as Way, logs, v2_35  # type: ignore[import-not-found]
 
     decoder = v2_35.decoder(PARAMETERS)
     found: dict[str, list[Any]] = {}
-    for frames in logs.Log(log, received=Way.REPLY):
+    blocks = logs.Log(log, received=Way.REPLY)
+    for frames in blocks if has_marks else infer_directions(blocks, specification(SPEC).edition):
         for name, table in decoder.decode(frames).tables.items():
             found.setdefault(f"{name}.time", []).append(frames.time[table.rows])
             found.setdefault(f"{name}.node", []).append(table.node)

@@ -1,4 +1,7 @@
-"""Decodes a log, writes its tables as Parquet and prints the peak of this process in MB. Imports nothing else."""
+"""Decodes a log, writes its tables as Parquet and prints the peak of this process in MB.
+
+With a spec, the directions are inferred. Imports nothing that these do not need.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,18 @@ from pathlib import Path
 PARAMETERS = {"series": "MG", "encoder_bits": 18}
 
 
-def main(package: str, log: str) -> None:
+def main(package: str, log: str, *spec: str) -> None:
     sys.path.insert(0, package)
     from mwd_motor_columns import Direction, arrow, logs, v2_35  # type: ignore[import-not-found]
 
+    blocks = logs.Log(log, received=Direction.REPLY)
+    if spec:
+        import canwright
+        from canwright.recordings.direction_arrays import infer_directions
+
+        blocks = infer_directions(blocks, canwright.load(*spec).edition)
     with tempfile.TemporaryDirectory() as folder, arrow.ParquetWriter(v2_35.decoder(PARAMETERS), folder) as writer:
-        for frames in logs.Log(log, received=Direction.REPLY):
+        for frames in blocks:
             writer.add(frames)
     status = Path("/proc/self/status").read_text("ascii")  # `getrusage` includes the peak of the parent process
     print(int(status.partition("VmHWM:")[2].split()[0]) / 1024)

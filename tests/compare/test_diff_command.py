@@ -233,9 +233,12 @@ def test_wrong_arguments() -> None:
 
 
 def test_reports_for_build_servers(specs: Path) -> None:
-    text = NEW.replace("    code", "    renamed_from: dim\n    title: a </details> <b> |\n    code")
+    text = NEW.replace("    code", "    renamed_from: dim\n    title: 'a </details> <b> | ##vso[x]'\n    code")
     (specs / "v2.yaml").write_text(text, "utf-8")
-    suite = ElementTree.fromstring(diff("v1", "v2", "--format", "junit").output)[0]
+    junit = diff("v1", "v2", "--format", "junit").output
+    assert "##vso" not in junit
+    suite = ElementTree.fromstring(junit)[0]
+    assert any("##vso[x]" in case.get("name", "") for case in suite)
     assert (suite.get("tests"), suite.get("failures")) == ("3", "1")
     assert [case[0].get("type") for case in suite if len(case)] == ["scale-changed"]
     summary = diff("v1", "v2", "--format", "summary").output

@@ -112,6 +112,25 @@ class Adapter(ABC):
         return message
 
 
+class DecodeOnlyAdapter(Adapter):
+    """A target that encodes nothing; `encode` is one of the names in its `cannot`."""
+
+    def encode_raw(
+        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+    ) -> Encoded | Refused:
+        raise Cannot("encode")
+
+    def encode_values(
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        values: Mapping[str, ExactValue],
+        parameters: Parameters,
+    ) -> Encoded | Refused:
+        raise Cannot("encode")
+
+
 def assignment(parameters: Parameters) -> dict[str, str]:
     """Parameters as the model has them."""
     return {name: str(value) for name, value in parameters.items()}

@@ -178,11 +178,15 @@ class Questions:
 
     def _raw(self, encoder: Encoder, field: Field) -> Raw:
         """A valid raw integer of a field, or a list for an array."""
-        raws = [self._chance.choice(self._valid(encoder, field)) for _ in field.elements]
+        raws = [self._valid(encoder, field) for _ in field.elements]
         return raws if field.is_array else raws[0]
 
-    def _valid(self, encoder: Encoder, field: Field) -> list[int]:
-        return [raw for raw in self._candidates(encoder, field) if encoder.rejects_raw(field, raw) is None] or [0]
+    def _valid(self, encoder: Encoder, field: Field) -> int:
+        """A valid raw integer of an element of a field."""
+        candidates = self._candidates(encoder, field)
+        start = self._chance.randrange(len(candidates))
+        turned = itertools.chain(candidates[start:], candidates[:start])
+        return next((raw for raw in turned if encoder.rejects_raw(field, raw) is None), 0)
 
     def _candidates(self, encoder: Encoder, field: Field) -> list[int]:
         """Raw integers at the limits of a field, beyond them, and between."""
@@ -249,9 +253,7 @@ class Questions:
 
     def _value(self, encoder: Encoder, field: Field) -> Any:
         """A valid value; None where the field has no scale."""
-        values = [
-            self._of_raw(encoder, field, self._chance.choice(self._valid(encoder, field))) for _ in field.elements
-        ]
+        values = [self._of_raw(encoder, field, self._valid(encoder, field)) for _ in field.elements]
         return None if None in values else values if field.is_array else values[0]
 
     def _of_raw(self, encoder: Encoder, field: Field, raw: int, steps: Fraction = Fraction(0)) -> Any:

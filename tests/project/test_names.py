@@ -21,11 +21,11 @@ from ..spec_texts import MINIMAL
     [
         *(
             (name, "v1", "name-collision", f"the module `{name}`")
-            for name in ("enum", "struct", "site", "distutils", "can")
+            for name in ("enum", "struct", "site", "distutils", "can", "numpy")
         ),
         *((name, "v1", "name-collision", f"the header `{name}.h`") for name in ("stdint", "fenv", "arduino")),
         *((name, "v1", "file-name", "Windows") for name in ("con", "aux", "com1")),
-        *(("lamp", name, "name-collision", "already contains a module") for name in ("nodes", "python-can")),
+        *(("lamp", name, "name-collision", "already contains a module") for name in ("nodes", "Nodes", "python-can")),
         *(("lamp", name, "name-collision", "already contains a header") for name in ("canwright", "Canwright-exact")),
         *(("lamp", name, "name-collision", "name of a page") for name in ("index.md", "Support.HTML")),
         *(("lamp", name, "file-name", "Windows") for name in ("nul", "NUL", "con.v1")),

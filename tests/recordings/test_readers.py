@@ -206,3 +206,16 @@ def test_a_line_with_a_known_bus_and_id_is_read_as_any_other(char: str) -> None:
             alone = list(candump.read([changed], first))
             assert list(candump.read([LINE, LINE, changed], known))[2:] == alone, changed
             assert first.skipped == known.skipped, changed
+
+
+@pytest.mark.parametrize(
+    ("start", "package", "project"), [(b"LOGG", "can", "python-can"), (b"MDF ", "asammdf", "asammdf")]
+)
+def test_a_missing_package(
+    start: bytes, package: str, project: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == package else object())
+    file = tmp_path / "log"
+    file.write_bytes(start)
+    with open_log(str(file)) as log, pytest.raises(LogError, match=rf"needs {project}; run: pip install {project}$"):
+        list(log)

@@ -91,6 +91,13 @@ def head(nodes: str, languages: str = "") -> str:
     return text + (f"languages: [{languages}]\n" if languages else "")
 
 
+def head_of_addresses() -> str:
+    """The start of a spec with 256 addresses of 65536 nodes each."""
+    address = "{{id: {} + node * 256, extended: true, nodes: 0..65535}}"
+    addresses = "".join(f"a{i}: {address.format(i)}, " for i in range(256))
+    return HEAD.replace("{lamp: {id: 0x100 + node, nodes: 1..4}}", "{" + addresses + "}")
+
+
 def texts(count: int) -> str:
     return "x" * count
 
@@ -222,6 +229,9 @@ ATTACKS: dict[str, Callable[[], Attack]] = {
     "many layouts": lambda: Attack(HEAD + "layouts:\n" + many(35_000, "  l#: {fields: {a: {at: 2, raw: u8}}}\n") + ONE),
     "overlapping fields": lambda: Attack(HEAD + commands(300, f"reply: {fields(700)}")),
     "overlapping wide fields": lambda: Attack(HEAD + commands(150, f"reply: {fields(990, '{at: 0, raw: u64}')}")),
+    "overlapping big-endian fields": lambda: Attack(
+        HEAD + "byte_order: big\n" + commands(20, f"reply: {fields(990, '{at: 3, raw: u32}')}")
+    ),
     "overlapping arrays": lambda: Attack(
         HEAD + commands(150, f"reply: {fields(990, '{at: 0, raw: u1, array: 1..64}')}")
     ),
@@ -265,22 +275,12 @@ ATTACKS: dict[str, Callable[[], Attack]] = {
         )
     ),
     "addresses": lambda: Attack(
-        HEAD.replace(
-            "{lamp: {id: 0x100 + node, nodes: 1..4}}",
-            "{"
-            + "".join(f"a{i}: {{id: {i} + node * 256, extended: true, nodes: 0..65535}}, " for i in range(256))
-            + "}",
-        )
+        head_of_addresses()
         + "commands:\n"
         + "".join(f"  c{i}: {{code: {i}, address: a{i}, {READ}}}\n" for i in range(256))
     ),
     "addresses with fields in the id": lambda: Attack(
-        HEAD.replace(
-            "{lamp: {id: 0x100 + node, nodes: 1..4}}",
-            "{"
-            + "".join(f"a{i}: {{id: {i} + node * 256, extended: true, nodes: 0..65535}}, " for i in range(256))
-            + "}",
-        )
+        head_of_addresses()
         + "commands:\n"
         + "".join(f"  c{i}: {{code: {i}, address: a{i}, reply: {{a: {{at: id.24, raw: u5}}}}}}\n" for i in range(256))
     ),

@@ -41,8 +41,8 @@ effects: {glows: {level: note}, heats: {level: warning}, burns: {level: danger}}
 types:
   level: {raw: u16, unit: "%", scale: {by: size, small: 0.1, big: none}, raw_range: 0..1000}
   angle: {raw: i24, unit: deg, scale: 0.01, offset: 1, range: "-90..90"}
-  colour: {raw: u8, enum: {red: {value: 1}, green: {value: 2}}}
-  state: {raw: u8, flags: {hot: {bit: 0}, cold: {bit: 3}}}
+  colour: {raw: u8, enum: {red: {value: 1, deprecated: {since: v1, until: v3}}, green: {value: 2}}}
+  state: {raw: u8, flags: {hot: {bit: 0, deprecated: {since: v1}}, cold: {bit: 3}}}
   turns: {raw: u8, raw_range: 0..2*count+1}
   share: {raw: u10, unit: A, scale: 1/512*count, offset: -count, range: -1/2*count..1/2*count}
 layouts:
@@ -56,11 +56,12 @@ tables:
 commands:
   dim:
     short_name: dm
+    deprecated: {since: v1, until: 2027-03}
     code: 0x10
     request:
       level: {at: 2, type: level}
       colour: {at: 1, type: colour}
-      small: {at: 4, raw: u8, only: {size: [small]}}
+      small: {at: 4, raw: u8, deprecated: {since: v1}, only: {size: [small]}}
     reply: echo
     effects: [glows, heats, burns]
     limited_by: [limit]

@@ -180,6 +180,7 @@ def test_what_would_generate_too_much_is_rejected_with_its_size(name: str, tmp_p
         ("equal commands", "; 1399 more are not listed"),
         ("unknown layouts", "; 3300 more are not listed"),
         ("from_each of other nodes", "nodes in `from_each`"),
+        ("overlapping big-endian fields", "; further overlaps of this message are not listed"),
     ],
 )
 def test_many_mistakes_are_counted_at_once(name: str, expected: str, tmp_path: Path) -> None:

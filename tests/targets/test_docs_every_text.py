@@ -17,6 +17,7 @@ from canwright.language.edition import EditionSpec, json_schema
 from canwright.project.loader import spec_files, specification
 from canwright.targets import docs
 from canwright.targets.base import Specification
+from canwright.targets.docs.choice import Choice
 from canwright.templating.markup import markdown
 from canwright.templating.resources import CHANGE_EXAMPLES
 
@@ -150,6 +151,20 @@ def test_chinese_pages_are_chinese_throughout() -> None:
     for path, text in pages.items():
         for line in re.sub(r"`[^`]*`|<!--.*?-->|\]\([^)]*\)|<a id[^>]*>", "", text).splitlines():
             assert not ENGLISH.search(line), f"{path}: {line}"
+
+
+def test_notes_of_shown_golden_frames_are_in_every_language() -> None:
+    shown = 0
+    for spec in spec_files(ROOT / "spec"):
+        edition, frames = specification(spec)
+        choice = Choice(edition, frames)
+        for found in map(choice.of, edition.commands):
+            for frame in (*found.requests, *found.replies):
+                if frame.note is not None:
+                    shown += 1
+                    assert not isinstance(frame.note, str), f"{edition.name}: {frame.note}"
+                    assert set(frame.note) == set(edition.languages)
+    assert shown > 10
 
 
 def _translate(part: Any, keys: set[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -55,10 +56,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 def test_the_overview_has_a_command_once_with_its_entries(pages: dict[str, str]) -> None:
     lines = [line for line in pages["index.md"].splitlines() if line.startswith("| `0x4")]
     assert lines == [
-        "| `0x40` | [read_setting](#tables.settings)<br>Read setting<br>[Gains](commands/read_setting_gains.md) · "
-        "[Level](commands/read_setting_level.md) | layout of the entry |  | `stays` |",
-        "| `0x42` | [write_setting](#tables.settings)<br>Write setting<br>[Gains](commands/write_setting_gains.md) · "
-        "[Level](commands/write_setting_level.md) | layout of the entry |  | `stays` |",
+        "| `0x40` | [read_setting](commands/read_setting.md)<br>Read setting | layout of the entry |  | `stays` |",
+        "| `0x42` | [write_setting](commands/write_setting.md)<br>Write setting | layout of the entry |  | `stays` |",
     ]
 
 
@@ -69,32 +68,45 @@ def test_the_overview_has_the_entries_of_a_table_by_index(pages: dict[str, str])
         "",
         "| Index | Entry | Description | `read_setting` | `write_setting` | Effects |",
         "| --- | --- | --- | --- | --- | --- |",
-        "| `0xA0` | `gains` | Gains | [`0x40`](commands/read_setting_gains.md) | "
-        "[`0x42`](commands/write_setting_gains.md) | `wears` |",
-        "| `0x05 0x0A` | `level` | Level | [`0x40`](commands/read_setting_level.md) | "
-        "[`0x42`](commands/write_setting_level.md) |  |",
+        "| `0xA0` | `gains` | Gains | [`0x40`](commands/read_setting.md#entries.gains) | "
+        "[`0x42`](commands/write_setting.md#entries.gains) | `wears` |",
+        "| `0x05 0x0A` | `level` | Level | [`0x40`](commands/read_setting.md#entries.level) | "
+        "[`0x42`](commands/write_setting.md#entries.level) |  |",
     ]
 
 
+def _entry(page: str, name: str) -> str:
+    """The section of an entry."""
+    _, _, section = page.partition(f'<a id="entries.{name}">')
+    return section.partition('<a id="entries.')[0]
+
+
 def test_a_page_says_what_is_said_of_its_table_entry_and_command(pages: dict[str, str]) -> None:
-    page = pages["commands/read_setting_gains.md"]
-    entry = "**Entry:** `gains` `0xA0` · [Things \\| set](../index.md#tables.settings) · [write_setting]"
-    for said in (entry, "What the lamp starts with.", "Both at once.", "Slow.", "Two of them."):
+    page = pages["commands/read_setting.md"]
+    table = "[Things \\| set](../index.md#tables.settings): What the lamp starts with."
+    for said in (table, "> [!NOTE]\n> - Stays\n> - Slow.\n", "| `0xA0` | [`gains`](#entries.gains) | Gains |"):
         assert said in page
-    assert "| `DATA[0]` |  | `u8` |  | `0x40` | identifies the command |" in page
-    assert "| `DATA[1]` |  | `u8` |  | `0xA0` | identifies the entry |" in page
-    level = pages["commands/write_setting_level.md"]
-    assert level.count("| identifies the entry |") == 4
+    gains, level = _entry(page, "gains"), _entry(pages["commands/write_setting.md"], "level")
+    for said in ("Both at once.", "Two of them."):
+        assert said in gains
+        assert said not in level
+    wears = "> [!WARNING]\n> Wears\n"
+    assert wears in _entry(pages["commands/write_setting.md"], "gains")
+    assert wears not in gains, "an entry has its effects when it is written"
+    assert "| `DATA[0]` |  | `u8`<br>`0x40` |  | identifies the command |" in gains
+    assert "| `DATA[1]` |  | `u8`<br>`0xA0` |  | identifies the entry |" in gains
+    assert level.count("| identifies the entry |") == 2
 
 
 def test_sections_of_the_manual_are_shown_where_they_differ(pages: dict[str, str]) -> None:
-    page = pages["commands/read_setting_gains.md"]
-    assert "· Manual 2, 4\n" in page
-    assert "| Id | Nodes | Frame | Form | Manual |" in page
-    assert "| Ki (Manual 9) |" in page
-    assert "| Kp |" in page
-    level = pages["commands/write_setting_level.md"]
-    assert "· Manual 3, 5\n" in level
+    page = pages["commands/read_setting.md"]
+    gains = _entry(page, "gains")
+    assert "· Manual 2\n" in page
+    assert "| Id | Nodes | Frame | Form | Manual |" in gains
+    assert "(Manual 9) |" in gains
+    assert "| Kp |" in gains
+    level = _entry(pages["commands/write_setting.md"], "level")
+    assert "`level` · Manual 5\n" in level
     assert "Form | Manual" not in level
 
 
@@ -106,19 +118,24 @@ def test_errata_reach_the_commands_that_meet_them(pages: dict[str, str]) -> None
         for path, text in pages.items()
         if path.startswith("commands/")
     }
-    of_table = ["of_table", "of_index"]
+    of_setting = ["of_table", "of_index", "of_gains", "of_level"]
     assert found == {
-        "read_setting_gains": [*of_table, "of_gains"],
-        "read_setting_level": [*of_table, "of_level"],
-        "write_setting_gains": [*of_table, "of_gains"],
-        "write_setting_level": [*of_table, "of_level"],
+        "read_setting": of_setting,
+        "write_setting": of_setting,
         "dim": ["of_dim"],
         "dim_again": ["of_dim"],
     }
+    index, table = (re.search(rf"errata.{name}.*?\n\n(.*)", pages["errata.md"]) for name in ("of_gains", "of_table"))
+    assert index is not None
+    assert table is not None
+    assert "[read_setting_gains](commands/read_setting.md#entries.gains)" in index[1]
+    assert "[read_setting](commands/read_setting.md)" in table[1]
 
 
 def test_bits_are_called_reserved_where_some_are_left(pages: dict[str, str]) -> None:
     said = "bits are reserved"
-    assert pages["commands/write_setting_gains.md"].count(said) == 2
-    assert pages["commands/write_setting_level.md"].count(said) == 0
-    assert pages["commands/read_setting_level.md"].count(said) == 1
+    reading, writing = pages["commands/read_setting.md"], pages["commands/write_setting.md"]
+    assert _entry(writing, "gains").count(said) == 1
+    assert "| Fields |" in _entry(writing, "gains")
+    assert _entry(writing, "level").count(said) == 0
+    assert _entry(reading, "level").count(said) == 1

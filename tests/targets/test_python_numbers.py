@@ -17,6 +17,7 @@ from canwright.semantics.encoder import Encoder, exact_value
 from canwright.targets.python.runtime._codec import CodecError, Float, Integer, Number, Real, Refusal
 from hypothesis import example, given, settings, strategies as st
 
+from ..assurance.floating import SINGLE, bits_of
 from ..float_rule import effective, raw_of_double
 from ..spec_texts import edition
 
@@ -137,14 +138,14 @@ family: lamp
 edition: v1
 addresses: {{lamp: {{id: 0x100}}}}
 selector: {{at: 0, raw: u8}}
-types: {{it: {{raw: i{width}, scale: {scale}, offset: {offset}}}}}
+types: {{it: {{raw: {kind}, scale: {scale}, offset: {offset}}}}}
 commands: {{dim: {{code: 1, request: {{it: {{at: 1, type: it}}}}, reply: none}}}}
 """
 
 
 @pytest.mark.parametrize(("width", "scale", "offset"), [(56, "0.01", "0"), (56, "1/3", "-7/9"), (24, "33/2048", "0.1")])
 def test_the_reference_converts_in_the_same_way(width: int, scale: str, offset: str, tmp_path: Path) -> None:
-    found = edition(tmp_path, SPEC.format(width=width, scale=scale, offset=offset))
+    found = edition(tmp_path, SPEC.format(kind=f"i{width}", scale=scale, offset=offset))
     (message,) = found.messages(Direction.REQUEST)
     (field,) = message.layout.fields
     line: Any = field.type.linear.constant
@@ -162,6 +163,29 @@ def test_the_reference_converts_in_the_same_way(width: int, scale: str, offset: 
             assert (theirs if isinstance(theirs, int) else None) == converted(ours, value)
 
     same()
+
+
+def test_an_exact_number_is_rounded_once(tmp_path: Path) -> None:
+    found = edition(tmp_path, SPEC.format(kind="f32", scale="0.5", offset="-40"))
+    (message,) = found.messages(Direction.REQUEST)
+    (field,) = message.layout.fields
+    ours, encoder = Float(32, scale=(1, 2, -40)), Encoder({})
+
+    @settings(max_examples=200, deadline=None)
+    @given(
+        st.fractions() | st.integers(-(1 << 70), 1 << 70),
+        st.sampled_from([Fraction(0), Fraction(1, 1 << 24), Fraction(1, 1 << 150)]),
+        st.sampled_from([-1, 0, 1]),
+    )
+    @example(0, Fraction(1, 1 << 150), 1)
+    @example(1, Fraction(1, 1 << 24), 1)
+    @example(1, Fraction(1, 1 << 24), 0)
+    def nearest(near: Fraction | int, tie: Fraction, beside: int) -> None:
+        steps = near + tie + Fraction(beside, 1 << 200)
+        value = steps / 2 - 40
+        assert encoder.nearest_raw(field, value) == ours.raw(value, None, "it") == bits_of(steps, SINGLE)
+
+    nearest()
 
 
 def _value(type_: Type, raw: int) -> float:

@@ -79,6 +79,8 @@ def _parts(edition: Edition, command: Command, language: str) -> Iterator[Render
 def _facts(command: Command, language: str) -> Iterator[RichText]:
     if command.only:
         yield RichText(f"only {formatting.condition(command.only)}")
+    if command.deprecated:
+        yield RichText(f"deprecated {command.deprecated}", "yellow")
     if not command.implemented:
         yield RichText("not implemented according to the manual", "yellow")
     for effect in command.effects:
@@ -133,7 +135,7 @@ def _table(command: Command, message: Message, language: str) -> RenderableType:
                 name + (f" ({', '.join(field.only)})" if field.only else ""),
                 formatting.raw_format(field.type),
                 *_meaning(field, _relevant(command, message.layout, field)),
-                visible(field.title[language]),
+                visible(field.title[language]) + (f" (deprecated {field.deprecated})" if field.deprecated else ""),
             )
     return table
 

@@ -4,9 +4,23 @@ from __future__ import annotations
 
 import click
 
+from ..document.builder import MAX_VALUES
+from ..document.document import MAX_BYTES
 from ..language.edition import EditionSpec, schema_text
 from ..language.golden_frames import GoldenFrames
+from ..resolve.limits import MOST_COMMANDS, MOST_FIELDS
+from ..rules.too_large import MOST_COMBINATIONS, MOST_SIZE
 from .terminal import print_data
+
+_LIMITS = {
+    "megabytes": MAX_BYTES >> 20,
+    "file_values": MAX_VALUES,
+    "commands": MOST_COMMANDS,
+    "fields": MOST_FIELDS,
+    "combinations": MOST_COMBINATIONS,
+    "size": MOST_SIZE,
+}
+"""The limits of a spec, for the guide."""
 
 
 @click.command()
@@ -17,6 +31,6 @@ def schema(frames: bool, page: bool) -> None:
     if page:
         from ..language import reference
 
-        print_data(reference.page())
+        print_data(reference.page(_LIMITS))
         return
     print_data(schema_text(GoldenFrames if frames else EditionSpec))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..model.edition import Edition
-from . import commands, edition_changes, renames
+from . import commands, edition_changes, missing_names, renames
 from .catalogue import CHANGES as CHANGES
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
 from .collector import Collector
@@ -26,11 +26,13 @@ def compare(old: Edition, new: Edition, exporters: Sequence[Exporter] = ()) -> t
 
     A renamed item is reported with its names in each of the `exporters`, which are targets.
     """
-    found = Collector(ExportedNames(exporters, old, new))
-    old = renames.compare(found, old, new)
-    edition_changes.compare(found, old, new)
-    commands.compare(found, old, new)
-    return judged(tuple(found), observe(old, new))
+    names = ExportedNames(exporters, old, new)
+    found = Collector(names, new)
+    renamed = renames.compare(found, old, new)
+    edition_changes.compare(found, renamed, new)
+    commands.compare(found, renamed, new)
+    missing_names.compare(found, names, old)
+    return judged(tuple(found), observe(renamed, new))
 
 
 def by_impact(changes: tuple[Change, ...]) -> tuple[Change, ...]:

@@ -13,7 +13,7 @@ _WIRE = (
     ("mode-added", "A bus mode is added.", "the bus mode `{name}` is added"),
     ("mode-removed", "A bus mode is removed.", "the bus mode `{name}` is removed"),
     ("command-added", "A command is added.", "`{name}`{code} is added"),
-    ("command-removed", "A command is removed.", "`{name}`{code} is removed"),
+    ("command-removed", "A command is removed.", "`{name}`{code} is removed{deprecation}"),
     (
         "command-repurposed",
         "A code identifies a different command.",
@@ -77,7 +77,7 @@ _WIRE = (
     ),
     ("implemented-changed", "A command is implemented, or no longer is.", "implemented: {new} (was {old})"),
     ("field-added", "A field is added to a frame.", "`{name}` is added at {place}"),
-    ("field-removed", "A field of a frame is removed.", "`{name}` at {place} is removed"),
+    ("field-removed", "A field of a frame is removed.", "`{name}` at {place} is removed{deprecation}"),
     ("field-replaced", "The same bits contain a different field.", "{place} now contains `{new}` (was `{old}`)"),
     ("field-moved", "A field is at a different bit position.", "`{name}` is moved from {old} to {new}"),
     (
@@ -118,7 +118,11 @@ _VALUE = (
     ("unit-changed", "A unit is changed.", "the unit of `{name}` is {new} (was {old})"),
     ("range-changed", "A range is changed.", "the raw range of `{name}`{when} is {new} (was {old})"),
     ("member-added", "A member is added to an enum or to flags.", "`{member}` ({value}) is added to `{name}`"),
-    ("member-removed", "A member of an enum or of flags is removed.", "`{member}` ({value}) of `{name}` is removed"),
+    (
+        "member-removed",
+        "A member of an enum or of flags is removed.",
+        "`{member}` ({value}) of `{name}` is removed{deprecation}",
+    ),
     ("member-renumbered", "A member has a different value.", "`{member}` of `{name}` is {new} (was {old})"),
     (
         "member-replaced",
@@ -169,6 +173,11 @@ _API = (
         "A value of a parameter is renamed.",
         "`{old}` of `{name}` is renamed to `{new}`: {names}",
     ),
+    (
+        "names-changed",
+        "Names in the bindings disappear without another change of their item.",
+        "names in the bindings disappear: {names}",
+    ),
     ("parameter-added", "A parameter is added.", "the parameter `{name}` is added"),
     ("parameter-removed", "A parameter is removed.", "the parameter `{name}` is removed"),
     ("parameter-value-added", "A value is added to a parameter.", "the value `{value}` of `{name}` is added"),
@@ -180,6 +189,9 @@ _API = (
     ),
 )
 _DOC = (
+    ("deprecation-added", "An item is deprecated.", "`{name}` is deprecated: {new}"),
+    ("deprecation-changed", "An item is deprecated for another time.", "`{name}` is deprecated {new} (was {old})"),
+    ("deprecation-removed", "An item is no longer deprecated.", "`{name}` is no longer deprecated (was {old})"),
     ("title-changed", "A title is changed.", "the title of `{name}` is “{new}” (was “{old}”)"),
     ("text-changed", "A text is changed.", "the text of `{name}` is changed"),
     ("section-changed", "The section of the manual is changed.", "the manual section is {new} (was {old})"),

@@ -107,6 +107,7 @@ class Change:
 
     `verdicts` are the impacts on the sides that it affects. `cases` are the parameter values under which it applies, all
     if empty. `witnesses` are the frames that demonstrate it, the worst of each side first.
+    `announced` is true for the removal of something that was deprecated long enough.
     """
 
     rule: ChangeRule
@@ -118,6 +119,7 @@ class Change:
     used_by: tuple[str, ...]
     cases: tuple[Assignment, ...] = ()
     witnesses: tuple[Witness, ...] = ()
+    announced: bool = False
 
     @property
     def impact(self) -> Impact:

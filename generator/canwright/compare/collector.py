@@ -9,7 +9,9 @@ from typing import Generic, Protocol, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from ..model.types import Assignment, Text
+from ..model.deprecation import Deprecation
+from ..model.edition import Edition
+from ..model.types import Assignment, ImpliedTitle, Text
 from .catalogue import CHANGES
 from .change import Change, Fact, Impact, Item, Side, Word, worst
 from .exported_names import ExportedNames
@@ -67,8 +69,9 @@ class Titled(Protocol):
 class Collector:
     """Collects changes. One that is found again for another command is the same change."""
 
-    def __init__(self, names: ExportedNames) -> None:
+    def __init__(self, names: ExportedNames, new: Edition) -> None:
         self._names = names
+        self._new = new
         self._changes: dict[object, Change] = {}
         self._texts: dict[object, Places] = {}
         self.moved: dict[DocumentPath, DocumentPath] = {}
@@ -76,7 +79,7 @@ class Collector:
 
     def apart(self) -> Collector:
         """An empty collector, for changes that are parts of one."""
-        return Collector(self._names)
+        return Collector(self._names, self._new)
 
     def add(
         self,
@@ -86,6 +89,7 @@ class Collector:
         impact: Impact,
         use: Use,
         cases: tuple[Assignment, ...] = (),
+        announced: bool = False,
         /,
         **facts: Fact,
     ) -> None:
@@ -94,13 +98,30 @@ class Collector:
         key = (rule, item, tuple((name, _frozen(fact)) for name, fact in facts.items()), old, new)
         known = self._changes.get(key)
         verdicts = dict.fromkeys(use.sides, impact)
-        change = Change(CHANGES[rule], item, facts, old, new, verdicts, use.commands, cases)
+        change = Change(CHANGES[rule], item, facts, old, new, verdicts, use.commands, cases, announced=announced)
         if known is not None:
             both = known.verdicts, verdicts
             verdicts = {s: worst(v[s] for v in both if s in v) for s in Side if any(s in v for v in both)}
             used_by = tuple(dict.fromkeys((*known.used_by, *use.commands)))
             change = dataclasses.replace(change, verdicts=verdicts, used_by=used_by)
         self._changes[key] = change
+
+    def removed(
+        self, rule: str, item: Item, places: Places, impact: Impact, use: Use, was: Deprecation | None, /, **facts: Fact
+    ) -> None:
+        """Adds the removal of something, with its deprecation."""
+        allowed = was is not None and was.allows_removal(self._new.name, self._new.date)
+        facts["deprecation"] = _removal(was, allowed) if was else ""
+        self.add(rule, item, places, impact, use, (), allowed is True, **facts)
+
+    def deprecation(
+        self, item: Item, places: Places, name: str, old: Deprecation | None, new: Deprecation | None
+    ) -> None:
+        """Adds a change of since when, and until when, something is deprecated."""
+        if old != new:
+            kind = "added" if old is None else "removed" if new is None else "changed"
+            facts = {key: _period(one) for key, one in (("old", old), ("new", new)) if one}
+            self.add(f"deprecation-{kind}", item, at(places, "deprecated"), Impact.SAFE, UNUSED, name=name, **facts)
 
     def attributes(
         self, rows: Iterable[Attribute[T]], item: Item, places: Places, old: T, new: T, use: Use, /, **facts: Fact
@@ -144,14 +165,14 @@ class Collector:
         if differ(old, new) and self._texts.setdefault(key, places) == places:  # as the title of an entry and its field
             self.add(rule, item, places, Impact.SAFE, UNUSED, name=name, old=shortened(old), new=shortened(new))
 
-    def title(self, item: Item, places: Places, names: tuple[str, str], old: Text, new: Text) -> None:
-        """Adds a change of a title, unless both only repeat the names."""
-        if not all(set(t.values()) == {formatting.spoken(name)} for name, t in zip(names, (old, new), strict=True)):
-            self.text("title-changed", item, places, names[1], old, new)
+    def title(self, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
+        """Adds a change of a title, unless none is written in either spec."""
+        if not all(isinstance(title, ImpliedTitle) for title in (old, new)):
+            self.text("title-changed", item, places, name, old, new)
 
     def texts(self, item: Item, places: Places, old: Titled, new: Titled) -> None:
         """Adds changes of a title and a description."""
-        self.title(item, at(places, "title"), (old.name, new.name), old.title, new.title)
+        self.title(item, at(places, "title"), new.name, old.title, new.title)
         self.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
 
     def __iter__(self) -> Iterator[Change]:
@@ -172,6 +193,17 @@ def _frozen(fact: Fact) -> object:
     if isinstance(fact, tuple):
         return tuple(map(_frozen, fact))
     return fact if isinstance(fact, str) else tuple(fact.items())
+
+
+def _period(deprecation: Deprecation) -> Fact:
+    until: tuple[Fact, ...] = (", ", Word("until"), f" {deprecation.until}") if deprecation.until else ()
+    return (Word("since"), f" {deprecation.since}", *until)
+
+
+def _removal(deprecation: Deprecation, allowed: bool | None) -> Fact:
+    """How a removal agrees with the deprecation, in parentheses."""
+    kind = {True: "as announced", False: "earlier than announced", None: "perhaps earlier than announced"}[allowed]
+    return (" ", Word(kind), " (", Word("deprecated"), " ", _period(deprecation), ")")
 
 
 def section(manual: str) -> Fact:

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.layout import Layout
-from ..model.message import Command, Direction, EchoReply, Entry, Message, OtherReply, SharedReply
+from ..model.message import Command, Direction, Entry, Message, SharedReply
 from ..model.metadata import Effect, Level
-from . import discriminators, fields, match
+from . import discriminators, fields, forms, match
 from .change import Fact, Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at, listed, paths, scope
 from .fields import Editions
+from .forms import is_named, messages
 
 
 def compare(found: Collector, old: Edition, new: Edition) -> None:
@@ -23,13 +24,6 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     layouts = [(a.layout, b.layout) for pair in matched.pairs for _, a, b in messages(*pair)]
     pairs = [(a.name, b.name) for a, b in layouts if a.shared and b.shared]
     types = [(a.name, b.name) for a, b in fields.type_pairs(layouts)]
-    both = Editions(
-        old,
-        new,
-        match.renamed(types, old.types, new.types),
-        match.renamed(pairs, old.layouts, new.layouts),
-        {one.name: other.name for one, other in matched.pairs},
-    )
     kept = _tables(found, old, new)
     matched = dataclasses.replace(
         matched,
@@ -38,6 +32,13 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
         added=tuple(c for c in matched.added if c.group not in kept),
     )
     repurposed = matched.also(lambda a, b: match.code_of(a) == match.code_of(b))
+    both = Editions(
+        old,
+        new,
+        match.renamed(types, old.types, new.types),
+        match.renamed(pairs, old.layouts, new.layouts),
+        {one.name: other.name for one, other in repurposed.pairs},
+    )
     for one, other in repurposed.pairs[len(matched.pairs) :]:
         _repurposed(found, one, other)
     for one in repurposed.removed:
@@ -75,22 +76,6 @@ def _table(command: Command) -> Fact:
     return (Word("the table"), f" `{command.entry.table}`") if command.entry else Word("no table")
 
 
-def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, Message]]:
-    """The frames of a command that both editions have and that are its own."""
-    for direction in Direction:
-        one, other = (c.message(direction) for c in (old, new))
-        if one is None or other is None or one.command != old.name or other.command != new.name:
-            continue
-        if direction is Direction.REQUEST or not _is_other_reply(old, new):
-            yield direction, one, other
-
-
-def _is_other_reply(old: Command, new: Command) -> bool:
-    """Whether a reply is not compared: it is an echo in one edition, or in both."""
-    echoes = old.is_echoed + new.is_echoed
-    return echoes == 1 or (echoes == 2 and old.request is not None and new.request is not None)
-
-
 def _item(command: Command) -> Item:
     return Item("command", command.group)
 
@@ -112,7 +97,11 @@ def _repurposed(found: Collector, old: Command, new: Command) -> None:
 
 def _removed(found: Collector, command: Command, new: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, new)
-    found.add(f"{kind}-removed", item, (path, parent), Impact.LOUD, Use((Side.SENDING,), (command.group,)), **facts)
+    use, places = Use((Side.SENDING,), (command.group,)), (path, parent)
+    if kind == "command":
+        found.removed("command-removed", item, places, Impact.LOUD, use, command.deprecated, **facts)
+    else:
+        found.add("entry-removed", item, places, Impact.LOUD, use, **facts)
 
 
 def _added(found: Collector, command: Command, old: Edition) -> None:
@@ -152,8 +141,9 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
         found.attributes(
             _OF_CONDITIONS, Item.of_entry(old.entry), paths(old.entry, new.entry), of_entry, new_of_entry, use
         )
+    found.deprecation(_item(old), paths(old, new), new.group, old.deprecated, new.deprecated)
     _texts(found, old, new)
-    _reply(found, both, old, new)
+    _forms(found, both, old, new)
     _address(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
@@ -165,7 +155,7 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
 
 def _address(found: Collector, old: Command, new: Command) -> None:
     """Adds a change of the address of each message, or one of the command if both follow its address."""
-    moved = [one for one in messages(old, new) if one[1].id != one[2].id and one[1].address != one[2].address]
+    moved = [one for one in forms.own_messages(old, new) if one[1].id != one[2].id and one[1].address != one[2].address]
     follows = all((a.address, b.address) == (old.address, new.address) for _, a, b in moved)
     for group in [moved] if moved and follows else [[one] for one in moved]:
         one, other = group[0][1:]
@@ -179,8 +169,8 @@ def _address(found: Collector, old: Command, new: Command) -> None:
 def _layout_name(found: Collector, both: Editions, command: Command, old: Message, new: Message, use: Use) -> None:
     """Adds the change of where the same fields of a message are defined, which names its type in the bindings."""
     one, other = old.layout, new.layout
-    same_place = _is_named(one) == _is_named(other)
-    renamed = same_place and (not _is_named(one) or both.layouts.get(one.name, one.name) == other.name)
+    same_place = is_named(one) == is_named(other)
+    renamed = same_place and (not is_named(one) or both.layouts.get(one.name, one.name) == other.name)
     keys = fields.constant_keys(old) | fields.constant_keys(new)
     if renamed or match.content(one, keys) != match.content(other, keys):
         return
@@ -193,27 +183,28 @@ def _layout_name(found: Collector, both: Editions, command: Command, old: Messag
     found.add("layout-of-command-changed", item, places, Impact.BUILD, use, **facts, names=names)
 
 
-def _is_named(layout: Layout) -> bool:
-    return layout.path[0] == "layouts"
-
-
 def _name_of(layout: Layout) -> Fact:
-    return ("`", layout.name, "`") if _is_named(layout) else Word("fields of its own")
+    return ("`", layout.name, "`") if is_named(layout) else Word("fields of its own")
 
 
 def _other_layout(found: Collector, both: Editions, old: Command, new: Command, direction: Direction, use: Use) -> bool:
-    """Adds the change of the shared layout of a message to another one, with other fields; whether there is one."""
+    """Adds the change of the layout of a message to one that both editions have; whether there is one."""
     layouts = [message.layout for c in (old, new) if (message := c.message(direction)) is not None]
-    one, other = layouts
-    kept = one.name in {n.name for n in both.new.layouts} or other.name in {n.name for n in both.old.layouts}
-    if not (_is_named(one) and _is_named(other) and kept) or one.name == other.name:
-        return False
-    if match.content(one) == match.content(other):
+    if match.content(layouts[0]) == match.content(layouts[1]) or not _is_other_layout(both, *layouts):
         return False
     rule, key = ("request-changed", "request") if direction is Direction.REQUEST else ("reply-form-changed", "reply")
-    facts = {"old": one.name, "new": other.name}
-    found.add(rule, _item(old), at(paths(old, new), key), Impact.SILENT, use, **facts)
+    shown = [layout.name if is_named(layout) else forms.FIELDS for layout in layouts]
+    found.add(rule, _item(old), at(paths(old, new), key), Impact.SILENT, use, old=shown[0], new=shown[1])
     return True
+
+
+def _is_other_layout(both: Editions, old: Layout, new: Layout) -> bool:
+    was_there, is_there = new.name in {n.name for n in both.old.layouts}, old.name in {n.name for n in both.new.layouts}
+    if is_named(old) and is_named(new):
+        return old.name != new.name and (was_there or is_there)
+    if is_named(new):
+        return was_there
+    return is_named(old) and is_there and not match.fields(old, new).pairs
 
 
 def _entry(found: Collector, both: Editions, old: Command, new: Command, one: Entry, other: Entry) -> None:
@@ -308,57 +299,56 @@ def _alike(values: list[object]) -> bool:
 
 def _texts(found: Collector, old: Command, new: Command) -> None:
     item, places = _item(old), paths(old, new)
-    found.title(item, at(places, "title"), (old.group, new.group), old.group_title, new.group_title)
+    found.title(item, at(places, "title"), new.group, old.group_title, new.group_title)
     found.text("text-changed", item, at(places, "about"), old.group, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
     found.text("text-changed", item, at(places, "notes"), old.group, *notes)
     found.section(item, places, old.manual, new.manual, Use((), (old.group,)))
 
 
-def _reply(found: Collector, both: Editions, old: Command, new: Command) -> None:
+def _forms(found: Collector, both: Editions, old: Command, new: Command) -> None:
+    """Adds the changes of the forms of request and reply."""
     receiving, sending = (Use((side,), (old.group,)) for side in (Side.RECEIVING, Side.SENDING))
-    form = Attribute[Command](
-        "reply-form-changed",
-        "reply",
-        _shown_form,
-        _other_form,
-        lambda command: _form(command, both.commands if command is old else {}),
+    emptied = {direction for direction, one, other in forms.own_messages(old, new) if forms.is_emptied(one, other)}
+
+    def request(command: Command) -> str:
+        if command is new and Direction.REQUEST in emptied:
+            return forms.NO_FIELDS
+        return forms.NONE if command.request is None else forms.FIELDS
+
+    def reply(command: Command) -> str:
+        if command is new and Direction.REPLY in emptied:
+            return forms.NO_FIELDS
+        return forms.reply_form(command, both.commands if command is old else {})
+
+    def shown_reply(command: Command) -> str:
+        shared = (r.message.layout for r in command.replies if isinstance(r, SharedReply))
+        name = "".join(layout.name for layout in shared if is_named(layout))
+        return name or (reply(command) if command is new else forms.reply_form(command, {}))
+
+    rows = (
+        Attribute[Command](
+            "request-changed", "request", request, lambda a, b: Impact.SAFE if b.request else Impact.LOUD
+        ),
     )
-    found.attributes((form, *_OF_REPLY), _item(old), paths(old, new), old, new, receiving)
-    found.attributes(_OF_REQUEST, _item(old), paths(old, new), old, new, sending)
+    found.attributes(rows, _item(old), paths(old, new), old, new, sending)
+    if reply(old) == reply(new):
+        places = at(paths(old, new), "reply")
+        found.attributes([_REPLIERS], _item(old), places, old, new, receiving)
+    else:
+        form = Attribute[Command]("reply-form-changed", "reply", shown_reply, _other_form, reply)
+        found.attributes([form], _item(old), paths(old, new), old, new, receiving)
 
 
 def _repliers(command: Command) -> Fact:
     return (Word("the nodes"), f" {listed(command.from_each)}") if command.from_each else Word("the node addressed")
 
 
-def _form(command: Command, new_names: Mapping[str, str]) -> str:
-    """What the reply is made of; whose layout the fields are in makes no difference."""
-    for reply in command.replies:
-        if isinstance(reply, OtherReply):
-            return f"of {new_names.get(reply.of, reply.of)}"
-        return "echo" if isinstance(reply, EchoReply) else "fields"
-    return "none"
-
-
-def _shown_form(command: Command) -> str:
-    shared = (r.message.layout for r in command.replies if isinstance(r, SharedReply))
-    return "".join(layout.name for layout in shared if _is_named(layout)) or _form(command, {})
-
-
 def _other_form(old: Command, new: Command) -> Impact:
     return Impact.LOUD if not new.replies else Impact.SAFE if not old.replies else Impact.SILENT
 
 
-_OF_REPLY = (Attribute[Command]("repliers-changed", "reply", _repliers, Impact.LOUD),)
-_OF_REQUEST = (
-    Attribute[Command](
-        "request-changed",
-        "request",
-        lambda c: "none" if c.request is None else "fields",
-        lambda old, new: Impact.LOUD if new.request is None else Impact.SAFE,
-    ),
-)
+_REPLIERS = Attribute[Command]("repliers-changed", "from_each", _repliers, Impact.LOUD)
 _OF_MESSAGE = (
     Attribute[Message]("accept-changed", "accept", lambda m: listed(map(discriminators.code, m.accept)), Impact.SAFE),
     Attribute[Message](

@@ -8,9 +8,11 @@ from typing import NamedTuple
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Key, KeyRole, Message
+from ..model.types import Order
 from .change import Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at, given, listed, paths
 from .fields import Editions, constant_keys, place_of
+from .forms import messages
 from .match import by_name
 
 
@@ -35,7 +37,9 @@ _OF_CONSTANT = (
         "constant-changed", "constant", lambda f: Word("any value") if f.value is None else str(f.value), Impact.LOUD
     ),
     Attribute["_Field"]("field-moved", "at", lambda f: f.place, Impact.LOUD),
+    Attribute["_Field"]("byte-order-changed", "byte_order", lambda f: Word(f.order.value), Impact.LOUD),
 )
+_ORDER = Attribute[Key]("byte-order-changed", "byte_order", lambda key: Word(key.order.value), Impact.LOUD)
 _INDEX = Attribute[Command]("index-changed", "index", index, Impact.SILENT)
 
 
@@ -57,14 +61,15 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
             facts = {"old": given(old.entry.kind), "new": given(new.entry.kind)}
             places = at(paths(old.entry, new.entry), "kind")
             found.add("kind-changed", Item.of_entry(old.entry), places, Impact.LOUD, use, **facts)
-    for side, one, other_message in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
-        if one and other_message:
-            use = Use((side,), (old.group,))
-            if one.address == other_message.address or one.id == other_message.id:
-                of_replies = side is Side.RECEIVING and not _like_requests(old, new)
-                _code_moved(found, both, one, other_message, "reply_selector" if of_replies else "selector", use)
-            _index_moved(found, old, new, one, other_message, use)
-            _constants(found, one, other_message, use)
+    for side, one, another in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
+        if one and another and (one.address == another.address or one.id == another.id):
+            of_replies = side is Side.RECEIVING and not _like_requests(old, new)
+            key = "reply_selector" if of_replies else "selector"
+            _code_moved(found, both, one, another, key, Use((side,), (old.group,)))
+    for direction, one, another in messages(old, new):
+        use = Use((Side.of(direction),), (old.group,))
+        _index_moved(found, both, old, new, one, another, use)
+        _constants(found, one, another, use)
 
 
 def same_kind(old: Command, new: Command) -> bool:
@@ -79,6 +84,7 @@ class _Field(NamedTuple):
     name: str
     value: int | None
     place: str
+    order: Order
 
 
 def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
@@ -93,15 +99,15 @@ def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
         found.attributes(_OF_CONSTANT, item, places, one, other, use, name=other.name)
     for gone in (one for one in matched.removed if one.name in before):
         places, facts = ((*old.path, gone.name), new.path), {"name": gone.name, "place": gone.place}
-        found.add("field-removed", item, places, Impact.SILENT, use, **facts)
+        found.removed("field-removed", item, places, Impact.SILENT, use, None, **facts)
     for fresh in (one for one in matched.added if one.name in after):
         places, facts = (old.path, (*new.path, fresh.name)), {"name": fresh.name, "place": fresh.place}
         found.add("field-added", item, places, Impact.LOUD, use, **facts)
 
 
 def _fields(message: Message) -> Iterator[_Field]:
-    yield from (_Field(k.name, k.value, _place(k)) for k in message.keys if k.role is KeyRole.CONSTANT)
-    yield from (_Field(f.name, f.fixed, place_of(f)) for f in message.layout.fields)
+    yield from (_Field(k.name, k.value, _place(k), k.order) for k in message.keys if k.role is KeyRole.CONSTANT)
+    yield from (_Field(f.name, f.fixed, place_of(f), f.type.order) for f in message.layout.fields)
 
 
 def _place(key: Key) -> str:
@@ -130,17 +136,39 @@ def _like_requests(old: Command, new: Command) -> bool:
 
 def _code_moved(found: Collector, both: Editions, old: Message, new: Message, key: str, use: Use) -> None:
     facts = {"old": _place_of(old.keys, KeyRole.CODE), "new": _place_of(new.keys, KeyRole.CODE)}
-    if facts["old"] == facts["new"]:
-        return
     whole = _one_selector(both.old) and _one_selector(both.new)
     item = Item("edition", "") if whole else Item("address", old.address)
     of_address = ("addresses", old.address, key), ("addresses", new.address, key)
     places: Places = (("selector",), ("selector",)) if whole else of_address
-    found.add("code-moved", item, places, Impact.LOUD, use, **facts)
+    if facts["old"] != facts["new"]:
+        found.add("code-moved", item, places, Impact.LOUD, use, **facts)
+    _turned(found, both, item, places, old, new, KeyRole.CODE, use)
 
 
-def _index_moved(found: Collector, old: Command, new: Command, one: Message, other: Message, use: Use) -> None:
+def _turned(
+    found: Collector, both: Editions, item: Item, places: Places, old: Message, new: Message, role: KeyRole, use: Use
+) -> None:
+    """Adds the change of the byte order of keys that stay in the same bytes, or of the edition if they follow it."""
+    for one, other in zip(*([k for k in m.keys if k.role is role] for m in (old, new)), strict=False):
+        if _place(one) != _place(other) or one.segments == other.segments:
+            continue
+        follows = (one.order, other.order) == (both.old.order, both.new.order)
+        if follows:
+            item, places = Item("edition", ""), ((), ())
+        name = "byte_order" if follows else role.value
+        found.attributes([_ORDER], item, places, one, other, use, name=name)
+
+
+def _index_moved(
+    found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: Use
+) -> None:
     facts = {"old": _place_of(one.keys, KeyRole.INDEX), "new": _place_of(other.keys, KeyRole.INDEX)}
-    if old.entry and new.entry and facts["old"] != facts["new"]:
-        places = ("tables", old.entry.table, "index"), ("tables", new.entry.table, "index")
-        found.add("index-moved", Item("table", old.entry.table), places, Impact.LOUD, use, **facts)
+    if not old.entry or not new.entry:
+        return
+    item, places = (
+        Item("table", old.entry.table),
+        at((("tables", old.entry.table), ("tables", new.entry.table)), "index"),
+    )
+    if facts["old"] != facts["new"]:
+        found.add("index-moved", item, places, Impact.LOUD, use, **facts)
+    _turned(found, both, item, places, one, other, KeyRole.INDEX, use)

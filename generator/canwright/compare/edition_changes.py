@@ -76,7 +76,7 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     effects = by_name(old.effects, new.effects)  # others come and go with the commands that have them
     _items(found, "effect", ("effects",), replace(effects, removed=(), added=()), _OF_EFFECT)
     _errata(found, old, new)
-    found.title(_EDITION, (("title",), ("title",)), (old.family, new.family), old.title, new.title)
+    found.title(_EDITION, (("title",), ("title",)), new.family, old.title, new.title)
     found.text("text-changed", _EDITION, (("about",), ("about",)), old.family, old.about, new.about)
     found.text("title-changed", _EDITION, (("manual",), ("manual",)), "manual", old.manual, new.manual)
     found.attributes(_OF_EDITION, _EDITION, ((), ()), old, new, UNUSED)

@@ -39,20 +39,26 @@ def compare(found: Collector, both: Editions, command: str, one: Message, anothe
     else:
         item = Item("command", command)
     matched = match.fields(old, new)
+    exchanged = match.exchanged_fields(old, new)
+    others = {before.name for before, _ in exchanged}
     for before, after in matched.pairs:
+        if before.name in others:
+            continue
         owner = _owner(before, item)
         _field(found, both, owner, before, after, use)
         if (before.manual, after.manual) != (old.manual, new.manual):
             found.section(owner, paths(before, after), before.manual, after.manual, Use((), use.commands))
     replaced = matched.also(match.overlap)
-    for before, after in replaced.pairs[len(matched.pairs) :]:
+    for before, after in (*exchanged, *replaced.pairs[len(matched.pairs) :]):
         facts = {"place": place_of(before), "old": before.name, "new": after.name}
         found.add("field-replaced", _owner(before, item), paths(before, after), Impact.SILENT, use, **facts)
     for gone in replaced.removed:
         if gone.name not in constant_keys(another):
             facts = {"name": gone.name, "place": place_of(gone)}
             place = _parent(gone, new)
-            found.add("field-removed", _owner(gone, item), (gone.path, place), Impact.SILENT, use, **facts)
+            found.removed(
+                "field-removed", _owner(gone, item), (gone.path, place), Impact.SILENT, use, gone.deprecated, **facts
+            )
     for fresh in replaced.added:
         if fresh.name not in constant_keys(one):
             taken = any(match.overlap(fresh, f) for f in old.fields)
@@ -116,8 +122,9 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
         shown = {"old": _constant(old), "new": _constant(new)}
         impact = Impact.SAFE if ignored else Impact.LOUD
         found.add("constant-changed", item, (before, after), impact, use, name=new.name, **shown)
+    found.deprecation(item, places, new.name, old.deprecated, new.deprecated)
     if (old.title, new.title) != (old.type.title, new.type.title):
-        found.title(item, at(places, "title"), (old.name, new.name), old.title, new.title)
+        found.title(item, at(places, "title"), new.name, old.title, new.title)
     found.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
     if isinstance(old.role, ReservedRole) is isinstance(new.role, ReservedRole):  # reserved bits have no meaning
         _type(found, both, item, old, new, use)

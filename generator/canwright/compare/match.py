@@ -6,11 +6,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Layout
 from ..model.message import Command, Message
-from ..model.types import Member, Text, Type
+from ..model.types import ImpliedTitle, Member, Text, Type
 
 
 class Named(Protocol):
@@ -92,14 +91,25 @@ def by_former_name(old: Iterable[T], new: Iterable[T], former_names: Callable[[T
     return Matched((*pairs.values(), *rest.pairs), rest.removed, rest.added)
 
 
+def exchanged(old: Sequence[T], new: Sequence[T], is_same: Callable[[T, T], bool]) -> list[tuple[T, T]]:
+    """Things in one place of both specs that differ only in their names, where both editions have both names."""
+    names = {one.name for one in old} & {one.name for one in new}
+    pairs = zip(old, new, strict=False)
+    return [(a, b) for a, b in pairs if a.name != b.name and {a.name, b.name} <= names and is_same(a, b)]
+
+
 def renamable(old: Iterable[R], new: Iterable[R]) -> Matched[R]:
     """Things of one name, or of a former name."""
     return by_former_name(old, new, lambda one: (one.renamed_from,) if one.renamed_from else ())
 
 
 def same_title(one: Titled, other: Titled) -> bool:
-    """Whether two things have one title, or none: titles that only repeat the names."""
-    return one.title == other.title or all(set(t.title.values()) <= {formatting.spoken(t.name)} for t in (one, other))
+    """Whether the specs give two things one title, or none."""
+    return _is_same_title(one.title, other.title)
+
+
+def _is_same_title(one: Text, other: Text) -> bool:
+    return one == other or (isinstance(one, ImpliedTitle) and isinstance(other, ImpliedTitle))
 
 
 def members(old: Sequence[Member], new: Sequence[Member]) -> Matched[Member]:
@@ -130,16 +140,25 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
     def same_purpose(one: Command, other: Command) -> bool:
         return one.title == other.title and _content(one) == _content(other) and may_be_renamed(one, other)
 
+    def differ_in_name(one: Command, other: Command) -> bool:
+        return code_of(one) == code_of(other) and _content(one) == _content(other)
+
     matched = by_former_name(old.commands, new.commands, lambda command: command.former_names)
-    return matched.also(same_frames, same_fields, same_purpose)
+    others = {old.name for old, _ in exchanged(old.commands, new.commands, differ_in_name)}
+    return _apart(matched, others).also(same_frames, same_fields, same_purpose)
+
+
+def _apart(matched: Matched[Command], names: Collection[str]) -> Matched[Command]:
+    """As `matched`, without the pairs of one of these names."""
+    pairs = [(a, b) for a, b in matched.pairs if not (a.name == b.name and a.name in names)]
+    apart = [(a, b) for a, b in matched.pairs if a.name == b.name and a.name in names]
+    return Matched(tuple(pairs), (*matched.removed, *(a for a, _ in apart)), (*matched.added, *(b for _, b in apart)))
 
 
 def _same_titles(one: Command, other: Command) -> bool:
     if one.entry is not None and other.entry is not None and not same_title(one.entry, other.entry):
         return False
-    spoken = [{formatting.spoken(c.group)} for c in (one, other)]
-    titles = [c.group_title for c in (one, other)]
-    return titles[0] == titles[1] or [set(t.values()) for t in titles] == spoken
+    return _is_same_title(one.group_title, other.group_title)
 
 
 def fields(old: Layout, new: Layout) -> Matched[Field]:
@@ -153,6 +172,16 @@ def fields(old: Layout, new: Layout) -> Matched[Field]:
         return one.type.name == other.type.name and one.title == other.title
 
     return renamable(old.fields, new.fields).also(same_bits, same_type)
+
+
+def exchanged_fields(old: Layout, new: Layout) -> list[tuple[Field, Field]]:
+    """The fields whose names were exchanged, by their bits."""
+
+    def has_same_bits(one: Field, other: Field) -> bool:
+        stated = other.renamed_from == one.name or one.renamed_from == other.name
+        return not stated and _bits_and_meaning(one) == _bits_and_meaning(other)
+
+    return exchanged(old.fields, new.fields, has_same_bits)
 
 
 def code_of(command: Command) -> tuple[object, ...]:
@@ -187,7 +216,11 @@ def _fields(message: Message | None) -> object:
 
 def content(layout: Layout, without: Collection[str] = ()) -> object:
     """The bits of a layout with their meaning; not the names. The fields named in `without` do not count."""
-    return {(f.elements, f.only, f.fixed, f.demanded, _meaning(f.type)) for f in layout.fields if f.name not in without}
+    return {_bits_and_meaning(f) for f in layout.fields if f.name not in without}
+
+
+def _bits_and_meaning(field: Field) -> tuple[object, ...]:
+    return field.space, field.elements, field.only, field.fixed, field.demanded, _meaning(field.type)
 
 
 def _meaning(type_: Type) -> tuple[object, ...]:

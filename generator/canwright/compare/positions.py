@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from ..diagnostics.diagnostic import DocumentPath, Position
 from ..document.builder import Data
 from ..document.document import Document
@@ -18,27 +20,41 @@ _OTHER_KEYS = {
 
 
 def positions(change: Change, old: Document, new: Document) -> tuple[Position, Position]:
-    """The positions of a change: of its item or key, or of what differs inside, if that is a single key."""
+    """The positions of a change: of its item or key, or of what differs inside, if that is a single key or everything."""
     before, after = change.old or (), change.new or ()
     item = max(before, after, key=len)
     is_named = bool(item) and isinstance(item[-1], str)  # a number is that of another item in the other edition
-    if is_named and item in old and item in new and item[: min(len(before), len(after))] in (before, after):
+    is_inside = len(before) != len(after)
+    if (
+        is_named
+        and is_inside
+        and item in old
+        and item in new
+        and item[: min(len(before), len(after))] in (before, after)
+    ):
         before = after = item  # written in both, but without effect in one
-    before, after = _edited(old, new, before, after)
+    cases = {value for case in change.cases for value in case.values()}
+    before, after = _edited(old, new, before, after, cases)
     return old.position(before, key=True), new.position(after, key=True)
 
 
 def _edited(
-    old: Document, new: Document, before: DocumentPath, after: DocumentPath
+    old: Document, new: Document, before: DocumentPath, after: DocumentPath, cases: Collection[str]
 ) -> tuple[DocumentPath, DocumentPath]:
-    """The paths of what differs at or below two paths, as far as it is a single key; they lead into one of the documents."""
+    """The paths of what differs at or below two paths, as far as it is a single key, or the key of one of the `cases`.
+
+    They lead into one of the documents; to the first keys where nothing is the same.
+    """
     wanted = before[-1:] if before not in old and after not in new else ()
     before, after = _known(old, before), _known(new, after)
     one, other = _value(old, before), _value(new, after)
     while before[-1:] == after[-1:]:
-        differing = [key for key in _keys(one, other) if _item(one, key) != _item(other, key)]
+        keys = _keys(one, other)
+        differing = [key for key in keys if _item(one, key) != _item(other, key)]
         others = _OTHER_KEYS.get(str(wanted[0]), ()) if wanted else ()
-        differing = [key for key in differing if key in others] or differing
+        differing = [key for key in differing if key in others or str(key) in cases][:1] or differing
+        if len(differing) > 1 and differing == keys and not wanted:
+            return (*before, *_keys(one, one)[:1]), (*after, *_keys(other, other)[:1])
         if len(differing) != 1:
             break
         key = differing[0]

@@ -77,7 +77,7 @@ def _scales(found: Collector, pair: Pair) -> bool:
         if _scale(one) != _scale(other):
             pair.add(found, "scale-changed", Impact.SILENT, "scale", case, *shown)
             changed = True
-        elif one and other and one.printed != other.printed and not one.is_identity:
+        elif one and other and (one.printed or "1") != (other.printed or "1") and not one.is_identity:
             pair.add(found, "scale-rewritten", Impact.SAFE, "scale", case, *shown)
     return changed
 
@@ -215,6 +215,7 @@ def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], ne
         if one.value != other.value:
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
             found.add("member-renumbered", pair.item, places, Impact.SILENT, pair.use, **facts)
+        found.deprecation(pair.item, places, other.name, one.deprecated, other.deprecated)
         found.texts(pair.item, places, one, other)
     replaced = matched.also(lambda a, b: a.value == b.value)
     for one, other in replaced.pairs[len(matched.pairs) :]:
@@ -224,7 +225,8 @@ def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], ne
     for gone in replaced.removed:
         impact = Impact.SILENT if Side.SENDING in sides else Impact.SAFE
         facts = {"name": pair.name, "member": gone.name, "value": str(gone.value)}
-        found.add("member-removed", pair.item, ((*parents[0], gone.name), parents[1]), impact, pair.use, **facts)
+        places = (*parents[0], gone.name), parents[1]
+        found.removed("member-removed", pair.item, places, impact, pair.use, gone.deprecated, **facts)
     for fresh in replaced.added:
         unknown = Impact.SILENT if key == "flags" else Impact.LOUD
         impact = unknown if Side.RECEIVING in sides else Impact.SAFE

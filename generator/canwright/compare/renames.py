@@ -13,7 +13,7 @@ from ..model.edition import Edition
 from ..model.layout import Layout
 from ..model.message import Command
 from ..model.metadata import Effect, Mode, Setting
-from ..model.types import Bound, Dependent, Linear, Parameter
+from ..model.types import Bound, Dependent, ImpliedTitle, Linear, Parameter
 from .change import Item
 from .collector import BOTH_SIDES, Collector
 from .match import Matched, Named, by_name
@@ -117,8 +117,8 @@ def _own(names: _Names, part: Any) -> dict[str, Any]:
     if isinstance(part, (Parameter, Setting, Effect, Mode)):
         name = names.new(type(part), part.name)
         own: dict[str, Any] = {"name": name}
-        if name != part.name and set(part.title.values()) == {formatting.spoken(part.name)}:
-            own["title"] = dict.fromkeys(part.title, formatting.spoken(name))
+        if name != part.name and isinstance(part.title, ImpliedTitle):
+            own["title"] = ImpliedTitle.fromkeys(part.title, formatting.spoken(name))
         if isinstance(part, Parameter):
             own["values"] = tuple(dataclasses.replace(v, name=names.value(part.name, v.name)) for v in part.values)
         if isinstance(part, Setting):

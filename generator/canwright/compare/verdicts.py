@@ -93,12 +93,18 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
         numbers = None if aspects is None else [n for n in index.of(change) if observations[n].aspect in aspects]
         explained.update(numbers or ())
         found.append(numbers)
-    for number, change in enumerate(changes):
-        known = found[number]
-        if known is not None:
-            others = (*index.of_commands(change), *index.of_surroundings(change))
-            known += (n for n in others if n not in explained and _may_cause(change, observations[n]))
-    explained.update(n for numbers in found for n in numbers or ())
+    for is_likely in (True, False):  # what decides on messages also has effects on the other side
+        for change, known in zip(changes, found, strict=True):
+            if known is not None and (_decides(change) and change.rule.id not in _ADDITIONS) is is_likely:
+                others = (*index.of_commands(change), *index.of_surroundings(change))
+                known += (n for n in others if n not in explained and _may_cause(change, observations[n]))
+        explained.update(n for numbers in found for n in numbers or ())
+    causes = [
+        numbers for numbers, change in zip(found, changes, strict=True) if numbers is not None and _decides(change)
+    ]
+    if len(causes) == 1:  # what else is understood differently can have no other cause
+        causes[0] += (n for n, o in enumerate(observations) if n not in explained and o.aspect in _IDENTIFIED | _ID)
+        explained.update(causes[0])
     made = [
         change
         if numbers is None
@@ -106,6 +112,11 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
         for change, numbers in zip(changes, found, strict=True)
     ]
     return (*made, *_unexplained(o for n, o in enumerate(observations) if n not in explained))
+
+
+def _decides(change: Change) -> bool:
+    """Whether a change decides on which message a frame is."""
+    return change.rule.id in _ADDITIONS or bool(_EXPLAINS[change.rule.id] & (_IDENTIFIED | _ID))
 
 
 def _place(observation: Observation) -> tuple[Side, str]:
@@ -126,7 +137,7 @@ def _effective(
 
 def _may_cause(change: Change, observation: Observation) -> bool:
     """Whether a change affects the other side, as that of an echo, or makes a frame another message."""
-    aspects = _EXPLAINS[change.rule.id]
+    aspects = _EXPLAINS[change.rule.id] | (_ID if change.rule.id in _WHOLE else frozenset())
     by_others = change.rule.id in _ADDITIONS or bool(aspects & (_CONTENT | _ID))
     return observation.aspect in (_IDENTIFIED | aspects if by_others else aspects)
 

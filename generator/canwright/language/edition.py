@@ -22,6 +22,7 @@ from .messages import (
     TableSpec as TableSpec,
 )
 from .scalar_types import (
+    EditionName,
     IdText,
     Language as Language,
     Name as Name,
@@ -34,6 +35,7 @@ from .scalar_types import (
 )
 from .suggestions import DATE
 from .types import (
+    DeprecatedSpec as DeprecatedSpec,
     Description as Description,
     FlagSpec as FlagSpec,
     MemberSpec as MemberSpec,
@@ -189,11 +191,7 @@ class EditionSpec(Description):
 
     canwright: Annotated[Literal[1], Doc("Version of this language.")]
     family: Annotated[Name, Doc("The name of related protocols; prefix of generated names.")]
-    edition: Annotated[
-        str,
-        Limits(pattern=r"^[A-Za-z0-9]+([.-][A-Za-z0-9]+)*$", max_length=40),
-        Doc("Label, with a date if the label is not unique."),
-    ]
+    edition: Annotated[EditionName, Doc("Label, with a date if the label is not unique.")]
     date: Annotated[
         str | None,
         Limits(pattern=DATE),

@@ -45,7 +45,10 @@ class Sourced(Concept):
     """The source of an entry, and what is known about the node."""
 
     source: Annotated[Name, Doc("A name of `sources`.")]
-    note: Annotated[str | None, Doc("A remark for readers of this entry.")] = None
+    manual: Annotated[str, Doc("Section of the source.", examples=("2.5",))] = ""
+    note: Annotated[
+        Text | None, Doc("A remark for readers of this entry, in each language; a plain text is in English.")
+    ] = None
     parameters: Annotated[
         dict[Name, ParameterValue], Doc("Known parameters of the node.", examples=({"model": "A", "size": 12.5},))
     ] = field(default_factory=dict)

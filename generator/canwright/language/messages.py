@@ -8,7 +8,7 @@ from ..model.layout import MAX_DATA_BYTES
 from ..model.types import Encoding, Order
 from .concept import Choose, Concept, Doc, JsonSchema, Limits, keys
 from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Raw, Section, Start, Text
-from .types import Description, RenamedFrom
+from .types import Deprecated, Description, RenamedFrom
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +29,7 @@ class FieldSpec(Description):
         ),
     ]
     renamed_from: RenamedFrom = None
+    deprecated: Deprecated = None
     type: Annotated[Name | None, Doc("A type of this edition.")] = None
     raw: Annotated[Raw | None, Doc("Format of a plain number, instead of a type.")] = None
     byte_order: Annotated[Order | None, Doc("Byte order of a plain number, if not that of the edition.")] = None
@@ -209,6 +210,7 @@ class CommandSpec(Description):
         ),
     ] = None
     renamed_from: RenamedFrom = None
+    deprecated: Deprecated = None
     short_name: Annotated[
         Name | None,
         Doc(

@@ -75,8 +75,8 @@ def words() -> list[str]:
     return sorted({word for concept in concepts() for word in (concept.name, *(key.name for key in concept.keys))})
 
 
-def page() -> str:
-    """The guide to writing a spec and the reference of every key, in Markdown."""
+def page(limits: Mapping[str, int]) -> str:
+    """The guide to writing a spec and the reference of every key, in Markdown; `limits` are those of a spec, by name."""
     every = concepts()
     names = {concept.name for concept in every}
 
@@ -84,7 +84,7 @@ def page() -> str:
         return re.sub(r"`([a-z ]+)`", lambda m: f"[{m[1]}](#{m[1].replace(' ', '-')})" if m[1] in names else m[0], text)
 
     template = environment("language", {"row": _row, "linked": linked}).get_template("page.md.j2")
-    return template.render(concepts=every, in_all=IN_ALL)
+    return template.render(concepts=every, in_all=IN_ALL, limits={name: f"{limit:,}" for name, limit in limits.items()})
 
 
 def _lines(head: str, key: KeyReference) -> Iterator[str]:

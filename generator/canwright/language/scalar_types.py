@@ -24,6 +24,7 @@ def _text_of(pattern: str, *examples: str) -> JsonSchema:
 
 
 Name = Annotated[str, Limits(pattern=r"^[a-z][a-z0-9_]*$", max_length=48)]
+EditionName = Annotated[str, Limits(pattern=r"^[A-Za-z0-9]+([.-][A-Za-z0-9]+)*$", max_length=40)]
 ValueName = Annotated[str, Limits(pattern=r"^[A-Za-z0-9][A-Za-z0-9_]*$", max_length=32)]
 Rational = Annotated[
     Fraction,

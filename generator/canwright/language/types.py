@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from ..model.types import Order
 from .concept import Concept, Doc, JsonSchema, Limits
-from .scalar_types import Multiple, Name, Raw, Span, Text
+from .scalar_types import EditionName, Multiple, Name, Raw, Span, Text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,6 +22,30 @@ RenamedFrom = Annotated[
         "Name in previous editions, for `canwright diff`: the meaning is the same. Otherwise, an item with another name "
         "and another title, unit or type in the same place has another meaning."
     ),
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeprecatedSpec(Concept):
+    """Since when an item is deprecated, and until when it remains. Texts can name the replacement."""
+
+    called = "`deprecated`"
+    example = {"since": "v2.36"}
+
+    since: Annotated[EditionName, Doc("The first edition, or its label, in which it is deprecated.")]
+    until: Annotated[
+        EditionName | None,
+        Doc(
+            "The first edition, or its date, that may lack it. `canwright diff` reports an earlier removal as a change that "
+            "breaks programs, and a later one as announced. Without this key, any later edition may lack it.",
+            examples=("v3", "2027-03"),
+        ),
+    ] = None
+
+
+Deprecated = Annotated[
+    DeprecatedSpec | None,
+    Doc("Since when this is deprecated, and until when it remains.", examples=({"since": "v2.36", "until": "v3"},)),
 ]
 
 
@@ -70,6 +94,7 @@ class MemberSpec(Description):
 
     value: Annotated[int, Doc("The raw value with this name.")]
     renamed_from: RenamedFrom = None
+    deprecated: Deprecated = None
 
 
 BitNumber = Annotated[int, Limits(ge=0, le=63)]
@@ -81,6 +106,7 @@ class FlagSpec(Description):
 
     bit: Annotated[BitNumber, Doc("The bit; 0 is the least significant one.")]
     renamed_from: RenamedFrom = None
+    deprecated: Deprecated = None
 
 
 NamedValue = int | MemberSpec

@@ -109,25 +109,26 @@ def _bits(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low}..{low + width - 1}"
 
 
-def scale(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]]:
-    """Resolutions (1 LSB): (parameter values, `33/2048 A`); the parameter values are empty if it is constant.
+def scale(type_: Type, among: tuple[str, ...] = (), offset_word: str = ", offset ") -> Sequence[tuple[str, str]]:
+    """Resolutions (1 LSB): (parameter values, `25/65535 rad, offset -12.5 rad`); the former are empty if it is constant.
 
-    If `among` contains values of that parameter, the others are left out.
+    If `among` contains values of that parameter, the others are left out. `offset_word` precedes an offset.
     """
     cases = (type_.linear.constant, *type_.linear.cases.values())
-    return _scale(type_, among, tuple(linear.printed for linear in cases if linear is not None))
+    return _scale(type_, among, offset_word, tuple(linear.printed for linear in cases if linear is not None))
 
 
 @functools.lru_cache(maxsize=1 << 12)
-def _scale(type_: Type, among: tuple[str, ...], printed: tuple[str, ...]) -> Sequence[tuple[str, str]]:
+def _scale(
+    type_: Type, among: tuple[str, ...], offset_word: str, printed: tuple[str, ...]
+) -> Sequence[tuple[str, str]]:
     """Cached by `printed` too: types that differ only in the notation of their scales are equal."""
     unit = f" {type_.unit.symbol}" if type_.unit else ""
 
     def worth(linear: Linear | None) -> str:
         if linear is None:
             return "not given"
-        size = multiple(exact(abs(linear.offset)), linear.times)
-        added = f" {'+' if linear.offset > 0 else '-'} {size}{unit}" if linear.offset else ""
+        added = f"{offset_word}{offset(linear)}{unit}" if linear.offset else ""
         return f"{step(linear)}{unit}{added}"
 
     kept = [(_among(names, among), linear) for names, linear in type_.linear.distinct()]

@@ -12,6 +12,7 @@ from enum import Enum
 from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
+from .deprecation import Deprecation
 from .types import Assignment, Text, Type
 
 MAX_DATA_BYTES = 8
@@ -94,6 +95,7 @@ class Field:
 
     name: str
     renamed_from: str | None
+    deprecated: Deprecation | None
     type: Type
     space: Space
     elements: tuple[Element, ...]

@@ -8,9 +8,10 @@ from enum import Enum
 from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
+from .deprecation import Deprecation
 from .layout import Layout, NodeRole, Segment, Space
 from .metadata import Effect, Setting
-from .types import Assignment, Order, Text
+from .types import Assignment, ImpliedTitle, Order, Text
 
 LISTED_NODES = 256
 """The maximum number of nodes of an address that an output lists one by one."""
@@ -202,6 +203,7 @@ class Command:
     short_group: str
     group: str
     former_group: str | None
+    deprecated: Deprecation | None
     entry: Entry | None
     code: int | None
     address: str
@@ -241,7 +243,8 @@ class Command:
         """The title of the command without that of the entry."""
         if self.entry is None:
             return self.title
-        return {lang: text.removesuffix(f": {self.entry.title[lang]}") for lang, text in self.title.items()}
+        title = {lang: text.removesuffix(f": {self.entry.title[lang]}") for lang, text in self.title.items()}
+        return ImpliedTitle(title) if isinstance(self.title, ImpliedTitle) else title
 
     @property
     def reply(self) -> Message | None:

@@ -14,11 +14,17 @@ from functools import cached_property
 from typing import Generic, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
+from .deprecation import Deprecation
 
 T = TypeVar("T")
 
 Text = Mapping[str, str]
 """One text in every language of the edition, by language code."""
+
+
+class ImpliedTitle(dict[str, str]):
+    """The title of an item for which the spec has none: the words of its name."""
+
 
 Assignment = Mapping[str, str]
 """Parameter values by name, as `{"model": "A"}`; unknown ones are left out."""
@@ -183,6 +189,7 @@ class Member:
 
     name: str
     renamed_from: str | None
+    deprecated: Deprecation | None
     value: int
     title: Text
     about: Text

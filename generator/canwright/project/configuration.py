@@ -22,7 +22,7 @@ NAME = "canwright.toml"
 BREAKING, NEVER = "breaking", "none"
 
 KINDS = (BREAKING, *(c.value for c in Category), Impact.SILENT.value, Impact.LOUD.value, NEVER)
-"""What makes `diff` fail: `breaking` changes are the silent and loud ones of wire and value."""
+"""What makes `diff` fail: `breaking` changes are the silent and loud ones of wire and value, except removals that were announced."""
 
 WARNINGS = {rule.id: rule for rule in EVERY.values() if rule.severity is Severity.WARNING}
 
@@ -122,7 +122,8 @@ class DiffConfiguration(Concept):
             return severity is RuleSeverity.ERROR and NEVER not in kinds
         category, impact = change.rule.category, change.impact
         breaks = category in (Category.WIRE, Category.VALUE) and impact in (Impact.SILENT, Impact.LOUD)
-        return bool({category.value, impact.value, *((BREAKING,) if breaks else ())} & set(kinds))
+        breaking = (BREAKING,) if breaks and not change.announced else ()
+        return bool({category.value, impact.value, *breaking} & set(kinds))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,6 @@ counted, and after a failure reading goes on with the next line.
 
 from __future__ import annotations
 
-import importlib.util
 import io
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 
 from ..model.layout import MAX_DATA_BYTES
 from ..semantics.frame import CanFrame
+from .packages import require
 from .recorded import Counts, Mark, Part, Recorded
 
 if TYPE_CHECKING:
@@ -28,17 +28,16 @@ _FRAME = {
 }
 """What a line of a frame starts with; the lines before the first are the header."""
 _ERROR_LINE = re.compile(r"\s*\d+\)?\s+[\d.]+\s+(\d+\s+)?(ERROR|Error|Warng|ER|STATUS|ST)\b")
+_PYTHON_CAN = {"can": "python-can"}
+_NEEDED = {"mf4": {**_PYTHON_CAN, "asammdf": "asammdf"}}
+"""The packages that read a form, and their names for pip, where it is not python-can alone."""
 _MARKED = ("asc", "trc", "blf", "mf4")
 _FIRST_BUS = {"asc": 1, "blf": 1}
 """What python-can subtracts from the number of a channel in a file."""
 
 
-class MissingReaderError(Exception):
-    """A package that reads a format is not installed; the message states how to install it."""
-
-
 def read_lines(form: str, lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
-    """The frames of the lines of a log in the form `asc`, `trc` or `csv`. Raises MissingReaderError."""
+    """The frames of the lines of a log in the form `asc`, `trc` or `csv`. Raises MissingPackageError."""
     reader = _reader(form)
     feed = _Feed(form, lines, counts)
     while not feed.ended:
@@ -55,7 +54,7 @@ def read_lines(form: str, lines: Iterable[str], counts: Counts) -> Iterator[Reco
 
 
 def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[Recorded]:
-    """The frames of a log in the form `blf` or `mf4`. Raises MissingReaderError."""
+    """The frames of a log in the form `blf` or `mf4`. Raises MissingPackageError."""
     opened = _reader(form)
     counted = _Counted(source)
     objects, size, listed = 0, 0, 0
@@ -69,8 +68,6 @@ def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[Recorded
                 counts.skip(found)
             else:
                 yield found
-    except NotImplementedError:
-        raise MissingReaderError("to read .mf4 files, run: pip install asammdf") from None
     except Exception as error:  # each reader has its own
         counts.skip(Part.TRUNCATED, 0, str(error) or type(error).__name__)
         return
@@ -81,10 +78,8 @@ def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[Recorded
 
 
 def _reader(form: str) -> Callable[..., MessageReader]:
-    if importlib.util.find_spec("can") is None:
-        raise MissingReaderError(
-            f"to read .{form} files, run: pip install python-can; or record the log with `candump -l`"
-        )
+    for package, project in _NEEDED.get(form, _PYTHON_CAN).items():
+        require(package, project, f"reading .{form} files")
     import can
 
     readers = {

@@ -38,7 +38,7 @@ WINDOW = 2_000_000
 LOOKED_AHEAD = 4096
 """The number of frames at the start of a log that are searched for marks."""
 UNTIMED = 64
-"""The number of frames without times on a bus that count as the window."""
+"""The number of frames on a bus that count as the window, if they or the frames before them have no time."""
 MAX_OPEN = 16
 """The maximum number of open exchanges on a channel, and of frames that wait in one."""
 MAX_WAITING = 4096
@@ -103,8 +103,8 @@ class _Line:
         self.known: dict[int, _Known] = {}
 
 
-class _Arrived:
-    """A frame at its time on the clock of its bus."""
+class Arrived:
+    """A frame at its time on the clock of its bus; `judged` is None while it waits for later frames."""
 
     __slots__ = ("bus", "clock", "exchange", "judged", "known", "line", "number", "recorded")
 
@@ -125,19 +125,21 @@ class _Exchange:
 
     __slots__ = ("channel", "kind", "missing", "request", "until", "waiting", "within")
 
-    def __init__(self, kind: FrameKind, request: _Arrived, opened: Opened, window: int) -> None:
+    def __init__(self, kind: FrameKind, request: Arrived, opened: Opened, window: int) -> None:
         self.kind = kind
         self.request = request
         self.channel, self.missing = opened
         """The number of replies that it waits for."""
         self.until = request.clock + window
-        self.within = min(window, kind.reply_within or window // 4)
-        """The time within which a reply is expected; a frame that can be a request waits if it comes later."""
-        self.waiting: list[_Arrived] = []
+        self.within = kind.within(window)
+        self.waiting: list[Arrived] = []
 
     @property
-    def last(self) -> _Arrived:
+    def last(self) -> Arrived:
         return self.waiting[-1] if self.waiting else self.request
+
+
+_UNTIL = operator.attrgetter("until")
 
 
 class _Answered(NamedTuple):
@@ -202,26 +204,34 @@ class Directions:
             start = list(itertools.islice(iterator, LOOKED_AHEAD))
             self._marked = {one.bus for one in start if one.mark is Mark.SENT and self._has_id(one)}
             iterator = itertools.chain(start, iterator)
-        held: deque[_Arrived | Judged] = deque()
+        held: deque[Arrived | Judged] = deque()
         for one in iterator:
-            judged = self._judge(one)
+            judged = self.accept(one)
             if isinstance(judged, Judged) and not held:
                 yield judged
                 continue
             held.append(judged)
-            if len(held) > MAX_WAITING and isinstance(held[0], _Arrived) and held[0].exchange is not None:
+            if len(held) > MAX_WAITING and isinstance(held[0], Arrived) and held[0].exchange is not None:
                 self._settle(held[0].exchange)
             yield from _released(held)
-        for bus in self._buses.values():
-            for exchange in [*bus.waiting]:
-                self._settle(exchange)
+        for bus in self._buses:
+            self.settle(bus)
         yield from _released(held)
 
     def _has_id(self, one: Recorded) -> bool:
         return any(kinds.nodes(one.frame) for kinds in self._kinds)
 
-    def _judge(self, one: Recorded) -> Judged | _Arrived:
-        """The result for a frame; the frame itself if it has to wait."""
+    def settle(self, bus: str, time: int | None = None) -> None:
+        """Decides on the frames of a bus that wait: of those for which it is too late at a time, or of all."""
+        found = self._buses[bus]
+        if time is not None:
+            self._advance(found, time)
+            return
+        for exchange in [*found.waiting]:
+            self._settle(exchange)
+
+    def accept(self, one: Recorded) -> Judged | Arrived:
+        """The result for the next frame of the log; the frame itself if it has to wait."""
         number = self._number
         self._number = number + 1
         bus = self._buses.get(one.bus)
@@ -236,7 +246,7 @@ class Directions:
             return Judged(one, number, None, None, None, DecidedBy.NONE, None, None, None, None, not bus.open)
         data = int.from_bytes(frame.data, "little")
         known = line.known.get(data & line.key_bits) or self._known(bus, line, one, data)
-        arrived = _Arrived(bus, one, number, line, known)
+        arrived = Arrived(bus, one, number, line, known)
         if one.mark is not None and bus.is_marked:
             direction: Direction | None = self._of_mark[one.mark]
             decided_by = DecidedBy.MARK
@@ -252,7 +262,7 @@ class Directions:
         rejection = known.kind.rejection(Direction.REQUEST, frame)
         return _judged(arrived, None, decided_by, line.node, None, rejection)
 
-    def _by_exchange(self, arrived: _Arrived) -> Judged | _Arrived:
+    def _by_exchange(self, arrived: Arrived) -> Judged | Arrived:
         """The result for a frame that can be a request or a reply; the frame itself if it has to wait."""
         answered = self._answered(arrived)
         if answered is None:
@@ -275,7 +285,7 @@ class Directions:
             return self._request(arrived, DecidedBy.PAIRING)
         return self._reply(arrived, DecidedBy.PAIRING, answered)
 
-    def _wait(self, arrived: _Arrived, exchange: _Exchange) -> Judged | _Arrived:
+    def _wait(self, arrived: Arrived, exchange: _Exchange) -> Judged | Arrived:
         if len(exchange.waiting) >= MAX_OPEN:
             self._settle(exchange)
             return self._by_exchange(arrived)
@@ -301,18 +311,18 @@ class Directions:
             else:
                 arrived.judged = self._reply(arrived, DecidedBy.PAIRING, answered)
 
-    def _take_waiting(self, exchange: _Exchange) -> Sequence[_Arrived]:
+    def _take_waiting(self, exchange: _Exchange) -> Sequence[Arrived]:
         waiting = exchange.waiting
         if waiting:
             exchange.waiting = []
             waiting[0].bus.waiting.remove(exchange)
         return waiting
 
-    def _repeated(self, exchange: _Exchange, arrived: _Arrived) -> DecidedBy:
+    def _repeated(self, exchange: _Exchange, arrived: Arrived) -> DecidedBy:
         is_same = arrived.recorded.frame == exchange.request.recorded.frame
         return DecidedBy.RETRY if is_same else DecidedBy.PAIRING
 
-    def _answered(self, arrived: _Arrived, *, replies_only: bool = False) -> _Answered | None:
+    def _answered(self, arrived: Arrived, *, replies_only: bool = False) -> _Answered | None:
         """The oldest open exchange that a frame can close."""
         open_, kind, frame = arrived.bus.open, arrived.known.kind, arrived.recorded.frame
         if not open_:
@@ -328,7 +338,7 @@ class Directions:
                         return _Answered(exchange, reply)
         return None
 
-    def _request(self, arrived: _Arrived, decided_by: DecidedBy) -> Judged:
+    def _request(self, arrived: Arrived, decided_by: DecidedBy) -> Judged:
         kind = arrived.known.kind
         rejection = kind.rejection(Direction.REQUEST, arrived.recorded.frame)
         if rejection is not None or kind.request is None:
@@ -357,7 +367,7 @@ class Directions:
             bus.open[exchange.channel] = [exchange]
         bus.until = max(bus.until, exchange.until)
 
-    def _reply(self, arrived: _Arrived, decided_by: DecidedBy, answered: _Answered | None) -> Judged:
+    def _reply(self, arrived: Arrived, decided_by: DecidedBy, answered: _Answered | None) -> Judged:
         kind, one = arrived.known.kind, arrived.recorded
         if answered is None:
             identified = kind.identified[Direction.REPLY]
@@ -397,14 +407,16 @@ class Directions:
                 del open_[exchange.channel]
 
     def _advance(self, bus: _Bus, time: int | None) -> None:
-        """Advances the clock of a bus by the time since the last frame; a jump backwards counts as no time."""
-        if time is None:
+        """Advances the clock of a bus by the time since the last frame; a jump backwards counts as no time.
+
+        The clock depends on pairs of neighbouring frames only, so that it does not matter where a log begins.
+        """
+        if time is None or bus.time is None:
             bus.clock += self._window // UNTIMED
-        else:
-            if bus.time is not None and time > bus.time:
-                bus.clock += time - bus.time
-            bus.time = time
-        for exchange in [*bus.waiting] if bus.waiting else ():
+        elif time > bus.time:
+            bus.clock += time - bus.time
+        bus.time = time
+        for exchange in sorted(bus.waiting, key=_UNTIL) if bus.waiting else ():
             if exchange.until < bus.clock:
                 self._settle(exchange)
         if bus.open and bus.until < bus.clock:
@@ -454,10 +466,10 @@ class Directions:
         )
 
 
-def _released(held: deque[_Arrived | Judged]) -> Iterator[Judged]:
+def _released(held: deque[Arrived | Judged]) -> Iterator[Judged]:
     """Takes the frames from the left that do not wait."""
     while held:
-        judged = held[0].judged if isinstance(held[0], _Arrived) else held[0]
+        judged = held[0].judged if isinstance(held[0], Arrived) else held[0]
         if judged is None:
             return
         held.popleft()
@@ -465,7 +477,7 @@ def _released(held: deque[_Arrived | Judged]) -> Iterator[Judged]:
 
 
 def _judged(
-    arrived: _Arrived,
+    arrived: Arrived,
     direction: Direction | None,
     decided_by: DecidedBy,
     node: int | None,

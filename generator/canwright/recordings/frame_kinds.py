@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..model.edition import Edition
 from ..model.layout import Element, Field, ReservedRole, Space
@@ -44,7 +46,7 @@ class Limit(NamedTuple):
     """Bits of the data that do not all have a meaning: shift, mask and position of each part, and the allowed values."""
 
     parts: tuple[tuple[int, int, int], ...]
-    allows: Callable[[int], bool]
+    allows: Callable[[Any], Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +63,8 @@ class Form:
     reserved: Bits
     limits: tuple[Limit, ...]
 
-    def has_constants(self, data: int) -> bool:
-        """Whether all constants have their values."""
+    def has_constants(self, data: Any) -> Any:
+        """Whether all constants have their values in data, which is one integer or an array."""
         return self.constants is not None and data & self.constants.mask == self.constants.value
 
     def is_regular(self, data: int) -> bool:
@@ -121,7 +123,8 @@ class FrameKind:
         return self.request is not None and self.edition.command(self.request.message.command).is_echoed
 
     @cached_property
-    def _has_node_in_data(self) -> bool:
+    def has_node_in_data(self) -> bool:
+        """Whether the node in the data of the request or of its reply decides which frames answer it."""
         assert self.request is not None
         reply = self.edition.command(self.request.message.command).reply
         return any(message.node_bits for message in (self.request.message, reply) if message)
@@ -130,15 +133,19 @@ class FrameKind:
         """The message with which a frame of this kind answers a request of kind `asking`; None if it does not."""
         if asking.is_echoed and request.data != reply.data:
             return None
-        if asking._has_node_in_data:
+        if asking.has_node_in_data:
             return _answer(self.decoder, request, reply)
         if asking not in self._replies_to:
             self._replies_to[asking] = _answer(self.decoder, request, reply)
         return self._replies_to[asking]
 
+    def within(self, window: int) -> int:
+        """The time in ns within which the reply is expected, at most a window; a later frame can be a request."""
+        return min(window, self._reply_within or window // 4)
+
     @cached_property
-    def reply_within(self) -> int | None:
-        """The time in ns within which the reply has arrived: that of the spec, and as much again to send it."""
+    def _reply_within(self) -> int | None:
+        """That of the spec, and as much again to send the reply."""
         within = self.edition.bus.reply_within_ms
         is_slow = self.request is None or self.request.message.command in self.edition.slow_replies
         return None if within is None or is_slow else int(2 * within * 1_000_000)
@@ -247,18 +254,32 @@ def _parts(element: Element) -> tuple[tuple[int, int, int], ...]:
     return tuple((s.byte * 8 + s.low, (1 << s.width) - 1, s.raw_low) for s in element.segments)
 
 
-def _allows(type_: Type) -> Callable[[int], bool] | None:
-    """Whether the raw bits of a type have a name, or are in the range of some parameters; None if all are."""
+def _allows(type_: Type) -> Callable[[Any], Any] | None:
+    """Whether the raw bits of a type have a name, or are in the range of some parameters; None if all are.
+
+    The function takes one integer, or an array of unsigned ones.
+    """
     full = 1 << type_.width
     if type_.flags:
-        unnamed = ~sum(1 << flag.value for flag in type_.flags)
-        return lambda bits: not bits & unnamed
+        unnamed = (full - 1) & ~sum(1 << flag.value for flag in type_.flags)
+        return lambda bits: bits & unnamed == 0
     if type_.enum:
-        return frozenset(member.value % full for member in type_.enum).__contains__
+        codes = sorted({member.value % full for member in type_.enum})
+        if codes[-1] - codes[0] == len(codes) - 1:
+            return _is_between(codes[0], codes[-1], full)
+        return lambda bits: functools.reduce(operator.or_, [bits == code for code in codes])
     spans = [span for _, span in type_.raw_range.distinct()]
     if type_.encoding is Encoding.FLOAT or not all(span is not None and span.is_constant for span in spans):
         return None
     low = math.ceil(min(span.low.constant for span in spans if span is not None))
     high = math.floor(max(span.high.constant for span in spans if span is not None))
-    sign = full >> 1 if type_.encoding is Encoding.SIGNED else full
-    return lambda bits: low <= (bits - full if bits & sign else bits) <= high
+    least, most = type_.raw_limits
+    return _is_between(max(low, least), min(high, most), full)
+
+
+def _is_between(low: int, high: int, full: int) -> Callable[[Any], Any]:
+    """Whether raw bits, of which there are `full`, are in a range; negative numbers are in two's complement."""
+    if low > high:
+        return lambda bits: bits < 0
+    offset, mask, span = -low % full, full - 1, high - low
+    return lambda bits: (bits + offset) & mask <= span

@@ -6,7 +6,7 @@ import importlib.util
 
 
 class MissingPackageError(Exception):
-    """A package that an output needs is not installed; the message states how to install it."""
+    """A package that an output or a log needs is not installed; the message states how to install it."""
 
 
 def require(package: str, project: str, purpose: str) -> None:

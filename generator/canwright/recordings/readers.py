@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import BinaryIO, cast
 
 from . import by_python_can, candump, savvycan
+from .packages import MissingPackageError
 from .recorded import Counts, Part, Recorded
 
 STANDARD_INPUT = "-"
@@ -42,7 +43,7 @@ class Log:
                 self.counts.frames += 1
                 self.counts.remote += recorded.frame.remote
                 yield recorded
-        except by_python_can.MissingReaderError as error:
+        except MissingPackageError as error:
             raise LogError(str(error)) from None
         except (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile) as error:
             self.counts.skip(Part.TRUNCATED, 0, str(error))

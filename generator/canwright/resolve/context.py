@@ -10,7 +10,7 @@ from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, ne
 from ..document.document import Document
 from ..language import edition as schema
 from ..model import formatting
-from ..model.types import Text
+from ..model.types import ImpliedTitle, Text
 from .affected import Affected
 
 T = TypeVar("T")
@@ -122,7 +122,7 @@ class Context:
     def title(self, path: DocumentPath, written: schema.Text | None, name: str) -> Text:
         """A title; by default the words of the name."""
         if written is None:
-            return dict.fromkeys(self.languages, formatting.spoken(name))
+            return ImpliedTitle.fromkeys(self.languages, formatting.spoken(name))
         return self.text((*path, "title"), written)
 
 

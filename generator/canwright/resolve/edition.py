@@ -13,6 +13,7 @@ from ..language.notation import LAST_ID, SHORT_ID, IdExpression
 from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
+from ..model.types import ImpliedTitle
 from .affected import Affected
 from .command_forms import CommandForm
 from .context import Context
@@ -21,7 +22,7 @@ from .layouts import LayoutResolver
 from .limits import check_limits
 from .messages import ENTRY, MessageResolver
 from .parameters import resolve_parameters
-from .types import read_units, resolve_types
+from .types import deprecation, read_units, resolve_types
 
 T = TypeVar("T")
 
@@ -148,7 +149,8 @@ def _command(
             manual=entry.manual or tables[written.table].manual or "",
             path=at,
         )
-        title = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
+        whole = {language: f"{text}: {of.title[language]}" for language, text in title.items()}
+        title = ImpliedTitle(whole) if isinstance(title, ImpliedTitle) else whole
         layout = written.request.layout if isinstance(written.request, schema.MessageSpec) else written.request
         if layout == ENTRY:
             command_effects += _named(context, (*at, "effects"), "effect", entry.effects, effects)
@@ -158,6 +160,7 @@ def _command(
         short_group=written.short_name or form.command,
         group=form.command,
         former_group=written.renamed_from,
+        deprecated=deprecation(written.deprecated),
         entry=of,
         code=messages.code_of(form),
         address=messages.address_of(form.command),

@@ -24,7 +24,7 @@ from ..model.layout import (
 )
 from ..model.types import Order, Parameter, Text, Type
 from .context import Context
-from .types import bare_type
+from .types import bare_type, deprecation
 
 
 class LayoutResolver:
@@ -145,6 +145,7 @@ class LayoutResolver:
         return Field(
             name=name,
             renamed_from=written.renamed_from,
+            deprecated=deprecation(written.deprecated),
             type=type_,
             space=start.space,
             elements=tuple(elements),

@@ -13,6 +13,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..document.document import Document, read_document
 from ..language import edition as schema, suggestions
 from ..language.notation import Multiple
+from ..model.deprecation import Deprecation
 from ..model.types import IDENTITY, Bound, Dependent, Encoding, Linear, Member, Order, Parameter, Range, Type, Unit
 from ..templating import resources
 from .context import Context
@@ -66,6 +67,10 @@ def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: D
     )
 
 
+def deprecation(written: schema.DeprecatedSpec | None) -> Deprecation | None:
+    return Deprecation(since=written.since, until=written.until) if written else None
+
+
 @dataclass
 class _TypeResolver:
     context: Context
@@ -106,6 +111,7 @@ class _TypeResolver:
             return Member(
                 name=name,
                 renamed_from=None,
+                deprecated=None,
                 value=written,
                 title=self.context.title(path, None, name),
                 about=self.context.text(path, None),
@@ -115,6 +121,7 @@ class _TypeResolver:
         return Member(
             name=name,
             renamed_from=written.renamed_from,
+            deprecated=deprecation(written.deprecated),
             value=value,
             title=title,
             about=self.context.text((*path, "about"), written.about),

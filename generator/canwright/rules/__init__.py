@@ -8,10 +8,12 @@ incorrect and a correct example in `examples/`. Imports `diagnostics`, `document
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import Severity
+from ..resolve.limits import MOST_COMMANDS, MOST_FIELDS
 from . import (
     ambiguous_message,
     beyond_frame,
     beyond_width,
+    deprecation_period,
     differing_quantity,
     duplicate_code,
     duplicate_name,
@@ -45,8 +47,8 @@ WARNING = Severity.WARNING
 RULES: tuple[Rule, ...] = (
     Rule(
         "too-large",
-        "A spec has at most 3000 commands, 20000 fields, 64 combinations of choices and a size of 400000, which is the "
-        "sum of the sizes of its parts.",
+        f"A spec has at most {MOST_COMMANDS} commands, {MOST_FIELDS} fields, {too_large.MOST_COMBINATIONS} combinations of "
+        f"choices and a size of {too_large.MOST_SIZE}, which is the sum of the sizes of its parts.",
         too_large.check,
         phase=Phase.SIZE,
     ),
@@ -72,6 +74,11 @@ RULES: tuple[Rule, ...] = (
         "parameter-range",
         "The limits of a parameter allow a value, and its choices are distinct.",
         parameter_range.check,
+    ),
+    Rule(
+        "deprecation-period",
+        "The end of a deprecation is not before its start, and its dates exist.",
+        deprecation_period.check,
     ),
     Rule("repeated-value", "A list of names or codes has no duplicates.", repeated_value.check),
     Rule("reserved-word", "A reserved word of the language is not used as a name.", reserved_word.check),

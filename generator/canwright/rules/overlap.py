@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec
 from ..model.layout import Field, Space, Variant, bits_of
@@ -19,14 +21,31 @@ WITHOUT_INDEX = (
 )
 
 
+MOST_OVERLAPS = 20
+"""The maximum number of findings about one message. A frame is full after a few fields, so that a search that ends
+after this number of overlaps takes a time that does not depend on the number of fields."""
+
+
 def check(subject: Subject) -> Findings:
-    seen = set()
+    reported: set[Finding] = set()
+    compared = set()
     for message in subject.edition.all_messages():
-        for variant in message.layout.variants:
-            for finding in _clashes(subject.spec, message, variant):
-                if finding not in seen:
-                    seen.add(finding)
-                    yield finding
+        keys = tuple((key.role, key.space, key.segments) for key in message.keys)
+        table = subject.spec.commands[str(message.path[1])].table
+        parts = (message.layout, message.direction, message.address, table, keys)
+        if parts in compared:
+            continue
+        compared.add(parts)
+        found = (one for variant in message.layout.variants for one in _some_clashes(subject.spec, message, variant))
+        new = list(itertools.islice((one for one in dict.fromkeys(found) if one not in reported), MOST_OVERLAPS))
+        reported.update(new)
+        if len(new) == MOST_OVERLAPS:
+            new[-1] = new[-1]._replace(message=f"{new[-1].message}; further overlaps of this message are not listed")
+        yield from new
+
+
+def _some_clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:
+    return itertools.islice(_clashes(spec, message, variant), MOST_OVERLAPS)
 
 
 def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:

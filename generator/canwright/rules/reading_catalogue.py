@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from ..document.builder import MAX_VALUES
+from ..document.document import MAX_BYTES
 from .rule import Rule
 
 READING: tuple[Rule, ...] = (
-    Rule("file-size", "A file has at most 4 MiB and 150000 values."),
+    Rule("file-size", f"A file has at most {MAX_BYTES >> 20} MiB and {MAX_VALUES} values."),
     Rule("encoding", "A file is UTF-8 text."),
     Rule("unsafe-character", "Text has no invisible characters and none that change how others are displayed."),
     Rule("yaml", "A file is one YAML document, a mapping with plain keys and a value behind each."),

@@ -25,7 +25,7 @@ MOST_COMBINATIONS = 64
 MOST_SIZE = 400_000
 """The maximum size: 10 to 25 seconds of processor time, depending on the machine, and 300 MB."""
 
-COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 10, 3, 8, 5, 7, 2
+COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 16, 3, 8, 5, 7, 2
 """The size of a command, a message, a defined field, a type, a named value, a scale or range for a choice, a golden
 frame, an accepted code, and any other item."""
 REPEATED = 0.7

@@ -256,9 +256,13 @@ def _is_within(value: object, low: Fraction | int | None, high: Fraction | int |
 
 
 def _float_bits(field: Field, value: Fraction) -> int | Rejection:
-    bits, number = {32: ("<I", "<f"), 64: ("<Q", "<d")}[field.type.width]
+    bits, code = {32: ("<I", "<f"), 64: ("<Q", "<d")}[field.type.width]
     try:
-        raw: int = struct.unpack(bits, struct.pack(number, float(value)))[0]
+        number = float(value)
+        if field.type.width == 32 and number != value and not struct.pack("<d", number)[0] & 1:
+            # with an odd last bit, the number is rounded to 32 bits as if only once
+            number = math.nextafter(number, math.inf if value > number else -math.inf)
+        raw: int = struct.unpack(bits, struct.pack(code, number))[0]
     except OverflowError:
         return Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` is too large for its float", field.name)
     return raw

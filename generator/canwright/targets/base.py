@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar, NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath, Severity
-from ..language.golden_frames import GoldenFrames
+from ..language.golden_frames import GoldenFrame, GoldenFrames
 from ..model.edition import Edition
+from ..model.message import Command
 from ..model.types import Assignment
 
 PACKAGE_VERSION = "0.1.0"
@@ -26,6 +27,24 @@ class Output(NamedTuple):
     """A generated file: its path below the folder of the target, with `/`, and its text."""
 
     path: str
+    text: str
+
+
+class WorkedExchange(NamedTuple):
+    """A command with golden frames for an example: a request, a reply, or both, with the parameters of both."""
+
+    command: Command
+    request: GoldenFrame | None
+    reply: GoldenFrame | None
+    parameters: Mapping[str, str]
+    is_answered: bool
+    """Whether the reply answers the request."""
+
+
+class CodeExample(NamedTuple):
+    """A complete program; `language` is its name in a code block, such as `python`."""
+
+    language: str
     text: str
 
 
@@ -77,9 +96,19 @@ class Target(ABC):
         """Names that two editions of one run share: the later edition, and a message."""
         yield from ()
 
-    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        """What users of the output write for an item of the spec, by the path of the item; for `canwright diff`."""
-        return {}
+    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
+        """Every name that users of the output write, with the path of its item in the spec; for `canwright diff`.
+
+        A name that disappears has to be replaced in programs. The first name of an item stands for it in reports.
+        """
+        yield from ()
+
+    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:
+        """A program with the output of this target that encodes the request and decodes the reply, for documents.
+
+        None if there is none.
+        """
+        return None
 
 
 class TargetWithOptions(Target):

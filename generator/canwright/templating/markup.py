@@ -49,6 +49,13 @@ def code(text: str) -> str:
     return f"`{line}`" if line else ""
 
 
+def block(text: str, language: str) -> str:
+    """A text as a block of code, with a fence that is longer than any in the text."""
+    longest = max((len(run) for run in re.findall("`+", text)), default=0)
+    fence = "`" * max(3, longest + 1)
+    return f"{fence}{language}\n{text.rstrip()}\n{fence}"
+
+
 @functools.lru_cache(maxsize=1 << 14)
 def xml(text: str) -> str:
     """A text escaped for SVG."""

@@ -18,12 +18,10 @@ from canwright.targets.columns.files import package_name
 from canwright.targets.columns.view import columns_of, constant_name
 
 from ..adapter import (
-    Adapter,
     CanFrame,
     Cannot,
     Decoded,
-    Encoded,
-    ExactValue,
+    DecodeOnlyAdapter,
     Parameters,
     Raw,
     Refused,
@@ -33,7 +31,7 @@ from ..adapter import (
 from .modules import load
 
 
-class ColumnsAdapter(Adapter):
+class ColumnsAdapter(DecodeOnlyAdapter):
     """Answers through `decoder(...).decode`."""
 
     name = "columns"
@@ -95,21 +93,6 @@ class ColumnsAdapter(Adapter):
         if isinstance(value, list):
             return [float(one) for one in value]
         return None if math.isnan(value) else float(value)
-
-    def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
-    ) -> Encoded | Refused:
-        raise Cannot("encode")
-
-    def encode_values(
-        self,
-        direction: Direction,
-        command: str,
-        node: int | None,
-        values: Mapping[str, ExactValue],
-        parameters: Parameters,
-    ) -> Encoded | Refused:
-        raise Cannot("encode")
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         raise Cannot("exchanges")

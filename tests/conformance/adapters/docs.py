@@ -17,7 +17,7 @@ from canwright.targets import docs as target
 from canwright.targets.base import Specification
 
 from ..adapter import Adapter, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
-from .docs_tables import FieldRow, MessagePage, Scale, message, plain, tables
+from .docs_tables import FieldRow, MessagePage, Scale, forms, message, plain, tables
 
 
 class DocsAdapter(Adapter):
@@ -37,7 +37,8 @@ class DocsAdapter(Adapter):
             elif path.endswith("/parameters.md"):
                 self._choices = {n: [plain(r[0]) for r in rows[1:]] for n, rows in tables(text)}
             elif "/commands/" in path:
-                self._read_command(Path(path).stem, text)
+                for name, form in forms(text, Path(path).stem):
+                    self._read_command(name, form)
         self._in_id: defaultdict[tuple[Direction, object], int] = defaultdict(int)
         """The bits of the id that are fields or keys of any page with the same rule."""
         for (direction, _), page in self._messages.items():
@@ -58,10 +59,15 @@ class DocsAdapter(Adapter):
 
     def _read_command(self, name: str, text: str) -> None:
         found = [(heading, rows) for heading, rows in tables(text) if heading in ("Request", "Reply")]
+        rows_of: dict[Direction, list[list[str]]] = {}
         for direction in Direction:
             here = [rows for heading, rows in found if heading.lower() == direction.value]
             if here and "Id" in here[0][0]:
-                self._messages[direction, name] = message(here[0], here[1] if len(here) > 1 else [[]])
+                facts = dict(zip(*here[0], strict=True))
+                if "Fields" in facts:
+                    here[1:] = [rows_of[Direction.REQUEST]]
+                rows_of[direction] = here[1] if len(here) > 1 else [[]]
+                self._messages[direction, name] = message(here[0], rows_of[direction])
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None

@@ -24,6 +24,15 @@ def tables(page: str) -> Iterator[tuple[str, list[list[str]]]]:
             heading = re.sub(r"<[^>]*>", "", line).lstrip("# ").replace("\\", "")
 
 
+def forms(page: str, name: str) -> Iterator[tuple[str, str]]:
+    """The forms of a command with their names: one for each entry, or the page itself."""
+    first, *sections = re.split(r'^## <a id="entries\.(\w+)"></a>', page, flags=re.MULTILINE)
+    if not sections:
+        yield name, first
+    for entry, text in zip(sections[::2], sections[1::2], strict=True):
+        yield f"{name}_{entry}", f"## {text}"
+
+
 def plain(cell: str) -> str:
     """The text of the first code span of a cell."""
     match = re.search(r"`([^`]*)`", cell)
@@ -64,15 +73,15 @@ def _multiple(text: str) -> tuple[Fraction, str]:
 
 
 def scale(text: str | None) -> Scale | None:
-    """`0.1 °C - 40 °C`."""
+    """`0.1 °C, offset -40 °C`."""
     if text is None:
         return None
-    match = re.fullmatch(r"(\S+?)(?: [^\s+-]\S*)?(?: ([+-]) (\S+)(?: \S+)?)?", text)
+    match = re.fullmatch(r"(\S+?)(?: [^\s,]+)?(?:, offset (\S+)(?: \S+)?)?", text)
     assert match, text
     step, parameter = _multiple(match[1])
-    offset, same = _multiple(match[3]) if match[3] else (Fraction(0), parameter)
+    offset, same = _multiple(match[2]) if match[2] else (Fraction(0), parameter)
     assert parameter == same, text
-    return Scale(step, -offset if match[2] == "-" else offset, parameter)
+    return Scale(step, offset, parameter)
 
 
 @dataclass(frozen=True)
@@ -222,22 +231,25 @@ def _id(text: str) -> tuple[int, int]:
 
 def _key(line: Mapping[str, str]) -> Key:
     accepted = tuple(int(code, 16) for code in re.findall(r"`0x([0-9A-F]+)`", line["Description"]))
-    return Key(bits(plain(line["Position"]), plain(line["Raw"])), int(plain(line["Raw range"]), 0), accepted)
+    raw, _, value = line["Raw"].partition("<br>")
+    return Key(bits(plain(line["Position"]), plain(raw)), int(plain(value), 0), accepted)
 
 
 def _field(line: Mapping[str, str]) -> FieldRow:
     match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", plain(line["Field"]))
     assert match, line["Field"]
     parameter, _, values = plain(line.get("Only", "")).partition(" ")
-    is_float = plain(line["Raw"]).startswith("f")
-    limits = line.get("Value range" if is_float else "Raw range", "")
-    constant = int(plain(limits)) if limits and ".." not in limits else None
+    raw, _, raw_range = line["Raw"].partition("<br>")
+    is_float = plain(raw).startswith("f")
+    limits = line.get("Value range", "") if is_float else raw_range
+    constant = int(plain(raw_range), 0) if raw_range and ".." not in raw_range else None
+    linked = re.search(r"types\.md#types\.(\w+)", line["Field"])
     return FieldRow(
         match[1],
         int(match[2]) if match[2] else None,
-        re.sub(r"\[(.*)\]\(.*", r"\1", line.get("Type", "")).replace("\\", ""),
-        plain(line["Raw"]),
-        bits(plain(line["Position"]), plain(line["Raw"])),
+        linked[1] if linked else "",
+        plain(raw),
+        bits(plain(line["Position"]), plain(raw)),
         {name: scale(text) for name, text in cases(line.get("Resolution (1 LSB)", "")).items()},
         {}
         if constant is not None

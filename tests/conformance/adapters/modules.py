@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
 
 
 def load(folder: Path, *names: str) -> Sequence[ModuleType]:
     """Modules of one package in a folder, freshly imported."""
-    package = names[0].partition(".")[0]
+    with without_modules(names[0].partition(".")[0]):
+        sys.path.insert(0, str(folder))
+        importlib.invalidate_caches()
+        try:
+            return [importlib.import_module(name) for name in names]
+        finally:
+            sys.path.remove(str(folder))
+
+
+@contextlib.contextmanager
+def without_modules(package: str) -> Iterator[None]:
+    """Hides the imported modules of a package, so that it can be imported again; restores them at the end."""
     kept = {name: sys.modules.pop(name) for name in _modules(package)}
-    sys.path.insert(0, str(folder))
-    importlib.invalidate_caches()
     try:
-        return [importlib.import_module(name) for name in names]
+        yield
     finally:
-        sys.path.remove(str(folder))
         for name in _modules(package):
             del sys.modules[name]
         sys.modules.update(kept)

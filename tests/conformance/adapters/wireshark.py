@@ -14,7 +14,7 @@ from canwright.model.refusal import Refusal
 from canwright.targets import wireshark as target
 from canwright.targets.base import Specification
 
-from ..adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
+from ..adapter import CanFrame, Cannot, Decoded, DecodeOnlyAdapter, Parameters, Refused, Value
 
 RUNTIMES = (lupa.lua52.LuaRuntime, lupa.lua54.LuaRuntime)
 
@@ -107,7 +107,7 @@ def _decoded(message: Any, node: int | None, fields: list[Any]) -> Decoded:
     return Decoded(message.command, None if node is None else int(node), raw, values)
 
 
-class WiresharkAdapter(Adapter):
+class WiresharkAdapter(DecodeOnlyAdapter):
     """Answers through the functions that the dissector calls; all versions of Lua must agree."""
 
     name = "wireshark"
@@ -135,21 +135,6 @@ class WiresharkAdapter(Adapter):
         )
         assert others == [first] * len(others), f"the versions of Lua differ: {first}, {others}"
         return first
-
-    def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
-    ) -> Encoded | Refused:
-        raise Cannot("encode")
-
-    def encode_values(
-        self,
-        direction: Direction,
-        command: str,
-        node: int | None,
-        values: Mapping[str, ExactValue],
-        parameters: Parameters,
-    ) -> Encoded | Refused:
-        raise Cannot("encode")
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         first, *others = (decoder.answers(request, reply) for decoder in self._decoders)

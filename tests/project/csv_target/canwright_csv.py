@@ -32,8 +32,8 @@ class CsvTarget(Target):
             if field.name in RESERVED:
                 yield NameProblem(path, f"`{field.name}` is a reserved word of SQL", "choose another name")
 
-    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        return {field.path: field.name for message in edition.all_messages() for field in message.layout.fields}
+    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
+        return ((field.path, field.name) for message in edition.all_messages() for field in message.layout.fields)
 
 
 def _rows(edition: Edition) -> Iterator[tuple[str, ...]]:

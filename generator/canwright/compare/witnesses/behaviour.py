@@ -20,9 +20,11 @@ from ...semantics.encoder import Encoder, Encoders
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame, raw_of
 from ..change import Fact, Impact, Side, Word
+from ..forms import is_emptied
 from . import candidates
 from .assignments import Assignments
 from .counterparts import Counterparts
+from .nodes import Nodes
 from .reading import Reading, Transfer, shown
 from .witness import Aspect, Observation, Witness
 
@@ -56,6 +58,7 @@ class Behaviour:
         self._counterparts = Counterparts(old, new)
         self._assignments = Assignments(old, new)
         self._reading = Reading(self._counterparts, self._assignments)
+        self._nodes = Nodes(old, new)
         self._encoders = Encoders()
         self._editions = {Side.SENDING: (old, new), Side.RECEIVING: (new, old)}
         decoders = Decoder(old), Decoder(new)
@@ -101,11 +104,26 @@ class Behaviour:
         else:
             if old.request is None and new.request is not None:
                 yield self._absent(case, "received-missing", old.reply)
+            if not self._has_same_form(old, new, new.reply, old.reply):
+                yield from self._of_other_form(case, new.reply, old.reply)
+                return
             yield from self._identified(case, new.reply, old.reply)
             if old.request is not None and new.request is not None:
                 yield from self._answers(case, old.request, old.reply, new.reply)
-            if self._may_answer(case, new.reply, old.reply):
-                yield from self._read(case, new.reply, old.reply)
+            yield from self._read(case, new.reply, old.reply)
+
+    def _of_other_form(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
+        """What the old host makes of a reply of another form, judged as a whole."""
+        old, new = case.both
+        accepted, rejected = self._answers_of_other_form(old, new, sent, read)
+        for observation in self._identified(case, sent, read):
+            if not accepted or observation.witness.impact is not Impact.LOUD:
+                yield observation
+        if rejected is not None:
+            facts: dict[str, Fact] = {"sent": f"`{sent.command}`", "reason": _reason(rejected[1].reason.value)}
+            yield self._made(case, Aspect.ANSWER, Impact.LOUD, {}, rejected[0], "received-rejected", facts)
+        if accepted:
+            yield from self._read(case, sent, read)
 
     def _available(self, case: _Case) -> Iterator[Observation]:
         """The parameter values under which only the old edition has a command."""
@@ -125,7 +143,7 @@ class Behaviour:
     def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
         groups = tuple(dict.fromkeys((*(command.group for command in case.both), *self._owners(case))))
         available, same = [command.only for command in case.both], self._has_same_origin(case.side, sent, read)
-        transfer = Transfer(case.side, groups, available, sent, read, same)
+        transfer = Transfer(case.side, groups, available, sent, read, self._nodes.of(sent), same)
         yield from self._reading.observations(transfer)
 
     def _has_same_origin(self, side: Side, sent: Message, read: Message) -> bool:
@@ -133,22 +151,50 @@ class Behaviour:
         sender, receiver = (e.command(m.command) for e, m in zip(self._editions[side], (sent, read), strict=True))
         return self._counterparts.of(sender) is receiver and sender.is_echoed == receiver.is_echoed
 
-    def _may_answer(self, case: _Case, sent: Message, read: Message) -> bool:
-        """Whether the old host accepts a reply of another origin as an answer."""
-        old, new = case.both
-        if old.request is None or new.request is None or self._has_same_origin(case.side, sent, read):
+    def _answers_of_other_form(
+        self, old: Command, new: Command, sent: Message, read: Message
+    ) -> tuple[bool, tuple[CanFrame, Rejection] | None]:
+        """Whether the old host accepts a reply as an answer, and one that it rejects."""
+        host, accepted, rejected = self._decoders[Side.SENDING][0], False, None
+        for asked, node, reply in self._exchanges(old, new, sent, read):
+            ids = (sent.id, read.id) if sent.address == read.address else (sent.id, sent.id)
+            placed = _moved(reply, *ids, node) or reply
+            answer = check_reply(host, asked, placed)
+            wrong = (
+                answer if isinstance(answer, Rejection) else rejects_constants(read, placed, self._assignments.first)
+            )
+            accepted = accepted or wrong is None
+            rejected = rejected or (placed, wrong) if wrong is not None else rejected
+        return accepted, rejected
+
+    def _has_same_form(self, old: Command, new: Command, sent: Message, read: Message) -> bool:
+        if old.request is None or new.request is None:
             return True
+        return self._has_same_origin(Side.RECEIVING, sent, read) and not is_emptied(read, sent)
+
+    def _exchanges(
+        self, old: Command, new: Command, sent: Message, read: Message
+    ) -> Iterator[tuple[CanFrame, int | None, CanFrame]]:
+        """Requests of the old host with a node and its reply; for an echo also replies with the data of the request."""
         encoder = self._encoders.under(self._assignments.first)
-        node = _common_node(old.request.id, sent.id)
-        asked = next(iter(self._samples(encoder, old.request, node)), None)
-        if asked is None:
-            return True
-        ids = (sent.id, read.id) if sent.address == read.address else (sent.id, sent.id)
-        replies = [_moved(reply, *ids, node) for reply in self._replies(encoder, new, asked, node)]
-        host = self._decoders[Side.SENDING][0]
-        return not replies or any(
-            reply is not None and not isinstance(check_reply(host, asked, reply), Rejection) for reply in replies
-        )
+        if old.request is None:
+            return
+        node = self._nodes.first(old.request, sent, read)
+        for asked in self._variations(encoder, old.request, node):
+            for reply in self._replies(encoder, new, asked, node):
+                yield asked, node, reply
+                same = CanFrame(reply.id, asked.data, reply.extended, reply.remote)
+                if old.is_echoed and self._is_sent(encoder, sent, node, same):
+                    yield asked, node, same
+            if new.is_echoed:  # a node may build it from the fields, with codes where replies have them
+                yield from ((asked, node, frame) for frame in self._variations(encoder, sent, node))
+
+    def _is_sent(self, encoder: Encoder, message: Message, node: int | None, frame: CanFrame) -> bool:
+        """Whether a new node can send a frame as a message."""
+        decoded = self._decoders[Side.RECEIVING][0].decode_as(message, frame, encoder.assignment)
+        if isinstance(decoded, Rejection):
+            return False
+        return encoder.encode_raws(message, node if message.id.nodes else None, decoded.raws) == frame
 
     def _identified(self, case: _Case, sent: Message, read: Message | None) -> Iterator[Observation]:
         """The frames of a message that are another message, or none; with the correct id, and with the sender's."""
@@ -178,7 +224,8 @@ class Behaviour:
         if understood is None or old.reply is None or old.request is None:
             return
         other = self._editions[Side.SENDING][1].command(understood.command)
-        back, node = case._replace(side=Side.RECEIVING), _common_node(old.request.id, understood.id)
+        back = case._replace(side=Side.RECEIVING)
+        node = self._nodes.first(old.request, understood, old.reply, *(r.message for r in other.replies))
         reply = self._reply(encoder, other, asked, node)
         if reply is None or other.reply is None:
             facts: dict[str, Fact] = {"sent": f"`{old.name}`"}
@@ -206,7 +253,7 @@ class Behaviour:
         A message that uses another address is only tried with the ids of the sender.
         """
         direction, receiver = sent.direction, self._decoders[side][1]
-        common = _common_node(sent.id, read.id if read else sent.id)
+        common = self._common_node(sent, read or sent)
         variable = candidates.variable_bits(encoder, sent)
         for frame in self._samples(encoder, sent, common):
             has_same_address = read is not None and read.address == sent.address
@@ -310,7 +357,7 @@ class Behaviour:
             return expected
         sender, receiver = self._decoders[side]
         if read is not None:
-            node = _common_node(read.id, read.id)
+            node = self._common_node(read, read)
             own = next(iter(self._samples(encoder, read, node)), None)
             alone = own and candidates.message_of(receiver, Direction.REPLY, own)
             expected += [alone] if alone else []
@@ -329,18 +376,19 @@ class Behaviour:
         host = self._decoders[Side.SENDING][0]
         for assignment in self._assignments.of(case.parameters):
             encoder = self._encoders.under({**self._assignments.first, **assignment})
-            node = _common_node(request.id, sent.id)
+            node = self._nodes.first(request, sent, read)
             asked = next(iter(self._samples(encoder, request, node)), None)
-            replier = new.from_each[0] if new.from_each else node
-            own = self._reply(encoder, old, asked, replier)
+            repliers = new.from_each[:1] or self._asked(new, node)
+            own = self._reply(encoder, old, asked, repliers[0])
             if asked is None or own is None or isinstance(check_reply(host, asked, own), Rejection):
                 continue
             replies = (
-                one
+                (replier, one)
+                for replier in repliers
                 for reply in self._replies(encoder, new, asked, replier)
                 for one in (reply, *(candidates.with_first_key(sent, reply, code) for code in sent.accept))
             )
-            for reply in replies:
+            for replier, reply in replies:
                 placed = _moved(reply, sent.id, read.id, replier)
                 judged = None if placed is None else check_reply(host, asked, placed)
                 if placed is not None and isinstance(judged, Rejection):
@@ -348,26 +396,40 @@ class Behaviour:
                     yield self._made(case, Aspect.ANSWER, Impact.LOUD, assignment, placed, "received-rejected", facts)
                     break
 
+    def _asked(self, command: Command, node: int | None) -> Sequence[int | None]:
+        """The nodes that may reply to a request: the node that it asks, or any if it asks none."""
+        request, reply = command.request, command.reply
+        nodes = self._nodes.of(reply) if reply is not None else None
+        if nodes is None or request is None or request.id.nodes is not None or request.node_bits is not None:
+            return [node]
+        return list(dict.fromkeys([node, nodes[0], nodes[-1]]))
+
     def _reply(self, encoder: Encoder, command: Command, asked: CanFrame | None, node: int | None) -> CanFrame | None:
         return None if asked is None else next(iter(self._replies(encoder, command, asked, node)), None)
 
     def _replies(self, encoder: Encoder, command: Command, asked: CanFrame, node: int | None) -> Iterator[CanFrame]:
         """Replies to a request: its echo, or frames with different values of the first fields."""
-        reply = command.reply
-        base = None if reply is None else candidates.base_raws(encoder, reply, node)
-        if reply is None or base is None:
-            return
-        given = [base]
-        if not command.is_echoed:
-            for name, field in itertools.islice((encoder.fields(reply) or {}).items(), MOST_FIELDS):
-                if not field.is_array and not isinstance(field.role, NodeRole):
-                    raws = (raw for raw in candidates.raws(encoder, field, field) if raw != base[name])
-                    given += [{**base, name: raw} for raw in itertools.islice(raws, 1)]
-        for raws_of in given:
-            frame = encoder.encode_raws(reply, node if reply.id.nodes else None, raws_of)
-            if isinstance(frame, CanFrame):
+        if command.reply is not None:
+            for frame in self._variations(encoder, command.reply, node):
                 same = command.is_echoed and len(frame.data) == len(asked.data)
                 yield CanFrame(frame.id, asked.data if same else frame.data, frame.extended, frame.remote)
+                if command.is_echoed:
+                    return
+
+    def _variations(self, encoder: Encoder, message: Message, node: int | None) -> Iterator[CanFrame]:
+        """Frames of a message with different values of the first fields."""
+        base = candidates.base_raws(encoder, message, node)
+        if base is None:
+            return
+        given = [base]
+        for name, field in itertools.islice((encoder.fields(message) or {}).items(), MOST_FIELDS):
+            if not field.is_array and not isinstance(field.role, NodeRole):
+                raws = (raw for raw in candidates.raws(encoder, field, field) if raw != base[name])
+                given += [{**base, name: raw} for raw in itertools.islice(raws, 1)]
+        for raws_of in given:
+            frame = encoder.encode_raws(message, node if message.id.nodes else None, raws_of)
+            if isinstance(frame, CanFrame):
+                yield frame
 
     def _repliers(self, case: _Case, old: Command, new: Command) -> Iterator[Observation]:
         """The nodes whose replies are missing or unexpected."""
@@ -382,6 +444,11 @@ class Behaviour:
             facts: dict[str, Fact] = {"read": name, "sent": name, "reason": _reason("not_answer")}
             yield self._made(case, Aspect.ANSWER, Impact.LOUD, {}, None, sentence, facts)
 
+    def _common_node(self, one: Message, other: Message) -> int | None:
+        """A node that two messages have, of the first if it is the only one with nodes."""
+        nodes = self._nodes.of(one)
+        return None if nodes is None else nodes[0] if self._nodes.of(other) is None else self._nodes.first(one, other)
+
     def _owners(self, case: _Case) -> Iterator[str]:
         """The commands whose replies those of a case are."""
         for edition, command in zip(self._editions[Side.SENDING], (case.old, case.new), strict=True):
@@ -394,7 +461,7 @@ class Behaviour:
 
     def _first(self, message: Message) -> CanFrame | None:
         encoder = self._encoders.under(self._assignments.first)
-        return next(iter(self._samples(encoder, message, _common_node(message.id, message.id))), None)
+        return next(iter(self._samples(encoder, message, self._common_node(message, message))), None)
 
     def _made(
         self,
@@ -426,15 +493,6 @@ def _whole(message: Message, encoder: Encoder, frame: CanFrame) -> str:
     fields = list((encoder.fields(message) or {}).values())[:MOST_FIELDS]
     values = [shown(field, raw_of(field, frame), encoder.assignment) for field in fields]
     return f"`{message.command}`" + (f": {', '.join(values)}" if values else "")
-
-
-def _common_node(one: IdRule, other: IdRule) -> int | None:
-    """A node that two rules have, of the first if it is the only one with nodes."""
-    if one.nodes is None:
-        return None
-    if other.nodes is None:
-        return one.nodes[0]
-    return max(one.nodes[0], other.nodes[0])
 
 
 def _nodes(rule: IdRule) -> Sequence[int | None]:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
-from ...model.layout import ConstantRole, Field
-from ...model.message import Message
+from ...model.layout import ConstantRole, Field, NodeRole, Space
+from ...model.message import KeyRole, Message
 from ...model.types import Assignment, Encoding, Type
 from ...semantics.decoder import Value, field_value, value_of
 from ...semantics.encoder import Encoder, Encoders
-from ...semantics.frame import CanFrame, Raw, raw_of, wrong_constants
+from ...semantics.frame import CanFrame, Raw, has_id_rule, raw_of, wrong_constants
 from ..change import Fact, Impact, Side, Word
 from . import candidates
 from .assignments import Assignments
@@ -30,6 +30,8 @@ class Transfer:
     """The conditions of the command in both editions."""
     sent: Message
     read: Message
+    nodes: Sequence[int] | None
+    """The nodes of the message."""
     has_same_origin: bool
     """Whether both are the same message, so that its fields can have been renamed."""
 
@@ -41,8 +43,9 @@ class Transfer:
         return tuple(dict.fromkeys((*(name for name in layouts if name), *conditions)))
 
     def is_available(self, assignment: Assignment) -> bool:
-        """Whether both editions have the command under some parameters."""
-        return all(assignment.get(name, v[0]) in v for only in self.available for name, v in only.items())
+        """Whether the sender has the command under some parameters, and an old host that receives it."""
+        conditions = self.available[:1] if self.side is Side.SENDING else self.available
+        return all(assignment.get(name, v[0]) in v for only in conditions for name, v in only.items())
 
 
 class Reading:
@@ -62,7 +65,7 @@ class Reading:
     def _under(self, transfer: Transfer, assignment: Assignment) -> Iterator[Observation]:
         encoder = self._encoders.under({**self._assignments.first, **assignment})
         fields, read = encoder.fields(transfer.sent), transfer.read.layout.variant(encoder.assignment)
-        nodes = transfer.sent.id.nodes
+        nodes = transfer.nodes
         base = candidates.base_raws(encoder, transfer.sent, nodes[0] if nodes else None)
         if fields is None or read is None or base is None:
             return
@@ -81,8 +84,9 @@ class Reading:
             used = {
                 of.get(target.name) for target in read.fields if target.fixed is None or target.demanded is not None
             }
+            constants = {key.name for key in transfer.read.keys if key.role is KeyRole.CONSTANT}
             for name, field in fields.items():
-                if name not in used:
+                if name not in used | constants:
                     yield from pair.ignored(field)
 
     def _sources(self, transfer: Transfer, every: Mapping[str, Field]) -> dict[str, str]:
@@ -128,8 +132,7 @@ class _Pair:
         self._assignment = assignment
         self._encoder = encoder
         self._base = base
-        nodes = transfer.sent.id.nodes
-        self._node = nodes[0] if nodes else None
+        self._node = transfer.nodes[0] if transfer.nodes else None
 
     def field(self, target: Field, source: Field) -> Iterator[Observation]:
         """The differences of a field that both messages have."""
@@ -147,10 +150,17 @@ class _Pair:
         self, target: Field, source: Field, assignment: Assignment, encoder: Encoder
     ) -> Iterator[Observation]:
         for one, raw, frame in self._frames(source, target, encoder):
+            if target.space is Space.ID and self._has_foreign_id(frame):
+                continue
             found = raw_of(target, frame)
             if self._differs(source, raw, target, found):
                 yield self._misread(Aspect.RAW, assignment, encoder, frame, source, raw, target, found)
             yield from self._meaning(assignment, encoder, frame, source, one, target)
+
+    def _has_foreign_id(self, frame: CanFrame) -> bool:
+        """Whether a frame is rejected because of bits of its id, although both messages follow one rule."""
+        sent, read = self._transfer.sent, self._transfer.read
+        return sent.id == read.id and not has_id_rule(read, frame)
 
     def _differs(self, source: Field, sent: Raw, target: Field, read: Raw) -> bool:
         """Whether raw integers differ; those of arrays are compared by the index of their elements."""
@@ -195,6 +205,8 @@ class _Pair:
         """A field that is read but not sent; not one that is always sent as the same value."""
         if source is not None and isinstance(source.role, ConstantRole) and source.elements == target.elements:
             return
+        if any(key.role is KeyRole.CONSTANT and key.name == target.name for key in self._transfer.sent.keys):
+            return
         frame = self._frame({})
         if frame is None:
             return
@@ -232,7 +244,10 @@ class _Pair:
 
     def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[int, Raw, CanFrame]]:
         """Frames with different raw integers of a field; for an array also the one that differs."""
+        nodes = self._transfer.nodes if isinstance(source.role, NodeRole) else None
         for raw in candidates.raws(encoder, source, target):
+            if nodes is not None and raw not in nodes:
+                continue
             for given in _spread(source, raw, self._base[source.name]):
                 frame = self._frame({source.name: given})
                 if frame is not None:

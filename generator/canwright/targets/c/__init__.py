@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from jinja2 import Environment
+from jinja2 import Environment, Template
 
+from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import PACKAGE_VERSION, Output, Specification
+from ..base import PACKAGE_VERSION, Output, Specification, WorkedExchange
+from .command_example import command_example
 from .cxx import cxx_example, cxx_view
 from .examples import example
 from .expressions import operand
@@ -48,6 +51,8 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
 
     Parameters are not fixed; they are arguments of functions.
     """
+    if not specifications:
+        return
     env = environment("c", FILTERS)
     views = [(one, edition_view(one.edition)) for one in specifications]
     shown = [(view, example(one, view)) for one, view in views]
@@ -81,11 +86,22 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     for family in families:
         yield Output(f"share/pkgconfig/{family.name}.pc", env.get_template("package.pc.j2").render(family=family))
     files = (*PACKAGES, *(["examples/CMakeLists.txt"] * has_examples))
-    for file in files if shown else ():
-        e, x = shown[0]
-        cxx = cxx_view(views[0][0].edition, e)
-        y = cxx_example(cxx, x.exchanges[0]) if x.exchanges else None
+    e, x = shown[0]
+    cxx = cxx_view(views[0][0].edition, e)
+    y = cxx_example(cxx, x.exchanges[0]) if x.exchanges else None
+    for file in files:
         yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
+
+
+def program(edition: Edition, worked: WorkedExchange) -> str:
+    """A program that encodes the request of a command and decodes its reply."""
+    x = command_example(edition, worked)
+    return fold(_program_template().render(e=x.e, x=x))
+
+
+@functools.cache
+def _program_template() -> Template:
+    return environment("c", FILTERS).get_template("command_example.c.j2")
 
 
 def _headers(

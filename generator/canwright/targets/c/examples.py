@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...language.golden_frames import GoldenFrame
+from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Encoding, Type
@@ -97,7 +98,7 @@ class _Example:
     def view(self) -> ExampleView:
         exchanges = list(self._exchanges(self._golden_pair)) or list(self._exchanges(self._plain_pair))
         file = f"{self._edition.family}_{self._edition.identifier}"
-        return ExampleView(file, tuple(self._initializers()), tuple(exchanges))
+        return ExampleView(file, tuple(initializers(self._edition, self._names, self._known)), tuple(exchanges))
 
     def _parameters(self) -> dict[str, str]:
         """The parameters of most golden frames, of those with most parameters; without any, the first values."""
@@ -107,15 +108,6 @@ class _Example:
             most = max(given, key=lambda pairs: (len(pairs), given[pairs]))
             return {name: str(value) for name, value in most}
         return {p.name: p.values[0].name if p.values else str(p.minimum or 1) for p in self._edition.parameters}
-
-    def _initializers(self) -> Iterator[str]:
-        for parameter in self._edition.parameters:
-            value = self._known.get(parameter.name)
-            if value is not None and parameter.is_choice:
-                yield f".{member(parameter.name)} = {self._names.upper(parameter.name, value)}"
-            elif value is not None:
-                number = Fraction(value)
-                yield f".{member(parameter.name)} = {{{number.numerator}, {number.denominator}u}}"
 
     def _exchanges(self, pair: Callable[[Command], tuple[int, Raw, Raw] | None]) -> Iterator[ExchangeView]:
         shown: list[str] = []
@@ -186,6 +178,17 @@ class _Example:
                 continue
             for i in range(len(field.elements)):
                 yield ShownView(f"{field.name}[{i}]", f"{member(field.name)}[{i}]", f"value_{i}_{field.name}", type_)
+
+
+def initializers(edition: Edition, names: Names, known: Mapping[str, str]) -> Iterator[str]:
+    """The initializers of the known parameters."""
+    for parameter in edition.parameters:
+        value = known.get(parameter.name)
+        if value is not None and parameter.is_choice:
+            yield f".{member(parameter.name)} = {names.upper(parameter.name, value)}"
+        elif value is not None:
+            number = Fraction(value)
+            yield f".{member(parameter.name)} = {{{number.numerator}, {number.denominator}u}}"
 
 
 def _plain_raw(type_: Type) -> int:

@@ -14,7 +14,7 @@ from . import bits
 from .choices import Branch, parameter_access
 from .comments import errata, field_facts
 from .names import Names, member
-from .text import english, literal
+from .text import english, literal, with_deprecation
 from .types import TypeView
 
 T = TypeVar("T")
@@ -129,9 +129,8 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
 def _member(names: Names, layout: Layout, field: Field, types: Types) -> MemberView:
     type_ = types[names.lower(names.type_stem(field.type))]
     length = f"[{len(field.elements)}]" if field.is_array else ""
-    return MemberView(
-        type_.kind, member(field.name) + length, field_facts(field, layout.parameter, type_.use, type_.facts)
-    )
+    doc = with_deprecation(field_facts(field, layout.parameter, type_.use, type_.facts), field.deprecated)
+    return MemberView(type_.kind, member(field.name) + length, doc)
 
 
 def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:

@@ -84,6 +84,7 @@ class PatternView(NamedTuple):
 
 
 class AddressView(NamedTuple):
+    name: str
     heading: str
     doc: str
     rules: tuple[RuleView, ...]
@@ -172,7 +173,12 @@ def addresses(names: Names, edition: Edition, messages: Messages) -> list[Addres
             macros = tuple(MacroView(names.upper(address.name, ending), f"{node}u", doc) for ending, node, doc in ends)
             found.append(
                 AddressView(
-                    heading=heading, doc=english(address.about), rules=tuple(rules), patterns=used, nodes=macros
+                    name=address.name,
+                    heading=heading,
+                    doc=english(address.about),
+                    rules=tuple(rules),
+                    patterns=used,
+                    nodes=macros,
                 )
             )
     return found

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ...diagnostics.unicode_safety import visible
+from ...model.deprecation import Deprecation
 from ...model.types import Text
 
 WIDTH = 118
@@ -32,8 +33,24 @@ def english(text: Text) -> str:
     return text.get("en") or next(iter(text.values()), "")
 
 
+class Markup(str):
+    """A text that is escaped already, with commands of Doxygen."""
+
+
+def with_deprecation(text: str, deprecation: Deprecation | None) -> str:
+    """A text and, for a deprecated item, the command that marks it in Doxygen."""
+    return Markup(f"{in_comment(text)} @deprecated {_sentence(deprecation)}".lstrip()) if deprecation else text
+
+
+def _sentence(deprecation: Deprecation) -> str:
+    shown = str(deprecation)
+    return f"{shown[:1].upper()}{shown[1:]}."
+
+
 def in_comment(text: str) -> str:
     """A text escaped for a comment, for the compiler and for Doxygen: spec text is untrusted."""
+    if isinstance(text, Markup):
+        return text
     line = visible(text)
     line = re.sub(r"\*(?=/)", "* ", line)
     line = re.sub(r"/(?=[*/])", "/ ", line)
@@ -81,7 +98,7 @@ def fold(source: str) -> str:
 
     Comments and directives are not changed.
     """
-    return "\n".join(part for line in source.split("\n") for part in _folded(line))
+    return "\n".join(line if len(line) <= WIDTH else _folded(line) for line in source.split("\n"))
 
 
 def arguments(names: Sequence[str]) -> str:
@@ -107,10 +124,10 @@ _NO_CODE = ("#", "/*", "* ", "*/")
 _FOLD = re.compile(r"(?<=,) | (?=(?:&&|\|\||\|) )")
 
 
-def _folded(line: str) -> list[str]:
+def _folded(line: str) -> str:
     code = line.lstrip(" ")
-    if len(line) <= WIDTH or code.startswith(_NO_CODE):
-        return [line]
+    if code.startswith(_NO_CODE):
+        return line
     margin = " " * (len(line) - len(code) + 4)
     first, *parts = _FOLD.split(line)
     separators = _FOLD.findall(line)
@@ -121,4 +138,4 @@ def _folded(line: str) -> list[str]:
             lines.append(margin + part)
         else:
             lines[-1] += separator + part
-    return lines
+    return "\n".join(lines)

@@ -14,7 +14,7 @@ from .floating import DOUBLE, SINGLE, floating, lacks_floating
 from .names import SCALE_MACROS, Names, layouts
 from .numbers import INT64, Integer, integer
 from .printing import ShowView, show
-from .text import english, literal
+from .text import english, literal, with_deprecation
 from .validity import Condition, valid
 
 
@@ -155,11 +155,11 @@ def _scale(names: Names, type_: Type) -> Iterator[MacroView]:
 
 def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
     for m in type_.enum:
-        yield MacroView(
-            names.upper(names.type_stem(type_), m.name), _parenthesised(kind.literal(m.value)), english(m.title)
-        )
+        doc = with_deprecation(english(m.title), m.deprecated)
+        yield MacroView(names.upper(names.type_stem(type_), m.name), _parenthesised(kind.literal(m.value)), doc)
     for m in type_.flags:
-        yield MacroView(names.upper(names.type_stem(type_), m.name), kind.unsigned.bits(1 << m.value), english(m.title))
+        doc = with_deprecation(english(m.title), m.deprecated)
+        yield MacroView(names.upper(names.type_stem(type_), m.name), kind.unsigned.bits(1 << m.value), doc)
 
 
 def _parenthesised(literal: str) -> str:

@@ -20,7 +20,7 @@ from .expressions import joined
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
-from .text import english, literal
+from .text import english, literal, with_deprecation
 from .types import MacroView, TypeView, types
 
 
@@ -32,6 +32,8 @@ class FrameView(NamedTuple):
     own_layout: bool
     own_struct: bool
     title: str
+    deprecated: str
+    """The end of a comment on a deprecated message."""
 
     @property
     def name(self) -> str:
@@ -289,6 +291,7 @@ def _command(
                 own_layout=not message.layout.shared and all(f.layout is not layout for f in frames),
                 own_struct=own_struct,
                 title=f"{what} of {command.name}",
+                deprecated=with_deprecation("", command.deprecated),
             )
         )
     return CommandView(
@@ -303,7 +306,7 @@ def _command(
 
 
 def _command_doc(edition: Edition, command: Command) -> list[str]:
-    paragraphs = [english(command.about)]
+    paragraphs = [english(command.about), with_deprecation("", command.deprecated)]
     if not command.implemented:
         paragraphs.append("The manual says that this is not implemented yet.")
     if command.only:

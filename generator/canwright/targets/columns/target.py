@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
@@ -24,13 +24,11 @@ class ColumnsTarget(Target):
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
         return problems(edition)
 
-    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
+    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """Tables and columns."""
-        tables = tables_of(edition)
-        names = {layout.path: f'"{name}"' for layout, name in tables.items() if layout.shared}
-        for layout in tables:
-            names |= {field.path: f'"{columns.value}"' for field, columns in columns_of(layout).items()}
-        return names
+        for layout, table in tables_of(edition).items():
+            yield layout.path, f'"{table}"'
+            yield from ((field.path, f'"{name}"') for field, names in columns_of(layout).items() for name in names)
 
 
 TARGET = ColumnsTarget()

@@ -8,6 +8,7 @@ from typing import Any
 
 import yaml
 
+from ...model.deprecation import Deprecation
 from ...model.types import Text
 from ...templating import resources
 from .text import any_text, in_ascii
@@ -29,6 +30,14 @@ class Comments:
     def fixed(self, name: str, **values: object) -> str:
         """A fixed text with its values."""
         return self._texts[name].format(**values)
+
+    def deprecation(self, deprecated: Deprecation | None, name: str = "") -> str:
+        """The sentence about a deprecated item, with its name if it is not the first thing in the comment."""
+        if deprecated is None:
+            return ""
+        key = "deprecated_until" if deprecated.until else "deprecated"
+        sentence = self.fixed(key, since=deprecated.since, until=deprecated.until)
+        return self.labelled(name, sentence) if name else sentence
 
     def labelled(self, label: str, text: str) -> str:
         """`label: text`."""

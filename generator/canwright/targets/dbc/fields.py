@@ -125,7 +125,12 @@ class Fields:
         is_included = comments.labelled("", title).lower().endswith(comments.labelled("", which).lower())
         whole = title if is_included else comments.labelled(title, which)
         reading = self._reading(type_)
-        sentences = [whole, comments.of(field.about) or comments.of(type_.about), reading.step, *about]
+        sentences = [
+            whole,
+            comments.deprecation(field.deprecated),
+            comments.of(field.about) or comments.of(type_.about),
+        ]
+        sentences += [*(comments.deprecation(m.deprecated, m.name) for m in type_.enum), reading.step, *about]
         if field.fixed is not None:
             numbers, _ = self._integers(type_, (field.fixed, field.fixed))
             word = "sent_as" if isinstance(field.role, ReservedRole) else "always"
@@ -145,7 +150,8 @@ class Fields:
             flag = named.get(run[0])
             if flag:
                 one = Place(f"{place.name}_{flag.name}", place.mux, raw_bits, place.order)
-                yield bare(one, self._comments.sentences([*sentences, self._comments.of(flag.title)]))
+                about = [self._comments.of(flag.title), self._comments.deprecation(flag.deprecated)]
+                yield bare(one, self._comments.sentences([*sentences, *about]))
             else:
                 name = "_".join((place.name, "bits", *(str(i) for i in sorted({run[0], run[-1]}))))
                 unnamed = Place(name, place.mux, raw_bits, place.order)
@@ -221,6 +227,7 @@ class Fields:
     def _about(self, part: Part) -> Iterator[str]:
         """Warnings and manual section of a command, as sentences."""
         command = part.command
+        yield self._comments.deprecation(command.deprecated, command.name)
         if part.message.direction is Direction.REQUEST:
             yield from (self._comments.of(e.title) for e in command.effects if e.level is not Level.NOTE)
             if not command.implemented:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.layout import Space
 from ...model.types import Assignment
 from ..base import EVERYTHING, NameProblem, Options, Output, Specification, TargetWithOptions
 from . import generate
 from .comments import languages
+from .exported import exported_names
 from .files import stems
 from .names import long_names
 
@@ -38,13 +38,9 @@ class DbcTarget(TargetWithOptions):
                     yield edition, f"{other.family} {other.name} would also have the files `{name}-….dbc`"
                     break
 
-    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        """Signal names with `…_` in place of the prefix of direction and code."""
-        names: dict[DocumentPath, str] = {("bus", "host"): edition.bus.host}
-        for message in edition.all_messages():
-            fields = (field for field in message.layout.fields if field.space is Space.DATA)
-            names |= {field.path: f"…_{field.name}" for field in fields}
-        return names
+    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
+        """The host, the first node of each address, signals, and names of values."""
+        return exported_names(edition)
 
 
 TARGET = DbcTarget()

@@ -13,10 +13,11 @@ from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating import resources
 from ...templating.environment import environment
-from ...templating.markup import code, markdown
+from ...templating.markup import block, code, markdown, xml
 from ..base import Output, Specification, header
 from . import editions
 from .common import Common
+from .links import COMMANDS, PICTURES, command_page, entry_anchor
 from .pages import Pages
 from .site_data import FILE, site_data
 from .tables import Labels
@@ -42,6 +43,9 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
         {
             "md": markdown,
             "code": code,
+            "block": block,
+            "command_page": command_page,
+            "entry_anchor": entry_anchor,
             "exact": formatting.exact,
             "raw_format": formatting.raw_format,
             "id_rule": formatting.id_rule,
@@ -53,6 +57,7 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
         yield from _front(env, book)
     for item in specifications:
         common = Common(item.edition, item.frames)
+        yield from _pictures(common, folder_of[item.edition])
         for book in books:
             if book.language in item.edition.languages:
                 folder = f"{book.language}/{folder_of[item.edition]}"
@@ -101,19 +106,33 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
     edition = common.edition
     pages = Pages(common, book.labels, book.language)
     old = editions.previous(edition, [other for _, other in book.listed])
-    about = {"edition": edition, "header": header(edition), "pages": pages, "has_changes": old is not None}
+    about = {
+        "edition": edition,
+        "header": header(edition),
+        "pages": pages,
+        "has_changes": old is not None,
+        "pictures": f"../../../{PICTURES}/{folder.partition('/')[2]}/",
+    }
     view = {**book.view, **about}
     yield Output(f"{folder}/index.md", env.get_template("overview.md.j2").render(view, **pages.overview()))
     for name in _PAGES:
         yield Output(f"{folder}/{name}.md", env.get_template(f"{name}.md.j2").render(view, **pages.types()))
     template = env.get_template("command.md.j2")
     for sheet in common.sheets:
-        halves = [pages.half(sheet.command, direction, side) for direction, side in sheet.sides]
-        page = template.render({**view, **sheet.view, "halves": halves})
-        yield Output(f"{folder}/commands/{sheet.command.name}.md", page)
-        for half in halves:
-            for picture in half.pictures:
-                yield Output(f"{folder}/pictures/{picture.file}", picture.svg)
+        commands = [form.command for form in sheet.forms]
+        found = old and editions.changed(old, common.since(old), commands, book.language, book.labels, book.wording)
+        page = template.render({**view, **sheet.view, "sheet": sheet, "forms": pages.forms(sheet), "changed": found})
+        yield Output(f"{folder}/{COMMANDS}{sheet.name}.md", page)
     if old is not None:
         changes = editions.changes(old, common.since(old), book.language, book.labels, book.wording)
         yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view, changes=changes))
+
+
+def _pictures(common: Common, folder: str) -> Iterator[Output]:
+    """The pictures, whose texts are names, so that all languages share them."""
+    for sheet in common.sheets:
+        for form in sheet.forms:
+            for direction, side in form.sides:
+                for drawn in side.drawn if side else ():
+                    title = " ".join(filter(None, (form.command.name, direction.value, drawn.only)))
+                    yield Output(f"{PICTURES}/{folder}/{drawn.file}", drawn.drawing.svg(xml(title)))

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...compare import Change, compare
-from ...diagnostics.diagnostic import DocumentPath
 from ...language.golden_frames import GoldenFrames
 from ...model import formatting
 from ...model.edition import Edition
@@ -14,14 +13,16 @@ from ...model.layout import Field, Layout, Variant
 from ...model.message import Command, Direction, Message
 from ...model.metadata import Mode
 from ...templating.markup import code, markdown
-from ..registry import own_targets
+from ..base import WorkedExchange
+from ..registry import own_targets, targets
+from .choice import Choice
 from .examples import Worked, worked
 from .picture import Drawing, Drawings
-from .tables import Cells, field_cells, index, key_cells
+from .tables import Cells, code_of, field_cells, index, key_cells
 
 
 class Drawn(NamedTuple):
-    """A picture without its title, its file, and the parameter values it is valid for if there are several pictures."""
+    """A picture, its file, and the parameter values it is valid for if there are several pictures."""
 
     file: str
     drawing: Drawing
@@ -39,18 +40,38 @@ class Side(NamedTuple):
     """The range of nodes; empty if the id is fixed."""
     is_rest: bool
     """Whether the message has no selector while other messages on its ids have one."""
+    is_repeated: bool
+    """Whether the message is a reply with the bytes of its request, which has the byte table and the pictures."""
     has_free_bits: bool
     """Whether a data bit belongs to no key and, for a parameter value that has the command, to no field."""
     drawn: Sequence[Drawn]
     examples: Sequence[Worked]
 
 
-class Sheet(NamedTuple):
-    """The page of a command: the variables of its template except the two sides, and the sides."""
+class Form(NamedTuple):
+    """A command, or one entry of a command with a table."""
 
     command: Command
-    view: Mapping[str, Any]
+    key: str
+    """The bytes that identify the entry, in Markdown; empty without an entry."""
     sides: Sequence[tuple[Direction, Side | None]]
+
+
+class Program(NamedTuple):
+    """The program of a target for a command; `text` is not Markdown."""
+
+    title: str
+    language: str
+    text: str
+
+
+class Sheet(NamedTuple):
+    """The page of a command with all its forms, one for each entry; and the variables of its template."""
+
+    name: str
+    forms: Sequence[Form]
+    programs: Sequence[Program]
+    view: Mapping[str, Any]
 
 
 class Common:
@@ -66,14 +87,15 @@ class Common:
             for erratum in errata:
                 self.touched.setdefault(erratum.id, []).append(name)
         self._drawings = Drawings()
+        self._choice = Choice(edition, golden)
         self._modes: Mapping[str | None, Mode] = {mode.name: mode for mode in edition.bus.modes}
-        self._of_entry: dict[DocumentPath, list[Command]] = {}
-        for command in edition.commands:
-            if command.entry:
-                self._of_entry.setdefault(command.entry.path, []).append(command)
         self._fields: dict[Layout, Sequence[tuple[Field, Sequence[Cells]]]] = {}
         """Rows by layout: many messages share one."""
         self._since: dict[Edition, Sequence[Change]] = {}
+        self.groups: dict[str, list[Command]] = {}
+        """The forms of each command."""
+        for command in edition.commands:
+            self.groups.setdefault(command.group, []).append(command)
         self.sheets = list(self._sheets())
 
     def since(self, old: Edition) -> Sequence[Change]:
@@ -83,25 +105,45 @@ class Common:
         return self._since[old]
 
     def _sheets(self) -> Iterator[Sheet]:
-        commands = self.edition.commands
-        for previous, command, following in zip((None, *commands), commands, (*commands[1:], None), strict=False):
-            entry = command.entry
-            sections = dict.fromkeys(filter(None, (command.manual, entry.manual if entry else "")))
+        groups = list(self.groups.values())
+        for previous, group, following in zip((None, *groups), groups, (*groups[1:], None), strict=False):
+            first, entry = group[0], group[0].entry
+            chosen = [self._choice.of(command) for command in group]
+            exchange = next((one.exchange for one in chosen if one.exchange), None)
+            errata = list(dict.fromkeys(erratum for one in group for erratum in self._errata[one.name]))
+            only = first.only if all(one.only == first.only for one in group) else {}
             view = {
-                "command": command,
-                "manual": ", ".join(map(markdown, sections)),
+                "command": first,
+                "code": ", ".join(dict.fromkeys(code_of(one) for one in group if one.code is not None)),
+                "manual": markdown(first.manual),
                 "table": self.edition.table(entry.table) if entry else None,
-                "index": code(index(command.request or command.reply)),
-                "also": [other for other in self._of_entry[entry.path] if other is not command] if entry else [],
-                "only": code(formatting.condition(command.only)),
-                "mode": self._modes.get(command.mode),
-                "previous": previous,
-                "following": following,
-                "errata": self._errata[command.name],
+                "only": code(formatting.condition(only)),
+                "mode": self._modes.get(first.mode),
+                "effects": [e for e in first.effects if all(e in one.effects for one in group)],
+                "previous": previous[0] if previous else None,
+                "following": following[0] if following else None,
+                "errata": errata,
             }
-            yield Sheet(command, view, [(direction, self._side(command, direction)) for direction in Direction])
+            forms = [
+                Form(
+                    one,
+                    code(index(one.request or one.reply)),
+                    [
+                        (Direction.REQUEST, self._side(one, Direction.REQUEST, found.requests)),
+                        (Direction.REPLY, self._side(one, Direction.REPLY, found.replies)),
+                    ],
+                )
+                for one, found in zip(group, chosen, strict=True)
+            ]
+            yield Sheet(first.group, forms, list(self._programs(exchange)), view)
 
-    def _side(self, command: Command, direction: Direction) -> Side | None:
+    def _programs(self, exchange: WorkedExchange | None) -> Iterator[Program]:
+        for target in targets() if exchange else ():
+            made = target.example(self.edition, exchange) if exchange else None
+            if made is not None:
+                yield Program(target.title, made.language, made.text)
+
+    def _side(self, command: Command, direction: Direction, frames: Sequence[Any]) -> Side | None:
         """One direction of a command; None if the command has no frame in that direction."""
         message = command.message(direction)
         if message is None:
@@ -109,7 +151,11 @@ class Common:
         layout = message.layout
         if layout not in self._fields:
             self._fields[layout] = [(field, field_cells(field)) for field in layout.fields]
-        drawn = tuple(self._drawn(command, message))
+        drawn = list(self._drawn(command, message))
+        request = command.request if direction is Direction.REPLY else None
+        is_repeated = request is not None and (
+            command.is_echoed or (layout is request.layout and (message.keys, message.accept) == (request.keys, ()))
+        )
         nodes = message.id.nodes
         return Side(
             message,
@@ -118,9 +164,10 @@ class Common:
             code(formatting.id_rule(message.id)),
             code(f"{nodes[0]}..{nodes[-1]}") if nodes is not None else "",
             not message.keys and self._has_selector_beside(message),
+            is_repeated,
             not message.remote and any(picture.drawing.has_free_bits for picture in drawn),
-            drawn,
-            tuple(worked(self.golden, message, command.name)) if self.golden else (),
+            [] if is_repeated else [one for one in drawn if one.drawing.has_fields],
+            [worked(frame, message) for frame in frames],
         )
 
     def _has_selector_beside(self, message: Message) -> bool:

@@ -10,6 +10,7 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.message import Command, Direction, KeyRole
 from ...templating.markup import code, markdown, spaced
+from .links import COMMANDS, command_page
 from .tables import code_of, index as index_of
 
 Wording = Mapping[Literal["sentences", "words", "witnesses", "reasons"], Mapping[str, str]]
@@ -99,7 +100,9 @@ def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, st
     found: dict[tuple[str, str], list[tuple[str, Edition]]] = {}
     for folder, edition in editions:
         for command in edition.commands:
-            found.setdefault((edition.family, command.name), []).append((folder, edition))
+            listed = found.setdefault((edition.family, command.group), [])
+            if (folder, edition) not in listed:
+                listed.append((folder, edition))
     return found
 
 
@@ -109,19 +112,7 @@ def changes(
     """The page of changes since `old` from the changes `found`, with the `wording` of the language."""
 
     def line(change: Change) -> ChangeLine:
-        sentence = change.says(language, wording["sentences"].get(change.rule.id), wording["words"], markdown)
-        host = labels["listed"].join(
-            labels[f"host_{side.value}"] + (f": {labels[f'verdict_{impact.value}']}" if change.differs_by_side else "")
-            for side, impact in change.verdicts.items()
-        )
-        what = f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip()
-        return ChangeLine(
-            what,
-            spaced(sentence),
-            spaced(_frames(change, language, wording)),
-            labels[f"kind_{change.rule.category.value}"],
-            host,
-        )
+        return _change_line(change, language, labels, wording)
 
     def is_document(change: Change) -> bool:
         return change.rule.category is Category.DOC
@@ -135,6 +126,53 @@ def changes(
         tuple((impact, lines) for impact, lines in sections if lines),
         tuple(dict.fromkeys(line(change) for change in found if is_document(change))),
     )
+
+
+def _change_line(change: Change, language: str, labels: Mapping[str, str], wording: Wording) -> ChangeLine:
+    sentence = change.says(language, wording["sentences"].get(change.rule.id), wording["words"], markdown)
+    host = labels["listed"].join(
+        labels[f"host_{side.value}"] + (f": {labels[f'verdict_{impact.value}']}" if change.differs_by_side else "")
+        for side, impact in change.verdicts.items()
+    )
+    return ChangeLine(
+        f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip(),
+        spaced(sentence),
+        spaced(_frames(change, language, wording)),
+        labels[f"kind_{change.rule.category.value}"],
+        host,
+    )
+
+
+class Changed(NamedTuple):
+    """Changes of one command since the previous edition, in Markdown; and the number of further ones."""
+
+    previous: Edition
+    lines: tuple[str, ...]
+    further: int
+
+
+MOST_CHANGES = 8
+"""Most changes that are shown on the page of a command."""
+
+
+def changed(
+    old: Edition,
+    found: Sequence[Change],
+    commands: Sequence[Command],
+    language: str,
+    labels: Mapping[str, str],
+    wording: Wording,
+) -> Changed:
+    """The changes since `old` that affect the forms of a command, those with the worst impact first."""
+    names = {command.name for command in commands}
+    own = (c for c in found if names & set(c.used_by) and c.rule.category is not Category.DOC)
+    lines = []
+    for change in sorted(own, key=lambda c: list(Impact).index(c.impact)):
+        line = _change_line(change, language, labels, wording)
+        verdict = labels[f"verdict_{change.impact.value}"]
+        lines.append(f"**{verdict}** {line.what}{labels['colon']}{line.change}")
+    distinct = tuple(dict.fromkeys(lines))
+    return Changed(old, distinct[:MOST_CHANGES], len(distinct[MOST_CHANGES:]))
 
 
 def _frames(change: Change, language: str, wording: Wording) -> str:
@@ -178,7 +216,7 @@ def _commands(
 
 
 def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:
-    text = f"[{code_of(command)}]({folder}/commands/{command.name}.md)"
+    text = f"[{code_of(command)}]({folder}/{COMMANDS}{command.group}.md)"
     only = formatting.condition(command.only)
     text += f" {code(only)}" if only else ""
     return text if command.implemented else f"{text} {labels['unimplemented']}"
@@ -197,7 +235,7 @@ def _entries(
             index = tuple(key.value for key in message.keys if key.role is KeyRole.INDEX)
             cells = rows.setdefault((command.entry.table, index, command.entry.name), ["—"] * len(editions))
             if cells[at] == "—":
-                cells[at] = f"[{index_of(message)}]({folder}/commands/{command.name}.md)"
+                cells[at] = f"[{index_of(message)}]({folder}/{COMMANDS}{command_page(command)})"
                 titles[command.entry.table, command.entry.name] = command.entry.title[language]
     return tuple(
         SupportLine(f"{code(f'{table}.{name}')}<br>{markdown(titles[table, name])}", tuple(cells))

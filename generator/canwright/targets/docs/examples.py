@@ -12,8 +12,6 @@ from ...model import formatting
 from ...model.message import Message
 from ...templating.markup import code, markdown
 
-MOST = 4
-
 
 class Example(NamedTuple):
     """A frame and its meaning; all parts are Markdown."""
@@ -25,47 +23,47 @@ class Example(NamedTuple):
 
 
 class Worked(NamedTuple):
-    """An example without a language: `means % labels` is its meaning; `source` is the name of a source."""
+    """An example without a language: `means % labels` is its meaning; `golden` has its source and its note."""
 
+    golden: GoldenFrame
     frame: str
     given: str
     means: str
-    source: str
-    note: str | None
 
     def example(self, labels: Mapping[str, str], sources: Mapping[str, str], language: str) -> Example:
-        """The example in a language; `sources` are texts in that language, by name. Notes are in English."""
-        note = self.note if language == "en" else None
-        return Example(self.frame, self.given, self.means % labels, _source(sources[self.source], note))
+        """The example in a language; `sources` are texts in that language, by name."""
+        remarks = [labels["section"].format(self.golden.manual)] if self.golden.manual else []
+        remarks += filter(None, [in_language(self.golden.note or "", language)])
+        source = markdown(sources[self.golden.source].rstrip(".。"))
+        if remarks:
+            source += labels["remark"].format(markdown(labels["and"].join(remarks)))
+        return Example(self.frame, self.given, self.means % labels, source)
 
 
-def worked(golden: GoldenFrames, message: Message, command: str) -> Iterator[Worked]:
-    """At most `MOST` golden frames of one direction of a command, those with most values first."""
-    found = golden.of_command.get((command, message.direction), [])
-    usual = [f for f in found if not f.decode_only] or found
+def worked(frame: GoldenFrame, message: Message) -> Worked:
+    """A golden frame of a message with its meaning."""
     units = {f.name: f" {f.type.unit.symbol}" for f in message.layout.fields if f.type.unit}
-    for frame in sorted(usual, key=lambda f: -len(f.values))[:MOST]:
-        yield Worked(
-            f"`{formatting.sent(frame)}`",
-            ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
-            "<br>".join(_meanings(frame, units)) or "%(none)s",
-            frame.source,
-            frame.note,
-        )
+    return Worked(
+        frame,
+        f"`{formatting.sent(frame)}`",
+        ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
+        "<br>".join(_meanings(frame, units)) or "%(none)s",
+    )
 
 
 def sources(golden: GoldenFrames, language: str) -> Mapping[str, str]:
-    """Texts of the sources in one language, by name."""
+    """Texts of the sources in one language, by name; a plain text is for all languages."""
+    return {
+        name: source if isinstance(source, str) else in_language(source, language)
+        for name, source in golden.sources.items()
+    }
 
-    def in_language(source: Text) -> str:
-        return source if isinstance(source, str) else "".join(text for of, text in source.items() if of == language)
 
-    return {name: in_language(source) for name, source in golden.sources.items()}
-
-
-def _source(source: str, note: str | None) -> str:
-    """The source of a frame with its note."""
-    return f"{markdown(source.removesuffix('.'))} ({markdown(note)})" if note else markdown(source)
+def in_language(text: Text, language: str) -> str:
+    """A text in a language; empty without one. A plain text is in English."""
+    if isinstance(text, str):
+        return text if language == "en" else ""
+    return "".join(said for of, said in text.items() if of == language)
 
 
 def _meanings(frame: GoldenFrame, units: Mapping[str, str]) -> Iterator[str]:

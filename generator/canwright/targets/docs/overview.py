@@ -12,12 +12,13 @@ from ...model.message import Command, Table
 from ...model.metadata import Effect
 from ...templating.markup import code, markdown
 from . import tables
+from .links import COMMANDS, command_page
 from .tables import Labels
 
 
 @dataclass(frozen=True)
 class Line:
-    """A row of a command, in Markdown; a command with a table lists its entries."""
+    """A row of a command, in Markdown; those of a command with a table have one page."""
 
     code: str
     command: str
@@ -41,22 +42,17 @@ def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, An
     for command in edition.commands:
         groups.setdefault(command.group, []).append(command)
     return {
-        "lines": [_line(forms, labels, language) for forms in groups.values()],
+        "lines": [_line(edition, forms, labels, language) for forms in groups.values()],
         "entries": [found for t in edition.tables if (found := _entries(t, groups, labels, language)).rows],
     }
 
 
-def _line(forms: Sequence[Command], labels: Labels, language: str) -> Line:
+def _line(edition: Edition, forms: Sequence[Command], labels: Labels, language: str) -> Line:
     first = forms[0]
-    what = f"[{markdown(first.name)}](commands/{first.name}.md)<br>{markdown(first.title[language])}"
-    replies = {tables.reply_form(form, labels, "commands/") for form in forms}
-    if first.entry:
-        name = f"[{markdown(first.group)}](#tables.{first.entry.table})"
-        links = (f"[{markdown(c.entry.title[language])}](commands/{c.name}.md)" for c in forms if c.entry)
-        what = f"{name}<br>{markdown(first.group_title[language])}<br>{' · '.join(links)}"
+    replies = {tables.reply_form(edition, form, labels, COMMANDS) for form in forms}
     return Line(
         "<br>".join(dict.fromkeys(code(tables.code_of(form)) for form in forms if form.code is not None)),
-        what,
+        f"[{markdown(first.group)}]({COMMANDS}{first.group}.md)<br>{markdown(first.group_title[language])}",
         replies.pop() if len(replies) == 1 else labels["of_entry"],
         code(formatting.condition(first.only)) if all(form.only == first.only for form in forms) else "",
         _effects(_common(forms)),
@@ -101,4 +97,4 @@ def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labe
 
 
 def _link(form: Command) -> str:
-    return f"[{code(tables.code_of(form))}](commands/{form.name}.md)"
+    return f"[{code(tables.code_of(form))}]({COMMANDS}{command_page(form)})"

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...model import formatting
-from ...model.message import Command, Direction
-from ...model.metadata import Erratum
-from ...templating.markup import code, markdown, xml
+from ...model.deprecation import Deprecation
+from ...model.message import Address, Command, Direction
+from ...model.metadata import Effect, Erratum, Level
+from ...templating.markup import code, markdown
 from . import tables
-from .common import Common, Drawn, Side
+from .common import Common, Drawn, Form, Sheet, Side
 from .examples import Example, sources
+from .links import pages_of
 from .overview import overview
 from .tables import Labels, Row
 
@@ -20,7 +22,6 @@ class Picture(NamedTuple):
     """A picture file and the parameter values it is valid for."""
 
     file: str
-    svg: str
     alt: str
     only: str
 
@@ -38,6 +39,23 @@ class Half(NamedTuple):
     examples: Sequence[Example]
 
 
+class FormView(NamedTuple):
+    """A form of a command with its directions."""
+
+    form: Form
+    halves: Sequence[Half]
+
+
+class Admonition(NamedTuple):
+    """A block that code hosts and the site highlight; `kind` is their word for it."""
+
+    kind: str
+    texts: Sequence[str]
+
+
+_KINDS = {Level.DANGER: "CAUTION", Level.WARNING: "WARNING", Level.NOTE: "NOTE"}
+
+
 class Pages:
     """Builds the variables of the templates of an edition."""
 
@@ -52,7 +70,26 @@ class Pages:
         """The first page of the edition."""
         return overview(self._common.edition, self._labels, self._language)
 
-    def half(self, command: Command, direction: Direction, side: Side | None) -> Half:
+    def forms(self, sheet: Sheet) -> Sequence[FormView]:
+        """The forms of a command."""
+        return [
+            FormView(form, [self._half(form.command, direction, side) for direction, side in form.sides])
+            for form in sheet.forms
+        ]
+
+    def admonitions(self, effects: Sequence[Effect], command: Command | None = None) -> Sequence[Admonition]:
+        """Blocks with these effects, the worst first; with what else is to be known of a command."""
+        texts: dict[str, list[str]] = {kind: [] for kind in _KINDS.values()}
+        if command is not None and command.deprecated:
+            texts["WARNING"].append(self.deprecation(command.deprecated))
+        if command is not None and not command.implemented:
+            texts["WARNING"].append(self._labels["not_implemented"])
+        for effect in effects:
+            texts[_KINDS[effect.level]].append(self.description(effect))
+        texts["NOTE"] += [markdown(note[self._language]) for note in command.notes] if command else []
+        return [Admonition(kind, listed) for kind, listed in texts.items() if listed]
+
+    def _half(self, command: Command, direction: Direction, side: Side | None) -> Half:
         """One direction of a command; `side` is its content for every language."""
         labels = self._labels
         title = labels[direction.value]
@@ -60,22 +97,24 @@ class Pages:
         if side and side.is_rest:
             facts.append((labels["selector_of"], labels["rest"]))
         if direction is Direction.REPLY:
-            facts += tables.reply_facts(command, labels)
+            facts += tables.reply_facts(self._common.edition, command, labels)
         elif side is None:
             facts.append((labels["form"], labels["no_request"]))
         if side is None:
             return Half(title, "", "", facts, (), (), (), ())
         layout = side.message.layout
+        if side.is_repeated:
+            facts.append((labels["fields"], labels["as_request"]))
         if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
             facts.append((labels["manual"], markdown(layout.manual)))
         about = self.description(layout) if layout.shared else markdown(layout.about[self._language])
         rows = [*tables.key_rows(side.keys, side.message, command, labels), *self._rows_of_fields(command, side)]
-        columns = zip(Row._fields, zip(*rows, strict=True), strict=False)
+        columns = zip(Row._fields, zip(*rows, strict=True), strict=False) if not side.is_repeated else ()
         kept = [(name, cells) for name, cells in columns if any(cells)]
         return Half(
             title,
             "" if command.entry and layout.path[:4] == command.entry.path else about,
-            labels["reserved"] if side.has_free_bits else "",
+            labels["reserved"] if side.has_free_bits and not side.is_repeated else "",
             facts,
             [labels[name] for name, _ in kept],
             list(zip(*(cells for _, cells in kept), strict=True)),
@@ -94,14 +133,15 @@ class Pages:
         return self._field_rows[key]
 
     def _picture(self, command: Command, side: str, drawn: Drawn) -> Picture:
-        title = self._title(xml, command.name, side, drawn.only)
-        alt = self._title(markdown, command.name, side, drawn.only)
-        return Picture(drawn.file, drawn.drawing.svg(title), alt, code(drawn.only))
+        parts = [markdown(command.name), side, *([markdown(drawn.only)] if drawn.only else [])]
+        alt = f"{self._labels['picture']} {self._labels['comma'].join(parts)}"
+        return Picture(drawn.file, alt, code(drawn.only))
 
-    def _title(self, escape: Callable[[str], str], command: str, side: str, only: str) -> str:
-        """The title of a picture, each part escaped for its format."""
-        about = (escape(command), side, escape(only)) if only else (escape(command), side)
-        return f"{self._labels['picture']} {self._labels['comma'].join(about)}"
+    def reply_ids(self, address: Address) -> Sequence[str]:
+        """The ids of the replies to requests on an address, which can be those of another address."""
+        commands = [one for one in self._common.edition.commands if one.address == address.name]
+        found = [one.reply.id for one in commands if one.reply] if commands else [address.reply]
+        return list(dict.fromkeys(code(formatting.id_rule(rule)) for rule in found))
 
     def types(self) -> Mapping[str, Any]:
         """The page of types."""
@@ -111,10 +151,14 @@ class Pages:
         """Title and description of an object, in Markdown."""
         return tables.description(thing, self._labels, self._language)
 
+    def deprecation(self, deprecated: Deprecation) -> str:
+        """Since when, and until when, an object is deprecated."""
+        return tables.deprecation(deprecated, self._labels)
+
     def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
         """The parameter values that an object is limited to."""
         return code(formatting.condition(only))
 
-    def erratum_links(self, erratum: Erratum) -> Sequence[str]:
-        """Names of the commands that an erratum affects."""
-        return self._common.touched.get(erratum.id, ())
+    def erratum_links(self, erratum: Erratum) -> Mapping[str, str]:
+        """Names and pages of the commands that an erratum affects."""
+        return pages_of(self._common.edition, self._common.touched.get(erratum.id, ()))

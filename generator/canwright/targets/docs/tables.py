@@ -8,10 +8,13 @@ from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ...model import formatting
+from ...model.deprecation import Deprecation
+from ...model.edition import Edition
 from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
 from ...model.types import Assignment, Encoding, Order, Text, Type
 from ...templating.markup import code, markdown
+from .links import command_link
 
 Labels = Mapping[str, str]
 _FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
@@ -33,10 +36,9 @@ class Row(NamedTuple):
 
     place: str
     field: str
-    type: str
     raw: str
+    """The raw format, and the range of the raw integer or the constant on further lines."""
     scale: str
-    raw_range: str
     value_range: str
     only: str
     what: str
@@ -45,6 +47,11 @@ class Row(NamedTuple):
 def code_of(command: Command) -> str:
     """The code of a command, or a check mark if it has none."""
     return f"0x{command.code:02X}" if command.code is not None else "✓"
+
+
+def constant(raw: int) -> str:
+    """A constant in the notation of codes."""
+    return f"0x{raw:02X}" if raw >= 0 else str(raw)
 
 
 def index(message: Message | None) -> str:
@@ -57,25 +64,23 @@ class Cells(NamedTuple):
 
     place: str
     field: str
-    type: str
     raw: str
 
 
 def key_cells(key: Key) -> Cells:
     """The cells of a key."""
     order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
-    return Cells(code(formatting.place(key.space, key.segments)), "", "", code(f"u{key.width}{order}"))
+    return Cells(code(formatting.place(key.space, key.segments)), "", code(f"u{key.width}{order}"))
 
 
 def field_cells(field: Field) -> list[Cells]:
     """The cells of a field; an array has one row for each element."""
     type_ = field.type
-    link = f"[{markdown(type_.name)}](../types.md#types.{type_.name})" if type_.path[0] == "types" else ""
+    link = f"[%s](../types.md#types.{type_.name})" if type_.path[0] == "types" else "%s"
     return [
         Cells(
             code(formatting.place(field.space, segments)),
-            code(name),
-            link,
+            link % code(name),
             code(formatting.raw_format(type_, segments)),
         )
         for name, segments in formatting.elements(field)
@@ -89,7 +94,7 @@ def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels:
         if i == 0 and message.accept:
             accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept)
             note += f"{labels['and']}{labels['accepted']} {accepted}"
-        yield Row(*start, "", code(f"0x{key.value:02X}"), "", "", note)
+        yield Row(start.place, "", f"{start.raw}<br>{code(constant(key.value))}", "", "", "", note)
 
 
 def field_rows(
@@ -98,14 +103,17 @@ def field_rows(
     """The rows of the fields that a command has, in the order of the spec."""
     for field, places in fields:
         if _is_available(layout, field, command):
-            numbers = _numbers(field, layout, command, labels)
+            resolution, raw, values = _numbers(field, layout, command, labels)
             what = (
                 description(field, labels, language)
+                + (f" ({deprecation(field.deprecated, labels)})" if field.deprecated else "")
                 + (f"{labels['and']}{labels['holds_node']}" if isinstance(field.role, NodeRole) else "")
                 + _section(field, layout, command, labels)
                 + _members(field.type, labels)
             )
-            yield from (Row(*cells, *numbers, _only(layout, field), what) for cells in places)
+            for cells in places:
+                formats = "<br>".join(filter(None, (cells.raw, raw)))
+                yield Row(cells.place, cells.field, formats, resolution, values, _only(layout, field), what)
 
 
 def _is_available(layout: Layout, field: Field, command: Command) -> bool:
@@ -122,6 +130,12 @@ def description(thing: Titled, labels: Labels, language: str) -> str:
     """Title and description of an object, in Markdown."""
     about = thing.about[language]
     return markdown(thing.title[language] + (labels["stop"] + about if about else ""))
+
+
+def deprecation(deprecated: Deprecation, labels: Labels) -> str:
+    """`Deprecated: since v2, until v3`."""
+    period = labels["deprecated_until" if deprecated.until else "deprecated_since"]
+    return labels["deprecated"] + labels["colon"] + period.format(since=deprecated.since, until=deprecated.until)
 
 
 def _members(type_: Type, labels: Labels) -> str:
@@ -141,7 +155,11 @@ def _section(field: Field, layout: Layout, command: Command, labels: Labels) -> 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
     if field.fixed is not None:
-        return "", code(str(field.fixed)), labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"]
+        return (
+            "",
+            code(constant(field.fixed)),
+            labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"],
+        )
     here = field.only if layout.parameter == field.type.linear.parameter else ()
     among = here or command.only.get(field.type.linear.parameter or "", ())
     return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
@@ -156,7 +174,7 @@ def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
     """The exact resolution, with the offset."""
     if not type_.is_number:
         return ""
-    found = formatting.scale(type_, among)
+    found = formatting.scale(type_, among, labels["offset"])
     return "<br>".join(
         (f"{names}: " if names else "") + (labels["not_given"] if text == "not given" else code(text))
         for names, text in found
@@ -211,12 +229,12 @@ def facts(message: Message, id_: str, nodes: str, labels: Labels) -> Iterator[tu
     yield labels["frame"], labels["comma"].join((kind, frame, f"`{message.dlc}` {labels['data_bytes']}"))
 
 
-def reply_form(command: Command, labels: Labels, commands: str) -> str:
+def reply_form(edition: Edition, command: Command, labels: Labels, commands: str) -> str:
     """The form of the reply with its shared layout or the linked command; `commands` is the folder of the link."""
     form = labels[_form_label(command)]
     for reply in command.replies:
         if isinstance(reply, OtherReply):
-            return f"{form} [{markdown(reply.of)}]({commands}{reply.of}.md)"
+            return f"{form} [{markdown(reply.of)}]({commands}{command_link(edition, reply.of)})"
         if isinstance(reply, SharedReply):
             return f"{form} {code(reply.message.layout.name)}"
     return form
@@ -226,11 +244,11 @@ def _form_label(command: Command) -> str:
     return _FORM_LABELS[type(command.replies[0])] if command.replies else "none"
 
 
-def reply_facts(command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
+def reply_facts(edition: Edition, command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
     """Form and senders of the reply."""
     yield (
         labels["form"],
-        reply_form(command, labels, "") + labels["comma"] + labels[f"means_{_form_label(command)}"],
+        reply_form(edition, command, labels, "") + labels["comma"] + labels[f"means_{_form_label(command)}"],
     )
     if command.from_each:
         yield labels["from_each"], code(", ".join(map(str, command.from_each)))

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from jinja2 import Environment
+
+from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import PACKAGE_VERSION, Output, Specification
+from ..base import PACKAGE_VERSION, Output, Specification, WorkedExchange
 from . import code, text
+from .command_example import command_example
 from .examples import example
 from .module import SHARED, module_view
 
@@ -18,7 +23,7 @@ RUNTIME = Path(__file__).parent / "runtime"
 
 def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
     """The distribution with a package for each family."""
-    env = environment("python", {"literal": text.literal, "docstring": text.docstring, "laid_out": code.laid_out})
+    env = _environment()
     families = list(dict.fromkeys(d.edition.family for d in specifications))
     distribution = families[0] if len(families) == 1 else "canwright_bindings"
     project = env.get_template("pyproject.toml.j2")
@@ -34,3 +39,13 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     for item in specifications:
         path = f"{item.edition.family}/{item.edition.identifier}.py"
         yield Output(path, module.render(module_view(item.edition)))
+
+
+def program(edition: Edition, worked: WorkedExchange) -> str:
+    """A program that encodes the request of a command and decodes its reply."""
+    return _environment().get_template("command_example.py.j2").render(x=command_example(edition, worked))
+
+
+@functools.cache
+def _environment() -> Environment:
+    return environment("python", {"literal": text.literal, "docstring": text.docstring, "laid_out": code.laid_out})

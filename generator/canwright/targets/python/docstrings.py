@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...model import formatting
+from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.layout import Field, Layout
 from ...model.message import Command, Direction, Message
@@ -40,11 +41,13 @@ def of_message(command: Command, message: Message) -> Docstring:
     code = f" (0x{command.code:02X})" if command.code is not None else ""
     title = f"{english(command.title)}{code}, {message.direction.value}."
     if message.direction is Direction.REPLY:
-        return (title, _joined("The request, sent back." if command.is_echoed else "", _manual(command.manual)))
+        echo = "The request, sent back." if command.is_echoed else ""
+        return (title, deprecation(command.deprecated), _joined(echo, _manual(command.manual)))
     only = (f"Only {name} {', '.join(values)}." for name, values in command.only.items())
     effects = _joined(*(sentence(english(effect.title)) for effect in command.effects))
     return (
         title,
+        deprecation(command.deprecated),
         _joined(english(command.about), *only, _manual(command.manual)),
         "" if command.implemented else "Not implemented according to the manual.",
         f"Effects: {effects}" if effects else "",
@@ -59,6 +62,7 @@ def of_field(field: Field, of_type: str, manual_of_layout: str, nodes: Sequence[
     """
     return (
         sentence(english(field.title)),
+        deprecation(field.deprecated),
         _joined(
             _elements(field, nodes),
             of_type,
@@ -67,6 +71,11 @@ def of_field(field: Field, of_type: str, manual_of_layout: str, nodes: Sequence[
             _manual(field.manual) if field.manual != manual_of_layout else "",
         ),
     )
+
+
+def deprecation(deprecated: Deprecation | None) -> str:
+    """The sentence about a deprecated item; empty for any other."""
+    return f"Deprecated {deprecated}." if deprecated else ""
 
 
 def of_type(type_: Type) -> str:

@@ -92,21 +92,21 @@ def _example(edition: Edition, command: Command, request: GoldenFrame, reply: Go
     if asked is None or answer is None or answer.command != command.name:
         return None
     views = types.type_views(edition, Imports())
-    arguments = _arguments(asked, request, views)
+    sent = arguments(asked, request, views)
     fields = [f for f in answer.layout.fields if f.name in reply.values]
-    if arguments is None or not fields:
+    if sent is None or not fields:
         return None
     given = {**request.parameters, **reply.parameters}
     parameters = [p for p in edition.parameters if p.name in given]
-    known = [f"{text.attribute(p.name)}={_parameter(p, given)}" for p in parameters]
-    values = [f"{argument.keyword}={argument.value}" for argument in arguments]
+    known = [parameter_argument(p, given) for p in parameters]
+    values = [f"{argument.keyword}={argument.value}" for argument in sent]
     keywords = [f"node={request.node}"] if asked.id.nodes is not None else []
     keywords += values
     if known and depends_on_parameters(asked.layout):
         keywords.append("parameters=known")
     classes = text.class_name(asked.name), text.class_name(answer.name)
     names = {*classes, "CodecError", "REPLY_WITHIN_MS", "decode_answer", "decode_reply"}
-    names |= {argument.enum for argument in arguments if argument.enum}
+    names |= {argument.enum for argument in sent if argument.enum}
     names |= {"Parameters"} if known else set()
     names |= {text.class_name(p.name) for p in parameters if p.is_choice and not p.is_numeric}
     return Example(
@@ -129,17 +129,17 @@ def _example(edition: Edition, command: Command, request: GoldenFrame, reply: Go
     )
 
 
-def _arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
+def arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
     """The values that make the message of a frame; None where a field has no value."""
-    arguments: list[Argument] = []
+    found: list[Argument] = []
     variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
     for field in (f for f in (variant.fields if variant else ()) if f.fixed is None):
         view = views[field.type.name]
         value = _value(field, frame.values.get(field.name), view)
         if value is None:
             return None
-        arguments.append(Argument(text.attribute(field.name), value, view.enum))
-    return arguments
+        found.append(Argument(text.attribute(field.name), value, view.enum))
+    return found
 
 
 def _value(field: Field, value: Value | None, view: types.TypeView) -> str | None:
@@ -153,6 +153,7 @@ def _value(field: Field, value: Value | None, view: types.TypeView) -> str | Non
     return f"{view.enum}.{text.member_name(value)}" if value and field.type.enum and value != "none" else None
 
 
-def _parameter(parameter: Parameter, given: Mapping[str, int | str]) -> str:
+def parameter_argument(parameter: Parameter, given: Mapping[str, int | str]) -> str:
+    """An argument of `Parameters`."""
     value = str(given[parameter.name])
-    return types.parameter_key(parameter, value) if parameter.is_choice else value
+    return f"{text.attribute(parameter.name)}={types.parameter_key(parameter, value) if parameter.is_choice else value}"

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.layout import MAX_DATA_BYTES, Space
 from ...model.message import Command, Direction, Message
@@ -60,6 +61,20 @@ def _group(message: Message) -> Group:
     return message.layout.name, message.dlc, message.id.nodes is not None
 
 
+def _shared(messages: Iterable[Message]) -> dict[Group, list[Message]]:
+    """The groups of several messages with fields."""
+    groups: dict[Group, list[Message]] = {}
+    for message in messages:
+        groups.setdefault(_group(message), []).append(message)
+    return {group: same for group, same in groups.items() if same[0].layout.fields and len(same) > 1}
+
+
+def base_classes(edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
+    """The names of base classes, with the paths of their layouts."""
+    shared = _shared(edition.all_messages())
+    return ((shared[group][0].layout.path, name) for group, name in _bases(shared).items())
+
+
 def _bases(groups: Iterable[Group]) -> dict[Group, str]:
     """The base class of each group: the layout's name, with a number where several groups have that layout."""
     of_layout: dict[str, list[Group]] = {}
@@ -84,10 +99,7 @@ class MessageViews:
     def __init__(self, edition: Edition, bodies: ClassBodies) -> None:
         self._bodies = bodies
         messages = edition.all_messages()
-        groups: dict[Group, list[Message]] = {}
-        for message in messages:
-            groups.setdefault(_group(message), []).append(message)
-        shared = {group: same for group, same in groups.items() if same[0].layout.fields and len(same) > 1}
+        shared = _shared(messages)
         self._bases = _bases(shared)
         self._encoding_bases = {group for group, same in shared.items() if _differ_in_code_only(same)}
         self.layouts = tuple(self._layout(same[0]) for same in shared.values())

@@ -21,7 +21,7 @@ OTHER_VERSIONS = (
 UNLISTED = "idlelib sitecustomize test turtledemo usercustomize"
 """Modules that `sys` does not list, and those that Python imports if they exist."""
 STANDARD_LIBRARY = sys.stdlib_module_names.union(OTHER_VERSIONS.split(), UNLISTED.split())
-PACKAGES = frozenset({"can", "canwright", "pip", "setuptools", "typing_extensions", "wheel"})
+PACKAGES = frozenset({"can", "canwright", "numpy", "pip", "pyarrow", "setuptools", "typing_extensions", "wheel"})
 """Packages that generated code or its installation imports, and canwright."""
 
 
@@ -51,8 +51,8 @@ def _modules(edition: Edition) -> Iterator[NameProblem]:
         owner = "of the standard library" if family in STANDARD_LIBRARY else "that other programs need"
         text = f"the Python package `{family}` would replace the module `{family}` {owner}"
         yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
-    if f"{module}.py" in SHARED:
-        text = f"the Python package already contains a module `{module}`"
+    if f"{module}.py".lower() in SHARED:
+        text = f"the Python package already contains a module `{module.lower()}`"
         yield NameProblem(("edition",), text, f"choose another name, for example v-{edition.name}")
 
 

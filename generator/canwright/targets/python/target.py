@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import NameProblem, Output, Specification, Target
-from . import generate, text
+from ..base import CodeExample, NameProblem, Output, Specification, Target, WorkedExchange
+from . import generate, program, text
+from .fields import varying
+from .messages import base_classes
 from .problems import problems
 
 
@@ -23,29 +25,32 @@ class PythonTarget(Target):
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
         return problems(edition)
 
-    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
-        names: dict[DocumentPath, str] = {}
+    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
+        """Classes, properties, members and parameters, and the names of settings and effects in class attributes."""
         for command in edition.commands:
-            message = command.request or command.reply
-            names |= {command.path: text.class_name(message.name)} if message else {}
-        names |= {message.layout.path: text.class_name(message.name) for message in edition.all_messages()}
-        for layout in (message.layout for message in edition.all_messages()):
-            if len(edition.of_layout(layout)) > 1 and layout.fields:
-                names[layout.path] = text.class_name(layout.name)
+            if message := command.request or command.reply:
+                yield command.path, text.class_name(message.name)
+        yield from base_classes(edition)
+        for message in edition.all_messages():
+            yield message.path, text.class_name(message.name)
+            for field in varying(message.layout.fields):
+                yield from ((field.path, text.attribute(field.name) + ending) for ending in ("", "_raw"))
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)
-            names[at] = text.attribute(parameter.name)
-            names |= {(*at, "values", value.name): text.member_name(value.name) for value in parameter.values}
-        for type_ in edition.types:
+            yield at, text.attribute(parameter.name)
+            if parameter.is_choice and not parameter.is_numeric:
+                yield at, text.class_name(parameter.name)
+                yield from (((*at, "values", value.name), text.member_name(value.name)) for value in parameter.values)
+        for type_ in (one for one in edition.types if not one.is_number):
+            yield type_.path, text.class_name(type_.name)
             key = "enum" if type_.enum else "flags"
-            members = (*type_.enum, *type_.flags)
-            names |= {(*type_.path, key, m.name): text.member_name(m.name) for m in members}
+            yield from (((*type_.path, key, m.name), text.member_name(m.name)) for m in (*type_.enum, *type_.flags))
         used = {setting for command in edition.commands for setting in command.limited_by}
-        names |= {("settings", s.name): f'"{s.name}"' for s in edition.settings if s in used}
-        names |= {("effects", effect.name): f'"{effect.name}"' for effect in edition.effects}
-        for message in edition.all_messages():
-            names |= {field.path: text.attribute(field.name) for field in message.layout.fields if field.fixed is None}
-        return names
+        yield from ((("settings", s.name), f'"{s.name}"') for s in edition.settings if s in used)
+        yield from ((("effects", effect.name), f'"{effect.name}"') for effect in edition.effects)
+
+    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
+        return CodeExample("python", program(edition, worked))
 
 
 TARGET = PythonTarget()

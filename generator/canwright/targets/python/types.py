@@ -59,7 +59,7 @@ def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) ->
         MemberView(
             name=text.member_name(m.name),
             value=f"0x{1 << m.value:X}" if type_.flags else str(m.value),
-            doc=(text.english(m.title),),
+            doc=(text.english(m.title), docstrings.deprecation(m.deprecated)),
         )
         for m in (*type_.enum, *type_.flags)
     )

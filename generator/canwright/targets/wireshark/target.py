@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
@@ -21,13 +21,12 @@ class WiresharkTarget(Target):
     def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
-    def exported_names(self, edition: Edition) -> Mapping[DocumentPath, str]:
+    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """The names of fields in filters, and of preferences."""
         shared = filters([edition]).names
-        names: dict[DocumentPath, str] = {("parameters", p.name): preference(p.name) for p in edition.parameters}
-        for message in edition.all_messages():
-            names |= {f.path: f"{edition.family}.{shared[f.name]}" for f in message.layout.fields if f.name in shared}
-        return names
+        yield from ((("parameters", p.name), preference(p.name)) for p in edition.parameters)
+        for field in (f for message in edition.all_messages() for f in message.layout.fields if f.name in shared):
+            yield field.path, f"{edition.family}.{shared[field.name]}"
 
 
 TARGET = WiresharkTarget()

@@ -332,9 +332,9 @@ CANWRIGHT_NONNULL
 static inline bool canwright_nearest(uint64_t *nearest, canwright_quotient_t *quotient)
 {
     canwright_term_t *above = &quotient->above;
-    const int length = canwright_wide_length(&above->size);
-    const int difference = length + above->exponent - canwright_wide_length(&quotient->below);
-    if ((length == 0) || (difference < -1)) { /* less than one half */
+    const int length = canwright_wide_length(&above->size) + above->exponent;
+    const int difference = length - canwright_wide_length(&quotient->below);
+    if (difference < -1) { /* less than one half */
         *nearest = 0u;
         return true;
     }

@@ -146,7 +146,7 @@ static inline float canwright_float_of_bits64(uint64_t bits)
     if (exponent >= 255) {
         return canwright_float_of_bits(sign | 0x7F800000u);
     }
-    if (exponent < -24) { /* less than half of the smallest number */
+    if (exponent < -23) { /* less than half of the smallest number */
         return canwright_float_of_bits(sign);
     }
     if (exponent <= 0) { /* subnormal; the bits that leave the fraction stay in its lowest one */
@@ -370,9 +370,9 @@ static inline bool canwright_is_coarse(double steps)
 
 /**
  * The magnitude of the integer nearest to (value * divisor - addend) / factor; false if it exceeds 64 bits. `steps` is
- * this quotient in floating point, and coarse; divisor and addend are modulo 2^64. The error of `steps` is less than 2^17,
- * so that arithmetic modulo 2^64 determines it. The result is exact, but for a value that is so much smaller than the
- * offset that 2^46 / factor does not resolve its last bits: it is within one then.
+ * this quotient in floating point, and coarse; divisor and addend are modulo 2^64; the magnitudes of divisor and factor are
+ * at most 2^45. The error of `steps` is less than 2^15, so that arithmetic modulo 2^64 determines it. The result is exact,
+ * but for a value that is so much smaller than the offset that 2^-47 does not resolve its last bits: it is within one then.
  */
 CANWRIGHT_NONNULL
 static inline bool canwright_corrected(
@@ -381,23 +381,21 @@ static inline bool canwright_corrected(
     const uint64_t bits = canwright_bits_of_double(value);
     const double size = (steps < 0.0) ? -steps : steps;
     const uint64_t biased = (bits >> 52) & 0x7FFu;
-    const int exponent = (int)biased;
-    uint64_t given = bits & UINT64_C(0xFFFFFFFFFFFFF);
+    uint64_t given = (bits & UINT64_C(0xFFFFFFFFFFFFF)) | UINT64_C(0x10000000000000);
     uint64_t rest;
     uint64_t unit;
     unsigned shift = 1u;
-    int left = (exponent == 0) ? -1073 : (exponent - 1074); /* value = given * 2^(left - shift) */
-    if (exponent != 0) {
-        given |= UINT64_C(0x10000000000000);
-    }
-    while ((left < 0) && ((factor << shift) < (UINT64_C(1) << 45))) {
+    int left = (int)biased - 1074; /* value = given * 2^(left - shift), except for subnormal numbers, which are too small */
+    while ((left < 0) && ((factor << shift) < (UINT64_C(1) << 47))) {
         shift++;
         left++;
     }
-    if ((left > 63) || (left < -63)) {
+    if (left < -63) {
         given = 0u;
+    } else if (left < 0) {
+        given >>= (unsigned)(-left);
     } else {
-        given = (left < 0) ? (given >> (unsigned)(-left)) : (given << (unsigned)left);
+        given <<= (unsigned)left & 63u; /* less than 64, as the quotient is less than 2^65 */
     }
     *nearest = (size < 18446744073709551616.0) ? (uint64_t)size : UINT64_MAX;
     unit = factor << shift;

@@ -231,6 +231,18 @@ def rounded(number: int | Fraction) -> float:
         return math.inf if number > 0 else -math.inf
 
 
+DOUBLE = 8
+"""The bytes of a float of Python."""
+
+
+def to_odd(exact: Fraction) -> float:
+    """The float next to a number with an odd last bit, unless it is exact; rounded to 32 bits, it is rounded only once."""
+    number = float(exact)
+    if number == exact or struct.pack("<d", number)[0] & 1:
+        return number
+    return math.nextafter(number, math.inf if exact > number else -math.inf)
+
+
 Fast = tuple[float, float, int, int]
 """A conversion by floats: raw integers per unit, raw integer of the value 0 plus a half, smallest and largest raw."""
 
@@ -502,11 +514,18 @@ class Float(Number):
         return scaled + offset if offset else scaled
 
     def raw(self, value: Real, parameters: object, field: str) -> int:
-        """The bit pattern of the nearest float; each operation is rounded. Raises CodecError when it is rejected."""
-        self._line_at(parameters, field)
+        """The bit pattern of the nearest float. Raises CodecError when the value is rejected.
+
+        An int, a Fraction and a Decimal are rounded once, a float in each operation.
+        """
+        factor, addend, divisor = self._line_at(parameters, field)
         try:
-            ratio(value, field)
-            number = self._quotient(float(value), parameters, field)
+            numerator, denominator = ratio(value, field)
+            if isinstance(value, float):
+                number = self._quotient(value, parameters, field)
+            else:
+                exact = Fraction(numerator * divisor - addend * denominator, denominator * factor)
+                number = float(exact) if self._number.size == DOUBLE else to_odd(exact)
             if not math.isfinite(number):
                 raise OverflowError
             bits: int = self._bits.unpack(self._number.pack(number))[0]

@@ -154,19 +154,10 @@ local function set_parameter(parameters, parameter, text)
     parameters[parameter.name] = number
 end
 
-local function edition_named(text)
-    for _, edition in ipairs(family.editions) do
-        if edition.name == text then
-            return edition
-        end
-    end
-    return nil
-end
-
-local function parameter_named(text)
-    for _, parameter in ipairs(family.parameters) do
-        if parameter.name == text then
-            return parameter
+local function named(items, text)
+    for _, item in ipairs(items) do
+        if item.name == text then
+            return item
         end
     end
     return nil
@@ -181,11 +172,12 @@ local function set_nodes(entry)
     end
     for word in rest:gmatch("%S+") do
         local name, value = word:match("^(.-)=(.*)$")
-        local parameter = name and parameter_named(name)
+        local parameter = name and named(family.parameters, name)
+        local edition = not name and named(family.editions, word)
         if parameter then
             set_parameter(one.parameters, parameter, value)
-        elseif not name and edition_named(word) then
-            one.edition = edition_named(word)
+        elseif edition then
+            one.edition = edition
         else
             mistake("nodes: unknown " .. word)
         end

@@ -1,0 +1,41 @@
+"""The `until` of a deprecation is not before its `since`; days exist."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ..diagnostics.diagnostic import DocumentPath
+from ..language.suggestions import DATE, is_day
+from ..model.deprecation import Deprecation, is_before, is_date
+from .rule import Finding, Findings, Subject
+
+
+def check(subject: Subject) -> Findings:
+    for path, deprecation in _deprecations(subject):
+        for key, name in (("since", deprecation.since), ("until", deprecation.until)):
+            if name is not None and is_date(name) and not _exists(name):
+                yield Finding(
+                    (*path, key), f"`{name}` is not a date", "write a month or a day, as 2027-03 or 2027-03-21"
+                )
+                break
+        else:
+            since, until = deprecation.since, deprecation.until
+            if until is not None and is_before(until, since):
+                text = f"`until` {until} is before `since` {since}"
+                yield Finding((*path, "until"), text, "write the first edition, or its date, that may lack the item")
+
+
+def _deprecations(subject: Subject) -> Iterator[tuple[DocumentPath, Deprecation]]:
+    edition, found = subject.edition, dict[DocumentPath, Deprecation | None]()
+    found |= {command.path: command.deprecated for command in edition.commands}
+    for message in edition.all_messages():
+        found |= {field.path: field.deprecated for field in message.layout.fields}
+    for type_ in edition.types:
+        found |= {(*type_.path, "enum", member.name): member.deprecated for member in type_.enum}
+        found |= {(*type_.path, "flags", flag.name): flag.deprecated for flag in type_.flags}
+    return (((*path, "deprecated"), one) for path, one in found.items() if one is not None)
+
+
+def _exists(date: str) -> bool:
+    return re.fullmatch(DATE, date) is not None and is_day(date)

@@ -1,0 +1,41 @@
+"""Where pages are: the only place that knows their paths."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ...model.edition import Edition
+from ...model.message import Command
+
+COMMANDS = "commands/"
+"""The folder of the command pages, from the folder of their edition."""
+PICTURES = "pictures"
+"""The folder of the pictures, which all languages share, beside those of the languages."""
+
+
+def command_page(command: Command) -> str:
+    """The page of a command in the folder of command pages; an entry of a table is a section of it."""
+    return f"{command.group}.md" + (f"#{entry_anchor(command)}" if command.entry else "")
+
+
+def entry_anchor(command: Command) -> str:
+    """The anchor of the section of an entry."""
+    return f"entries.{command.entry.name}" if command.entry else ""
+
+
+def command_link(edition: Edition, name: str) -> str:
+    """The page of the command with a name."""
+    return command_page(edition.command(name))
+
+
+def pages_of(edition: Edition, names: Sequence[str]) -> Mapping[str, str]:
+    """Titles and pages of commands by name; a command with a table is one item where all its entries are listed."""
+    found: dict[str, str] = {}
+    listed = set(names)
+    for command in (edition.command(name) for name in names):
+        forms = [one.name for one in edition.commands if one.group == command.group]
+        if command.entry is None or listed >= set(forms):
+            found[command.group] = f"{command.group}.md"
+        else:
+            found[command.name] = command_page(command)
+    return found
