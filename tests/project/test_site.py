@@ -146,7 +146,9 @@ def test_the_index_is_a_script_with_every_record(site: Path, motor: str) -> None
     for one in index["editions"]:
         for record in one["records"]:
             for name in record["pages"]:
-                assert (site / "en" / one["folder"] / f"{name}.html").is_file()
+                path, _, anchor = name.partition("#")
+                found_page = page(site / "en" / one["folder"] / f"{path}.html")
+                assert not anchor or anchor in {attributes.get("id") for _, attributes in found_page.elements}
 
 
 def test_a_text_is_only_text_in_the_site(tmp_path: Path) -> None:

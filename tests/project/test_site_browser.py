@@ -172,11 +172,11 @@ def test_title_and_code_of_every_item_find_its_page(site: Path, opened: Open, la
         folder = edition["folder"]
         wanted: dict[tuple[str, str], set[str]] = {}
         for record in edition["records"]:
-            if record["kind"] in ("command", "field", "value", "erratum"):
+            if record["kind"] in ("command", "entry", "field", "value", "erratum"):
                 texts = {record["name"], record.get("code", ""), record.get("title", {}).get(language, "")} - {""}
                 for text in texts:
                     pages = wanted.setdefault((record["kind"], text), set())
-                    pages |= {f"{folder}/{name}" for name in record["pages"]}
+                    pages |= {f"{folder}/{name.partition('#')[0]}" for name in record["pages"]}
         found = hits(page, list(dict.fromkeys(query for _, query in wanted)), folder)
         assert len(found) > 200
         for (kind, query), pages in wanted.items():
