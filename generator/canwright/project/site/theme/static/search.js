@@ -122,7 +122,8 @@ function createSearch(index, language) {
       for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text)); }
       return best * weight;
     });
-    const whole = identified || item.texts.includes(query) ? EXACT + weight : 0;
+    const isWhole = identified || item.texts.includes(query);
+    const whole = isWhole ? EXACT + (item.kind === "heading" ? 0 : weight) : 0;
     return { item: identified ?? item, values, score: whole || values.reduce((sum, value) => sum + value, 0) / parts.length };
   }
 
