@@ -116,7 +116,6 @@ def _same_file(path: str, hostile: str, harmless: str) -> bool:
         "dbc": _same_dbc,
         "lua": _same_lua,
         "js": _same_javascript,
-        "json": _same_json,
         "ts": _same_c,
         "md": _any_page,
         "html": _same_html,
@@ -131,20 +130,7 @@ def _same_html(hostile: str, harmless: str) -> bool:
         (start, *end.split("</script>", 1))
         for start, _, end in (t.partition('id="data">') for t in (hostile, harmless))
     )
-    return (page, rest) == (other, other_rest) and _shape(json.loads(data)) == _shape(json.loads(other_data))
-
-
-def _same_json(hostile: str, harmless: str) -> bool:
-    return _shape(json.loads(hostile)) == _shape(json.loads(harmless))
-
-
-def _shape(data: Any) -> Any:
-    """Data without its texts."""
-    if isinstance(data, dict):
-        return {key: _shape(value) for key, value in data.items()}
-    if isinstance(data, list):
-        return [_shape(value) for value in data]
-    return "" if isinstance(data, str) else data
+    return (page, rest) == (other, other_rest) and _blank(json.loads(data)) == _blank(json.loads(other_data))
 
 
 def _any_page(hostile: str, harmless: str) -> bool:
