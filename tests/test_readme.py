@@ -86,7 +86,10 @@ def test_the_spec_example_generates(tmp_path: Path) -> None:
 
 
 REPLAY = "tests/conformance/test_conformance.py"
-REPEATED = [f"{REPLAY}::test_random_questions", f"{REPLAY}::test_golden_frames[mwd_motor/v2.36-2025-09-dbc]"]
+REPEATED = [
+    f"{REPLAY}::test_random_questions",
+    *(f"{REPLAY}::test_golden_frames[mwd_motor/v2.36-2025-09-{target}]" for target in ("cxx", "dbc")),
+]
 """The slowest tests of a new edition; they run for the edition that it is a copy of."""
 
 

@@ -78,6 +78,6 @@ def test_names_that_are_words_of_other_languages(tmp_path: Path) -> None:
     assert len(headers) > 3
     unit = tmp_path / "unit.c"
     unit.write_text("".join(f'#include "{header}"\n' for header in headers if header.suffix == ".h"), "utf-8")
-    ZIG.run("c99", f"-I{include}", "-c", "-o", tmp_path / "unit.o", unit)
+    ZIG.check("c99", f"-I{include}", "-c", "-o", tmp_path / "unit.o", unit)
     unit.write_text('#include "lamp/v1.hpp"\n', "utf-8")
-    ZIG.run("c++17", f"-I{include}", "-x", "c++", "-c", "-o", tmp_path / "unit.o", unit)
+    ZIG.check("c++17", f"-I{include}", "-x", "c++", "-c", "-o", tmp_path / "unit.o", unit)

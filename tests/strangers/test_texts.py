@@ -244,18 +244,28 @@ def _loaded(source: str) -> list[object]:
     ]
 
 
+LAST = "A *last* paragraph."
+"""Changes when a text does not end where its block does."""
+
+
 def _same_pages(hostile: Files, harmless: Files, text: str) -> bool:
-    """Whether the pages have the same elements, and show the text wherever the others show the harmless one."""
+    """Whether the pages have the same elements, and show the text wherever the others show the harmless one.
+
+    Blocks that are the same in both are left out, as rendering takes most of the time.
+    """
     shown = " ".join(text.split())
+    pages = _blocks(hostile), _blocks(harmless)
+    common = {*pages[0]} & {*pages[1]}
+    sources = ["\n\n".join([*(block for block in blocks if block not in common), LAST]) for blocks in pages]
     for renderer in (_by_site, _by_every_extension, _by_commonmark):
-        one, other = (_page(renderer("\n\n".join(_blocks(files)))) for files in (hostile, harmless))
+        one, other = (_page(renderer(source)) for source in sources)
         if one.elements != other.elements or one.text.split() != other.text.replace(HARMLESS, shown).split():
             return False
     return True
 
 
 def _blocks(files: Files) -> list[str]:
-    """The blocks of all pages, each once, as rendering takes most of the time."""
+    """The blocks of all pages, each once."""
     pages = (content for path, content in files.items() if path.endswith(".md"))
     return list(dict.fromkeys(block for page in pages for block in page.split("\n\n")))
 
@@ -276,7 +286,12 @@ EVERY_EXTENSION = (
 @functools.cache
 def _by_every_extension(text: str) -> str:
     """As a site shows it that has every extension turned on that gives words or signs a meaning."""
-    return markdown.markdown(text, extensions=EVERY_EXTENSION)
+    return _every_extension().reset().convert(text)
+
+
+@functools.cache
+def _every_extension() -> markdown.Markdown:
+    return markdown.Markdown(extensions=EVERY_EXTENSION)
 
 
 @functools.cache
@@ -317,8 +332,8 @@ class _Page(html.parser.HTMLParser):
 def test_compilers_make_the_same_of_it(compiler: Compiler, tmp_path: Path) -> None:
     """All hostile texts at once, from another one on in each turn, so that they meet different places."""
     objects = [_object([HARMLESS], compiler, tmp_path / "harmless")]
-    objects += [_object(HOSTILE[n:] + HOSTILE[:n], compiler, tmp_path / str(n)) for n in (0, 17, 40)]
-    assert objects[1:] == objects[:1] * 3
+    objects += [_object(HOSTILE[n:] + HOSTILE[:n], compiler, tmp_path / str(n)) for n in (0, 31)]
+    assert objects[1:] == objects[:1] * 2
 
 
 def _object(say: Sequence[str], compiler: Compiler, folder: Path) -> bytes:
