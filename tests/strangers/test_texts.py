@@ -100,11 +100,11 @@ def _same_html(hostile: str, harmless: str) -> bool:
         (start, *end.split("</script>", 1))
         for start, _, end in (t.partition('id="data">') for t in (hostile, harmless))
     )
-    return (page, rest) == (other, other_rest) and _shape(json.loads(data)) == _shape(json.loads(other_data))
+    return bool((page, rest) == (other, other_rest) and _shape(json.loads(data)) == _shape(json.loads(other_data)))
 
 
 def _same_json(hostile: str, harmless: str) -> bool:
-    return _shape(json.loads(hostile)) == _shape(json.loads(harmless))
+    return bool(_shape(json.loads(hostile)) == _shape(json.loads(harmless)))
 
 
 def _shape(data: Any) -> Any:
