@@ -250,7 +250,8 @@ def _same(one: Any, other: Any, names: Names) -> bool:
     if one == other and not names.members:
         return True
     if isinstance(one, tuple) and one and isinstance(one[0], tuple):
-        return isinstance(other, tuple) and len(one) == len(other) and all(map(_same, one, other, [names] * len(one)))
+        alike = isinstance(other, tuple) and len(one) == len(other) and all(isinstance(value, tuple) for value in other)
+        return alike and all(map(_same, one, other, [names] * len(one)))
     if one[0] == "member" == other[0]:
         renamed = names.members.get(one[1].lower(), one[1].lower())
         return renamed is not None and renamed.upper() == other[1]
@@ -589,6 +590,8 @@ class _Run:
                 self.receiving.add(LOUD, f"{frame} {meant}: no answer", certain=not wrong)
                 self.sending.add(LOUD, f"{frame} {meant}: no answer", certain=False)
             return
+        if set(command.from_each) - {*theirs.from_each}:
+            self.receiving.add(LOUD, f"{frame} {meant}: no answer from some nodes", certain=not wrong)
         for reply in self._replies(theirs, heard, known):
             self._reply(command, message, mine, reply, theirs, known, certain=not wrong)
 
@@ -718,7 +721,9 @@ class _Run:
                 if isinstance(self.new.answer(self.new.of(theirs.request), frame, known), ValueError):
                     continue
                 answer = self.old.binding.answer(old_cls, frame, mine)
-                meant = meaning(message)
+                meant, alone = meaning(message), self._alone(frame, mine, known)
+                if alone:  # a new host has sent the request, and the old one hears the reply
+                    self.receiving.add(SILENT, alone, certain=False)
                 if isinstance(answer, ValueError):
                     self.receiving.add(LOUD, f"{frame} {meant}: {answer}", certain=False)
                 elif difference(meaning(answer), meant, self.names, receiving=True):

@@ -187,6 +187,8 @@ def _in_function(function: Function, siblings: Mapping[str, str]) -> Iterator[tu
         a, b = body[one], body[other]
         if body[one + 1].text == ":" and other == one + 3:
             continue  # both labels have one body
+        if _NUMBER.match(a.text) and _NUMBER.match(b.text) and _integer(a.text) == _integer(b.text):
+            continue  # of two switches
         yield ((a.start, a.end, b.text), (b.start, b.end, a.text))
     for start, end in _statements(body):
         yield ((body[start].start, body[end].end, ";"),)
@@ -206,6 +208,10 @@ def _others(token: Token, before: str, siblings: Mapping[str, str]) -> Iterator[
         yield OTHER[text]
     elif token.kind == "word" and text in siblings and before != "case":
         yield siblings[text]
+
+
+def _integer(text: str) -> int:
+    return int(text.rstrip("uUlL"), 0)
 
 
 def _numbers(text: str) -> Iterator[str]:

@@ -5,7 +5,8 @@ a new node (`behaviour.py`): an edit is silent where a frame is accepted with an
 not answered, and safe otherwise, on each side. The findings of the comparison must say the same.
 
 Not decided here, and accepted either way: values outside a range, which generated code checks only before it sends;
-replies to requests that a new node rejects or takes for other requests; frames from nodes that an old host does not know.
+replies to requests that a new node rejects or takes for other requests, or that only a new host on the same bus can have
+sent; frames from nodes that an old host does not know.
 """
 
 from __future__ import annotations

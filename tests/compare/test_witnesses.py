@@ -261,3 +261,73 @@ def test_an_echo_instead_of_fields_at_the_same_bits_is_silent(tmp_path: Path) ->
     )
     (change,) = found(tmp_path, MINIMAL + further, ("reply: {left: {at: 1, raw: u8}}", "reply: echo"))
     assert verdicts([change]) == {"reply-form-changed command fill": {"receiving": "silent"}}
+
+
+DOSER = (ROOT / "tests/assurance/specs/doser/v1.yaml").read_text("utf-8")
+RINSE = '  rinse: {code: 2, manual: "1", request: {layout: {doser: {at: 1, raw: u8, holds: node}'
+
+
+def test_a_request_that_no_longer_asks_one_node_is_answered_by_others(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, DOSER, (RINSE, RINSE.replace(", holds: node", "")))
+    assert verdicts([change]) == {"holds-changed command rinse": {"receiving": LOUD}}
+    assert change.witnesses[0].says() == (
+        "06F#0200000000000000: the new node sends `rinse`; the old host rejects it: not answer"
+    )
+
+
+def test_a_reused_command_takes_those_along_that_reply_as_it_does(tmp_path: Path) -> None:
+    purge = RINSE.replace("  rinse: {", "  purge: {title: Purge the pipe, ")
+    (change,) = found(tmp_path, DOSER, (RINSE, purge), ("of: rinse", "of: purge"))
+    assert verdicts([change]) == {"command-repurposed command rinse": {"sending": SILENT, "receiving": SILENT}}
+
+
+def test_a_title_that_repeats_the_name_is_a_title(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, DOSER, ("  pause: {code: 7", "  lock: {title: Lock, code: 7"))
+    assert (change.rule.id, change.impact) == ("command-repurposed", Impact.SILENT)
+    assert not found(tmp_path, DOSER, ("  pause: {code: 7", "  lock: {code: 7"))
+
+
+def test_exchanged_names_of_fields_are_one_finding_for_each(tmp_path: Path) -> None:
+    reply = "reply: {flow: {at: 1, type: flow}, state: {at: 5, type: state}}"
+    changes = found(tmp_path, DOSER, (reply, "reply: {state: {at: 1, type: flow}, flow: {at: 5, type: state}}"))
+    assert [(c.rule.id, c.impact) for c in changes] == [("field-replaced", Impact.SILENT)] * 2
+    assert changes[0].says() == "DATA[1..4] now contains `state` (was `flow`)"
+
+
+def test_exchanged_names_of_commands_are_one_finding_for_each(tmp_path: Path) -> None:
+    names = [("  read_flow: ", "  other: "), ("  set_nozzles: ", "  read_flow: "), ("  other: ", "  set_nozzles: ")]
+    changes = found(tmp_path, DOSER, *names)
+    assert [(c.rule.id, c.impact) for c in changes] == [("command-repurposed", Impact.SILENT)] * 2
+
+
+def test_a_reply_without_fields_is_one_finding(tmp_path: Path) -> None:
+    reply = "reply: {layout: {state: {at: 1, type: state}}, code: 8}"
+    (change,) = found(tmp_path, DOSER, (reply, "reply: {}"))
+    assert change.says() == "the reply form is `{}` (was `fields`)"
+    assert verdicts([change]) == {"reply-form-changed command pause": {"receiving": LOUD}}
+
+
+def test_fields_that_can_look_like_an_echo_are_silent(tmp_path: Path) -> None:
+    """Of most values the old host notices that the reply is no echo; of some it does not."""
+    dose = "volume: {at: 2, type: volume}}, reply: echo}"
+    (change,) = found(tmp_path, DOSER, (dose, dose.replace("echo", "{state: {at: 1, type: state}}")))
+    assert verdicts([change]) == {"reply-form-changed command dose": {"receiving": SILENT}}
+
+
+def test_the_byte_order_of_an_index_is_one_finding(tmp_path: Path) -> None:
+    press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
+    (change,) = found(tmp_path, press, ("index: {at: 0, raw: u16}", "index: {at: 0, raw: u16, byte_order: big}"))
+    assert verdicts([change]) == {"byte-order-changed table settings": {"sending": LOUD, "receiving": LOUD}}
+
+
+def test_a_frame_with_unknown_bits_in_its_id_is_loud(tmp_path: Path) -> None:
+    press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
+    (change,) = found(tmp_path, press, ("host: {raw: u8", "host: {raw: u7"))
+    assert (change.rule.id, change.impact) == ("width-changed", Impact.LOUD)
+
+
+def test_a_request_that_is_rejected_has_no_reply(tmp_path: Path) -> None:
+    """Without the other message, a constant no longer distinguishes; the new node still rejects another value."""
+    oven = (ROOT / "tests/assurance/specs/oven/v1.yaml").read_text("utf-8")
+    (change,) = found(tmp_path, oven, (oven[oven.index("  erase_recipe:") :], ""))
+    assert verdicts([change]) == {"command-removed command erase_recipe": {"sending": LOUD}}

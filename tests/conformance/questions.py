@@ -146,7 +146,7 @@ class Questions:
         yield CanFrame(self._chance.getrandbits(29), self._chance.randbytes(self._chance.randrange(9)), True)
 
     def _frame(self, message: Message, node: int | None, noise: bool = False) -> CanFrame:
-        """A frame of a message, or of one of its accepted keys; with `noise`, bits without a meaning are random."""
+        """A frame of a message, or of one of its accepted keys; with `noise`, bits are random, except for constants."""
         encoder = self._encoders.under(self._known(message))
         raws = {name: self._raw(encoder, field) for name, field in (encoder.fields(message) or {}).items()}
         frame = encoder.encode_raws(message, node, raws)
@@ -156,7 +156,9 @@ class Questions:
             keys[0] = (keys[0][0], (*message.accept, *message.claims))
         id_, word = frame.id, int.from_bytes(frame.data, "little")
         if noise:
-            word |= self._chance.getrandbits(8 * len(frame.data) or 1)
+            constants = (f for f in message.layout.fields if f.space is Space.DATA and f.demanded is not None)
+            fixed = sum(1 << bit for f in constants for e in f.elements for bit in e.bits)
+            word |= self._chance.getrandbits(8 * len(frame.data) or 1) & ~fixed
         for key, values in keys:
             value = self._chance.choice(values)
             for i, bit in enumerate(bits_of(key.segments)):
@@ -201,7 +203,7 @@ class Questions:
                 near += [n for number in numbers for n in (number, number * 1.000001, number * 0.999999)]
             bits = (encoder.nearest_raw(field, Fraction(n)) for n in near if math.isfinite(n))
             infinity, sign = {32: 0xFF << 23, 64: 0x7FF << 52}[type_.width], 1 << type_.width - 1
-            special = (infinity, infinity | sign, infinity | 1, infinity - 1, sign, 1)
+            special = (infinity, infinity | sign, infinity | 1, infinity - 1, sign, sign | 1, 1)
             return [*(b for b in bits if isinstance(b, int)), chance.getrandbits(type_.width), high, 0, *special]
         if span is not None:
             numbers_ = {n: Fraction(v) for n, v in encoder.assignment.items() if n in type_.numbers}

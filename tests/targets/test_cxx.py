@@ -40,11 +40,13 @@ canwright_status_t use(const frame &received)
 CORRECT = (
     "status = set(reply, field::speed, get(reply, field::speed))",
     "set(state, field::errors, error_flags::low_voltage, has(state, field::errors, error_flags::over_temperature))",
+    "status = set_float(request, field::iq, get_float(reply, field::iq, motor).value_or(0.0f), motor)",
     "status = set_milli(request, field::iq, get_milli(reply, field::iq, motor).value_or(0), motor)",
 )
 INCORRECT = (
     "status = set(reply, field::voltage, 1.0)",
     "status = set(request, field::iq, 2.5)",
+    "status = set_float(request, field::iq, 2.5, motor)",
     "status = set(request, field::iq, series::mg, motor)",
     "set(state, field::errors, spin_direction::clockwise)",
     "status = set(request, mwd_motor::v2_36_2025_03::field::iq, 2.5, motor)",

@@ -76,6 +76,13 @@ def filled(fact: Fact, language: str, words: Mapping[str, str], escape: Callable
     return fact if isinstance(fact, str) else escape(fact.get(language) or next(iter(fact.values()), ""))
 
 
+def with_facts(
+    sentence: str, facts: Mapping[str, Fact], language: str, words: Mapping[str, str], escape: Callable[[str], str]
+) -> str:
+    """A sentence with its facts, which it names in braces, as text in a language."""
+    return sentence.format_map({name: filled(fact, language, words, escape) for name, fact in facts.items()})
+
+
 @dataclass(frozen=True)
 class ChangeRule:
     """An id for people to look up, and the sentence, with names of facts in braces, that describes a change."""
@@ -147,5 +154,4 @@ class Change:
 
         `escape` makes texts of the spec safe where the sentence goes; names and numbers are safe everywhere.
         """
-        facts = {name: filled(fact, language, words, escape) for name, fact in self.facts.items()}
-        return (sentence or self.rule.says).format_map(facts)
+        return with_facts(sentence or self.rule.says, self.facts, language, words, escape)

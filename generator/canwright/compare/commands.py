@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.layout import Layout
-from ..model.message import Command, Direction, Entry, Message, SharedReply
+from ..model.message import Command, Direction, Entry, Message, OtherReply, SharedReply
 from ..model.metadata import Effect, Level
 from . import discriminators, fields, forms, match
 from .change import Fact, Impact, Item, Side, Word
@@ -332,12 +332,20 @@ def _forms(found: Collector, both: Editions, old: Command, new: Command) -> None
         ),
     )
     found.attributes(rows, _item(old), paths(old, new), old, new, sending)
+    if _is_gone_with_another(both, old, new):
+        return
     if reply(old) == reply(new):
         places = at(paths(old, new), "reply")
         found.attributes([_REPLIERS], _item(old), places, old, new, receiving)
     else:
         form = Attribute[Command]("reply-form-changed", "reply", shown_reply, _other_form, reply)
         found.attributes([form], _item(old), paths(old, new), old, new, receiving)
+
+
+def _is_gone_with_another(both: Editions, old: Command, new: Command) -> bool:
+    """Whether a command has no reply any more because that of another command, which it had, is gone."""
+    names = {both.commands.get(r.of, r.of) for r in old.replies if isinstance(r, OtherReply)}
+    return not new.replies and any(c.name in names and not c.replies for c in both.new.commands)
 
 
 def _repliers(command: Command) -> Fact:

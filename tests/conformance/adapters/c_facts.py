@@ -20,12 +20,12 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.model.types import Encoding, Type
+from canwright.model.types import Encoding, Linear, Type
 from canwright.semantics.decoder import Rejection, linear_of
 from canwright.semantics.encoder import Encoder
 from canwright.targets.c.names import Names, layouts
 
-from ...assurance.floating import SINGLE, bits_of, number_of
+from ...assurance.floating import DOUBLE, SINGLE, bits_of, is_finite, number_of
 from ...float_rule import nearest_integer
 from ..adapter import Parameters, Refused, assignment
 from .c_signatures import functions
@@ -41,6 +41,9 @@ _RAW = ("raw", "*raw")
 
 SINGLE_ERROR = Fraction(7, 1 << 24)
 """The bound of conversions in single precision, relative to the magnitudes of value and offset."""
+
+SMALLEST = Fraction(1, 1 << 148)
+"""The bound of conversions next to 0."""
 
 ARGUMENTS = {"parameters": "known", "raw": "raw", "value": "value", "id": "id", "node": "node", "found": "found"}
 
@@ -69,12 +72,15 @@ class Single:
     reason: Refusal | None = None
     """The reason for which it may be refused."""
     is_refused: bool = False
+    precision: int = 0
+    """The bits of the fraction of a raw number in floating point; 0 for an integer."""
 
     def accepts(self, found: int | Refused) -> bool:
         """Whether a result is within the limits, or refused for the reason."""
         if isinstance(found, Refused):
             return found.says is self.reason
-        number = number_of(found, SINGLE) if self.direction == "to" else found
+        precision = SINGLE if self.direction == "to" else self.precision
+        number = number_of(found, precision) if precision else found
         return not self.is_refused and self.least <= number <= self.most
 
 
@@ -232,6 +238,8 @@ class Facts:
                 else:
                     flag = 1 << 31 if rule.extended else 0
                     found[names.upper(address.name, direction.value, "id")] = rule.base | flag
+        if self._edition.bus.reply_within_ms is not None:
+            found[names.upper("reply_within_us")] = math.ceil(self._edition.bus.reply_within_ms * 1000)
         for command in self._edition.commands:
             if command.code is not None:
                 found[self._names.upper(command.name, "code")] = command.code
@@ -244,15 +252,22 @@ class Facts:
                 found[names.upper(stem, "scale_den")] = linear.scale.denominator
                 found[names.upper(stem, "offset_num")] = linear.offset.numerator
                 found[names.upper(stem, "offset_den")] = linear.offset.denominator
+            found |= self._ranges(stem, type_)
+        return found
+
+    def _ranges(self, stem: str, type_: Type) -> dict[str, int]:
+        """The ends of the range of a type, and of each of its cases."""
+        found: dict[str, int] = {}
+        if type_.encoding is not Encoding.FLOAT:
             spans = {"": type_.raw_range.constant, **{f"_{n}": span for n, span in type_.raw_range.cases.items()}}
-            for case, span in spans.items() if type_.encoding is not Encoding.FLOAT else ():
+            for case, span in spans.items():
                 low, high = type_.raw_limits
                 if span is not None and span.low.parameter is None:
                     low = max(low, math.ceil(span.low.constant))
                 if span is not None and span.high.parameter is None:
                     high = min(high, math.floor(span.high.constant))
-                found[names.upper(stem, f"raw_min{case}")] = low
-                found[names.upper(stem, f"raw_max{case}")] = high
+                found[self._names.upper(stem, f"raw_min{case}")] = low
+                found[self._names.upper(stem, f"raw_max{case}")] = high
         return found
 
     def _of_address(self, kind: str, name: str) -> Iterator[Fact]:
@@ -320,6 +335,28 @@ class Facts:
         near |= {self._chance.randint(low, high) for _ in range(4)}
         return sorted(raw for raw in near if least <= raw <= most)
 
+    def _floats(self, type_: Type, linear: Linear, encoder: Encoder, parameters: Parameters) -> Iterator[Single]:
+        """The values of raw numbers in floating point, and the numbers of these values and of those next to them."""
+        precision = SINGLE if type_.width == 32 else DOUBLE
+        raws = (raw for raw in self._raws(encoder, type_) if is_finite(raw, precision))
+        for raw, number in ((raw, number_of(raw, precision)) for raw in raws):
+            exact = number * linear.scale + linear.offset
+            error = SINGLE_ERROR * (abs(number * linear.scale) + abs(linear.offset)) + SMALLEST
+            if abs(exact) >= 1 << 127:
+                continue
+            yield Single(type_.name, "to", raw, parameters, exact - error, exact + error)
+            bits = bits_of(exact, SINGLE)
+            for given in {bits, max(bits - 1, 0), bits + 1}:
+                back = (number_of(given, SINGLE) - linear.offset) / linear.scale
+                error = SINGLE_ERROR * (abs(back) + abs(linear.offset / linear.scale)) + SMALLEST
+                ends = back - error, back + error
+                values = (end * linear.scale + linear.offset for end in ends)
+                found = [encoder.field_raw(self._field(type_), value) for value in values]
+                is_valid = [isinstance(one, int) for one in found]
+                reason = None if all(is_valid) else Refusal.OUT_OF_RANGE
+                is_refused = not any(is_valid)
+                yield Single(type_.name, "from", given, parameters, *ends, reason, is_refused, precision)
+
     def _of_double(self, stem: str, type_: Type) -> Iterator[Fact]:
         """The raw integers of doubles at, between and beyond the ends of a type."""
         field = self._field(type_)
@@ -347,9 +384,9 @@ class Facts:
         return [name for name in self._macros if name.endswith(("_FILTER_ID", "_FILTER_MASK"))]
 
     def singles(self) -> Iterator[Single]:
-        """Conversions of single precision, at, between and beyond the ends of each type of integers."""
+        """Conversions of single precision, at, between and beyond the ends of each type."""
         for stem, type_ in self._types.items():
-            if f"{stem}_to_float" in self._functions and type_.encoding is not Encoding.FLOAT:
+            if f"{stem}_to_float" in self._functions:
                 for parameters in self._assignments(*type_.parameters, *type_.numbers):
                     yield from self._singles(type_, parameters)
                 zeros = (("to", 1), ("from", 1), ("from", 0x7FC00000))
@@ -370,6 +407,9 @@ class Facts:
             return
         for bits in (0x7F800000, 0xFF800000, 0x7FC00000, 0x7F800001):
             yield Single(type_.name, "from", bits, parameters, zero, zero, Refusal.NOT_FINITE, is_refused=True)
+        if type_.encoding is Encoding.FLOAT:
+            yield from self._floats(type_, linear, encoder, parameters)
+            return
         low, high = type_.raw_limits
         numbers = {0, 1, 1 << 31, 0x7F7FFFFF, 0xFF7FFFFF, 0x4F000000, 0xCF000000, 0x5F000000, 0xDF000000, 0x5F800000}
         for raw in self._raws(encoder, type_):

@@ -428,6 +428,21 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_35_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>) noexcept
 {
@@ -439,6 +454,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>, double value) noexcept
 {
     return ::mwd_motor_v2_35_power_from_double(&message.power, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>) noexcept
+{
+    return ::mwd_motor_v2_35_power_to_float(message.power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_power_from_float(&message.power, value);
 }
 
 /** The value in its unit, if it has one. */
@@ -459,6 +488,26 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
     const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_torque_current_from_double(&message.iq, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_torque_current_from_float(&message.iq, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -495,6 +544,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
     return ::mwd_motor_v2_35_speed_i16_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_speed_i16_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_speed_i16_from_float(&message.speed, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
@@ -513,6 +576,26 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
     const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_encoder_position_from_double(&message.encoder, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_encoder_position_from_float(&message.encoder, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -550,6 +633,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KP>) noexcept
+{
+    return ::mwd_motor_v2_35_gain_to_float(message.angle_kp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KP>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_gain_from_float(&message.angle_kp, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KI>) noexcept
 {
@@ -561,6 +658,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KI>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.angle_ki, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KI>) noexcept
+{
+    return ::mwd_motor_v2_35_gain_to_float(message.angle_ki);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KI>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_gain_from_float(&message.angle_ki, value);
 }
 
 /** The value in its unit. */
@@ -578,6 +689,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KP>) noexcept
+{
+    return ::mwd_motor_v2_35_gain_to_float(message.speed_kp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KP>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_gain_from_float(&message.speed_kp, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KI>) noexcept
 {
@@ -589,6 +714,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KI>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.speed_ki, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KI>) noexcept
+{
+    return ::mwd_motor_v2_35_gain_to_float(message.speed_ki);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KI>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_gain_from_float(&message.speed_ki, value);
 }
 
 /** The value in its unit. */
@@ -606,6 +745,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KP>) noexcept
+{
+    return ::mwd_motor_v2_35_gain_to_float(message.iq_kp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KP>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_gain_from_float(&message.iq_kp, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KI>) noexcept
 {
@@ -617,6 +770,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KI>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.iq_ki, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KI>) noexcept
+{
+    return ::mwd_motor_v2_35_gain_to_float(message.iq_ki);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KI>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_gain_from_float(&message.iq_ki, value);
 }
 
 /** The value in its unit. */
@@ -634,6 +801,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_35_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>) noexcept
 {
@@ -645,6 +826,20 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
     ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>, double value) noexcept
 {
     return ::mwd_motor_v2_35_voltage_from_double(&message.voltage, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>) noexcept
+{
+    return ::mwd_motor_v2_35_voltage_to_float(message.voltage);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_voltage_from_float(&message.voltage, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -691,6 +886,20 @@ static inline void set(
     return ::mwd_motor_v2_35_power_from_double(&message.power, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>) noexcept
+{
+    return ::mwd_motor_v2_35_power_to_float(message.power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_power_from_float(&message.power, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
@@ -709,6 +918,26 @@ static inline void set(
     const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_torque_current_from_double(&message.iq, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_torque_current_from_float(&message.iq, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -745,6 +974,20 @@ static inline void set(
     return ::mwd_motor_v2_35_speed_setpoint_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_speed_setpoint_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_speed_setpoint_from_float(&message.speed, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>) noexcept
@@ -772,6 +1015,21 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -806,6 +1064,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
@@ -819,6 +1093,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -866,6 +1156,21 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_single_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_single_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_single_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -916,6 +1221,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
@@ -929,6 +1250,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_single_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_single_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_single_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -960,6 +1297,21 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_from_double(&message.increment, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
+{
+    return ::mwd_motor_v2_35_angle_i32_to_float(message.increment);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_angle_i32_from_float(&message.increment, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -994,6 +1346,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
@@ -1007,6 +1375,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_from_double(&message.increment, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
+{
+    return ::mwd_motor_v2_35_angle_i32_to_float(message.increment);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_angle_i32_from_float(&message.increment, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1041,6 +1425,22 @@ static inline void set(
     return ::mwd_motor_v2_35_acceleration_from_double(&message.acceleration, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_write_acceleration_ram_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>) noexcept
+{
+    return ::mwd_motor_v2_35_acceleration_to_float(message.acceleration);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_write_acceleration_ram_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_acceleration_from_float(&message.acceleration, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
@@ -1059,6 +1459,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_encoder_position_from_double(&message.encoder_offset, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_encoder_position_from_float(&message.encoder_offset, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1103,6 +1523,28 @@ static inline void set(
     return ::mwd_motor_v2_35_broadcast_current_from_double(&message.iq[index], value);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
+    ::std::size_t index) noexcept
+{
+    if (index >= 4u) {
+        return ::std::nullopt;
+    }
+    return ::mwd_motor_v2_35_broadcast_current_to_float(message.iq[index]);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, ::std::size_t index,
+    float value) noexcept
+{
+    if (index >= 4u) {
+        return CANWRIGHT_OUT_OF_RANGE;
+    }
+    return ::mwd_motor_v2_35_broadcast_current_from_float(&message.iq[index], value);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
@@ -1141,6 +1583,22 @@ static inline void set(
     return ::mwd_motor_v2_35_acceleration_from_double(&message.acceleration, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_read_acceleration_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>) noexcept
+{
+    return ::mwd_motor_v2_35_acceleration_to_float(message.acceleration);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_acceleration_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_acceleration_from_float(&message.acceleration, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
@@ -1159,6 +1617,26 @@ static inline void set(
     const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_encoder_position_from_double(&message.encoder, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_encoder_position_from_float(&message.encoder, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1201,6 +1679,26 @@ static inline void set(
     return ::mwd_motor_v2_35_encoder_position_from_double(&message.encoder_measured, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_encoder_position_to_float(&value, message.encoder_measured, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_encoder_position_from_float(&message.encoder_measured, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
@@ -1239,6 +1737,26 @@ static inline void set(
     const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_encoder_position_from_double(&message.encoder_offset, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_encoder_position_from_float(&message.encoder_offset, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1281,6 +1799,26 @@ static inline void set(
     return ::mwd_motor_v2_35_encoder_position_from_double(&message.encoder_offset, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_encoder_position_from_float(&message.encoder_offset, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message,
@@ -1314,6 +1852,21 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_multi_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_multi_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_multi_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1351,6 +1904,22 @@ static inline void set(
     return ::mwd_motor_v2_35_single_turn_position_from_double(&message.angle, value, &known);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_single_turn_position_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_single_turn_position_from_float(&message.angle, value, &known);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message,
@@ -1383,6 +1952,21 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_35_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>) noexcept
 {
@@ -1395,6 +1979,21 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_from_double(&message.phase_a, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>) noexcept
+{
+    return ::mwd_motor_v2_35_phase_current_to_float(message.phase_a);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_phase_current_from_float(&message.phase_a, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1427,6 +2026,21 @@ static inline void set(
     return ::mwd_motor_v2_35_phase_current_from_double(&message.phase_b, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>) noexcept
+{
+    return ::mwd_motor_v2_35_phase_current_to_float(message.phase_b);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_phase_current_from_float(&message.phase_b, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int32_t get_milli(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>) noexcept
@@ -1455,6 +2069,21 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_from_double(&message.phase_c, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_C>) noexcept
+{
+    return ::mwd_motor_v2_35_phase_current_to_float(message.phase_c);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_C>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_phase_current_from_float(&message.phase_c, value);
 }
 
 /** The value in thousandths of its unit. */

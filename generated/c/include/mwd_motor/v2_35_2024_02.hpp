@@ -496,6 +496,22 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
@@ -509,6 +525,22 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_output_power_from_double(&message.power, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_output_power_to_float(message.power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_output_power_from_float(&message.power, value);
 }
 
 /** The value in its unit, if it has one. */
@@ -529,6 +561,26 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
     const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_double(&message.iq, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_measured_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_float(&message.iq, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -567,6 +619,22 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
     return ::mwd_motor_v2_35_2024_02_speed_i16_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_i16_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_i16_from_float(&message.speed, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
@@ -585,6 +653,26 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -624,6 +712,22 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_status_1_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
 {
@@ -636,6 +740,21 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_voltage_from_double(&message.voltage, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_voltage_to_float(message.voltage);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_voltage_from_float(&message.voltage, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -666,6 +785,21 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_bus_current_from_double(&message.current, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_bus_current_to_float(message.current);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_bus_current_from_float(&message.current, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -733,6 +867,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_i16_to_float(message.torque_limit);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_i16_from_float(&message.torque_limit, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>) noexcept
@@ -749,6 +899,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_i32_to_float(message.acceleration_limit);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_i32_from_float(&message.acceleration_limit, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>) noexcept
@@ -762,6 +928,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>, double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_i32_from_double(&message.speed_limit, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_i32_to_float(message.speed_limit);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_i32_from_float(&message.speed_limit, value);
 }
 
 /** The raw integer as a named value, which it may not have. */
@@ -796,6 +978,22 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_power_i16_from_double(&message.power, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_set_power_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_power_i16_to_float(message.power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_power_i16_from_float(&message.power, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
@@ -814,6 +1012,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_torque_current_from_double(&message.iq, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_torque_current_from_float(&message.iq, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -852,6 +1070,22 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_set_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_float(&message.speed, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_set_speed_request_t &message,
@@ -886,6 +1120,26 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_torque_current_from_double(&message.iq_limit, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_torque_current_to_float(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_torque_current_from_float(&message.iq_limit, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -924,6 +1178,22 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_float(&message.speed, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
@@ -954,6 +1224,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -989,6 +1275,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
@@ -1002,6 +1304,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1052,6 +1370,22 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_double(&message.angle, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_float(&message.angle, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
@@ -1101,6 +1435,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
@@ -1114,6 +1464,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1146,6 +1512,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.increment, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.increment);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.increment, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1181,6 +1563,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
@@ -1194,6 +1592,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>, double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.increment, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.increment);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.increment, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1233,6 +1647,26 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder_offset, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder_offset, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
@@ -1266,6 +1700,21 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1318,6 +1767,26 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
@@ -1357,6 +1826,27 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder_measured, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder_measured,
+        &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder_measured, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1401,6 +1891,26 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder_offset, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder_offset, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
@@ -1442,6 +1952,26 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder_offset, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder_offset, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
@@ -1476,6 +2006,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1514,6 +2060,22 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_single_turn_position_from_double(&message.angle, value, &known);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_single_turn_position_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_single_turn_position_from_float(&message.angle, value, &known);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
@@ -1546,6 +2108,22 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_temperature_from_double(&message.temperature, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_temperature_from_float(&message.temperature, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
@@ -1564,6 +2142,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&message.phase_a, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_phase_current_to_float(&value, message.phase_a, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_phase_current_from_float(&message.phase_a, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1606,6 +2204,26 @@ static inline void set(
     return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&message.phase_b, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_phase_current_to_float(&value, message.phase_b, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_phase_current_from_float(&message.phase_b, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
@@ -1644,6 +2262,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&message.phase_c, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_35_2024_02_phase_current_to_float(&value, message.phase_c, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_phase_current_from_float(&message.phase_c, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */

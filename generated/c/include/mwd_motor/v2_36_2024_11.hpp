@@ -584,6 +584,22 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>) noexcept
@@ -597,6 +613,22 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_output_power_from_double(&message.power, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_output_power_to_float(message.power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_output_power_from_float(&message.power, value);
 }
 
 /** The value in its unit, if it has one. */
@@ -617,6 +649,26 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
     const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_measured_torque_current_from_double(&message.iq, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_measured_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_measured_torque_current_from_float(&message.iq, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -655,6 +707,22 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
     return ::mwd_motor_v2_36_2024_11_speed_i16_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_i16_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_i16_from_float(&message.speed, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
@@ -673,6 +741,26 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_encoder_position_from_double(&message.encoder, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_encoder_position_from_float(&message.encoder, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -711,6 +799,21 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KP>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_gain_to_float(message.kp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KP>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_gain_from_float(&message.kp, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KI>) noexcept
 {
@@ -726,6 +829,21 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KI>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_gain_to_float(message.ki);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KI>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_gain_from_float(&message.ki, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KD>) noexcept
 {
@@ -738,6 +856,21 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_gain_from_double(&message.kd, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KD>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_gain_to_float(message.kd);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KD>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_gain_from_float(&message.kd, value);
 }
 
 /** The value in its unit. */
@@ -757,6 +890,22 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_status_1_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>) noexcept
 {
@@ -769,6 +918,21 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_voltage_from_double(&message.voltage, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_voltage_to_float(message.voltage);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_voltage_from_float(&message.voltage, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -799,6 +963,21 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_bus_current_from_double(&message.current, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_bus_current_to_float(message.current);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_bus_current_from_float(&message.current, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -866,6 +1045,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_TORQUE_CURRENT>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i16_to_float(message.max_torque_current);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_TORQUE_CURRENT>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i16_from_float(&message.max_torque_current, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
@@ -879,6 +1074,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_i32_from_double(&message.max_speed, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_control_parameters_max_speed_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i32_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_control_parameters_max_speed_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i32_from_float(&message.max_speed, value);
 }
 
 /** The value in its unit. */
@@ -898,6 +1109,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_control_parameters_max_angle_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i32_to_float(message.max_angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_control_parameters_max_angle_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i32_from_float(&message.max_angle, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT_RAMP>) noexcept
@@ -914,6 +1141,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT_RAMP>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i32_to_float(message.current_ramp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT_RAMP>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i32_from_float(&message.current_ramp, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED_RAMP>) noexcept
@@ -927,6 +1170,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED_RAMP>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_i32_from_double(&message.speed_ramp, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED_RAMP>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i32_to_float(message.speed_ramp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED_RAMP>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_i32_from_float(&message.speed_ramp, value);
 }
 
 /** The raw integer as a named value, which it may not have. */
@@ -961,6 +1220,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_power_i16_from_double(&message.power, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_set_power_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_power_i16_to_float(message.power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_power_i16_from_float(&message.power, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
@@ -979,6 +1254,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_torque_current_from_double(&message.iq, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_torque_current_from_float(&message.iq, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1021,6 +1316,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_torque_current_from_double(&message.iq_limit, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_torque_current_to_float(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_torque_current_from_float(&message.iq_limit, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
@@ -1057,6 +1372,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_speed_setpoint_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_setpoint_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_setpoint_from_float(&message.speed, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message,
@@ -1087,6 +1418,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_move_to_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1122,6 +1469,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
@@ -1135,6 +1498,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1185,6 +1564,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_single_turn_angle_from_double(&message.angle, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_single_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_single_turn_angle_from_float(&message.angle, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message,
@@ -1234,6 +1629,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
@@ -1247,6 +1658,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_single_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_single_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_single_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1279,6 +1706,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_angle_i32_from_double(&message.increment, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_move_by_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_to_float(message.increment);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_from_float(&message.increment, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1314,6 +1757,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
@@ -1327,6 +1786,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_angle_i32_from_double(&message.increment, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_to_float(message.increment);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_from_float(&message.increment, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1358,6 +1833,21 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_set_angle_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_set_angle_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1410,6 +1900,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_encoder_position_from_double(&message.encoder, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_encoder_position_from_float(&message.encoder, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
@@ -1449,6 +1959,27 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_encoder_position_from_double(&message.encoder_measured, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_encoder_position_to_float(&value, message.encoder_measured,
+        &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_encoder_position_from_float(&message.encoder_measured, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1493,6 +2024,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_encoder_position_from_double(&message.encoder_offset, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_encoder_position_from_float(&message.encoder_offset, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
@@ -1534,6 +2085,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_encoder_position_from_double(&message.encoder_offset, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_encoder_position_from_float(&message.encoder_offset, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
@@ -1568,6 +2139,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_multi_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_multi_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_multi_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1606,6 +2193,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_single_turn_position_from_double(&message.angle, value, &known);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_single_turn_position_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_single_turn_position_from_float(&message.angle, value, &known);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
@@ -1638,6 +2241,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_temperature_from_double(&message.temperature, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_temperature_from_float(&message.temperature, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
@@ -1656,6 +2275,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_phase_current_from_double(&message.phase_a, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_A>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_phase_current_to_float(&value, message.phase_a, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_A>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_phase_current_from_float(&message.phase_a, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1698,6 +2337,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2024_11_phase_current_from_double(&message.phase_b, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_B>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_phase_current_to_float(&value, message.phase_b, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_B>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_phase_current_from_float(&message.phase_b, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
@@ -1736,6 +2395,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_phase_current_from_double(&message.phase_c, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_C>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2024_11_phase_current_to_float(&value, message.phase_c, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_C>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2024_11_phase_current_from_float(&message.phase_c, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */

@@ -922,6 +922,22 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>) noexcept
@@ -935,6 +951,22 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_output_power_from_double(&message.power, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_output_power_to_float(message.power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_output_power_from_float(&message.power, value);
 }
 
 /** The value in its unit, if it has one. */
@@ -955,6 +987,26 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
     const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_measured_torque_current_from_double(&message.iq, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_measured_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>, float value,
+    const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_measured_torque_current_from_float(&message.iq, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -993,6 +1045,22 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
     return ::mwd_motor_v2_36_2025_03_speed_i16_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_i16_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_i16_from_float(&message.speed, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
@@ -1011,6 +1079,26 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_encoder_position_from_double(&message.encoder, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_encoder_position_from_float(&message.encoder, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1049,6 +1137,21 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KP>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_gain_to_float(message.kp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KP>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_gain_from_float(&message.kp, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KI>) noexcept
 {
@@ -1064,6 +1167,21 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KI>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_gain_to_float(message.ki);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KI>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_gain_from_float(&message.ki, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KD>) noexcept
 {
@@ -1076,6 +1194,21 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_gain_from_double(&message.kd, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KD>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_gain_to_float(message.kd);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KD>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_gain_from_float(&message.kd, value);
 }
 
 /** The value in its unit. */
@@ -1095,6 +1228,22 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_status_1_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_temperature_from_float(&message.temperature, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>) noexcept
 {
@@ -1107,6 +1256,21 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_voltage_from_double(&message.voltage, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_voltage_to_float(message.voltage);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_voltage_from_float(&message.voltage, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1137,6 +1301,21 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_bus_current_from_double(&message.current, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_bus_current_to_float(message.current);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_bus_current_from_float(&message.current, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1204,6 +1383,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_output_limit_to_float(message.max_torque_current);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_output_limit_from_float(&message.max_torque_current, value, &known);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
@@ -1217,6 +1412,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_speed_bound_from_double(&message.max_speed, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_control_parameters_max_speed_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_bound_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_control_parameters_max_speed_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_bound_from_float(&message.max_speed, value);
 }
 
 /** The value in its unit. */
@@ -1236,6 +1447,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_UPPER_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_bound_to_float(message.upper_angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_UPPER_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_bound_from_float(&message.upper_angle, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_LOWER_ANGLE>) noexcept
@@ -1249,6 +1476,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_LOWER_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_angle_bound_from_double(&message.lower_angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_LOWER_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_bound_to_float(message.lower_angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_LOWER_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_bound_from_float(&message.lower_angle, value);
 }
 
 /** The value in its unit. */
@@ -1268,6 +1511,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_ramp_to_float(message.speed_ramp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_ramp_from_float(&message.speed_ramp, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_driver_id_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID>) noexcept
@@ -1281,6 +1540,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_driver_id_from_double(&message.driver_id, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_stored_settings_driver_id_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_driver_id_to_float(message.driver_id);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_stored_settings_driver_id_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_driver_id_from_float(&message.driver_id, value);
 }
 
 /** The raw integer as a named value, which it may not have. */
@@ -1348,6 +1623,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_stored_settings_max_power_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_output_limit_to_float(message.max_power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_stored_settings_max_power_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_output_limit_from_float(&message.max_power, value, &known);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
@@ -1361,6 +1652,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_speed_bound_from_double(&message.max_speed, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_stored_settings_max_speed_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_bound_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_stored_settings_max_speed_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_bound_from_float(&message.max_speed, value);
 }
 
 /** The value in its unit. */
@@ -1380,6 +1687,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_stored_settings_max_angle_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_max_angle_to_float(message.max_angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_stored_settings_max_angle_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_max_angle_from_float(&message.max_angle, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP>) noexcept
@@ -1396,6 +1719,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_current_ramp_to_float(message.current_ramp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_current_ramp_from_float(&message.current_ramp, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>) noexcept
@@ -1409,6 +1748,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_speed_ramp_from_double(&message.speed_ramp, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_ramp_to_float(message.speed_ramp);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_ramp_from_float(&message.speed_ramp, value);
 }
 
 /** The raw integer as a named value, which it may not have. */
@@ -1443,6 +1798,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_power_i16_from_double(&message.power, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_set_power_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_power_i16_to_float(message.power);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_power_i16_from_float(&message.power, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
@@ -1461,6 +1832,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_torque_current_from_double(&message.iq, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_torque_current_from_float(&message.iq, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1503,6 +1894,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_torque_current_from_double(&message.iq_limit, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_torque_current_to_float(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_torque_current_from_float(&message.iq_limit, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
@@ -1539,6 +1950,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_speed_setpoint_from_double(&message.speed, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_setpoint_to_float(message.speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_setpoint_from_float(&message.speed, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message,
@@ -1569,6 +1996,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_move_to_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1604,6 +2047,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
@@ -1617,6 +2076,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_angle_i32_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_i32_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_i32_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1667,6 +2142,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_single_turn_angle_from_double(&message.angle, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_single_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_single_turn_angle_from_float(&message.angle, value);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message,
@@ -1716,6 +2207,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
@@ -1729,6 +2236,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_single_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_single_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_single_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1761,6 +2284,22 @@ static inline void set(
     double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_angle_i32_from_double(&message.increment, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_move_by_angle_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_i32_to_float(message.increment);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_i32_from_float(&message.increment, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1796,6 +2335,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_limit_to_float(message.max_speed);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_speed_limit_from_float(&message.max_speed, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
@@ -1809,6 +2364,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_angle_i32_from_double(&message.increment, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_i32_to_float(message.increment);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_angle_i32_from_float(&message.increment, value);
 }
 
 /** The value in thousandths of its unit. */
@@ -1862,6 +2433,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_encoder_position_from_double(&message.encoder, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
+    const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_encoder_position_from_float(&message.encoder, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
@@ -1901,6 +2492,27 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_encoder_position_from_double(&message.encoder_measured, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_encoder_position_to_float(&value, message.encoder_measured,
+        &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_encoder_position_from_float(&message.encoder_measured, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -1945,6 +2557,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_encoder_position_from_double(&message.encoder_offset, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_encoder_position_from_float(&message.encoder_offset, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
@@ -1982,6 +2614,22 @@ static inline void set(
 }
 
 /** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_VALUE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_u32_to_float(message.align_value);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_VALUE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_u32_from_float(&message.align_value, value);
+}
+
+/** The value in its unit. */
 [[nodiscard]] static inline double get(
     const ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_RATIO>) noexcept
@@ -1995,6 +2643,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_RATIO>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_align_ratio_from_double(&message.align_ratio, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_RATIO>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_align_ratio_to_float(message.align_ratio);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_RATIO>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_align_ratio_from_float(&message.align_ratio, value);
 }
 
 /** True if a flag is set. */
@@ -2035,6 +2699,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_encoder_position_from_double(&message.encoder_offset, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_encoder_position_from_float(&message.encoder_offset, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
@@ -2069,6 +2753,22 @@ static inline void set(
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, double value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_multi_turn_angle_from_double(&message.angle, value);
+}
+
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_multi_turn_angle_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_multi_turn_angle_from_float(&message.angle, value);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -2107,6 +2807,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_single_turn_position_from_double(&message.angle, value, &known);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_single_turn_position_to_float(message.angle);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_single_turn_position_from_float(&message.angle, value, &known);
+}
+
 /** The value in thousandths of its unit. */
 [[nodiscard]] static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
@@ -2139,6 +2855,22 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_temperature_from_double(&message.temperature, value);
 }
 
+/** The value in its unit. */
+[[nodiscard]] static inline float get_float(
+    const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_temperature_to_float(message.temperature);
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
+    float value) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_temperature_from_float(&message.temperature, value);
+}
+
 /** The value in its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
@@ -2157,6 +2889,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_phase_current_from_double(&message.phase_a, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_phase_current_to_float(&value, message.phase_a, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_phase_current_from_float(&message.phase_a, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */
@@ -2199,6 +2951,26 @@ static inline void set(
     return ::mwd_motor_v2_36_2025_03_phase_current_from_double(&message.phase_b, value, &known);
 }
 
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_phase_current_to_float(&value, message.phase_b, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_phase_current_from_float(&message.phase_b, value, &known);
+}
+
 /** The value in thousandths of its unit, if it has one. */
 [[nodiscard]] static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
@@ -2237,6 +3009,26 @@ static inline void set(
     double value, const parameters &known) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_phase_current_from_double(&message.phase_c, value, &known);
+}
+
+/** The value in its unit, if it has one. */
+[[nodiscard]] static inline ::std::optional<float> get_float(
+    const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
+    field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>, const parameters &known) noexcept
+{
+    float value = 0;
+    if (::mwd_motor_v2_36_2025_03_phase_current_to_float(&value, message.phase_c, &known) != CANWRIGHT_OK) {
+        return ::std::nullopt;
+    }
+    return value;
+}
+
+/** Sets the nearest raw integer; a value that does not fit is rejected. */
+[[nodiscard]] static inline status set_float(
+    ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>,
+    float value, const parameters &known) noexcept
+{
+    return ::mwd_motor_v2_36_2025_03_phase_current_from_float(&message.phase_c, value, &known);
 }
 
 /** The value in thousandths of its unit, if it has one. */

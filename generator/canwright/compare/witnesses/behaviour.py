@@ -219,6 +219,8 @@ class Behaviour:
         asked, old = observation.witness.frame, case.old
         if case.side is not Side.SENDING or observation.aspect is not Aspect.IDENTITY or asked is None or old is None:
             return
+        if observation.witness.impact is not Impact.SILENT:  # rejected, perhaps because of a constant
+            return
         receiver = self._decoders[Side.SENDING][1]
         understood = candidates.message_of(receiver, Direction.REQUEST, asked)
         if understood is None or old.reply is None or old.request is None:

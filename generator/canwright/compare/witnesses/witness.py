@@ -11,7 +11,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.types import Assignment
 from ...semantics.frame import CanFrame
-from ..change import Fact, Impact, Side, filled
+from ..change import Fact, Impact, Side, with_facts
 
 SENTENCES: Mapping[str, str] = {
     "sent-read": "the old host sends {sent}; the new node reads {read}",
@@ -70,8 +70,8 @@ class Witness:
         escape: Callable[[str], str] = lambda text: text,
     ) -> str:
         """The frame and the sentence, or another one in `language` with its `words`, with the facts of this witness."""
-        facts = {name: filled(fact, language, words, escape) for name, fact in self.facts.items()}
-        return f"{self.sent}: " * bool(self.sent) + (sentence or SENTENCES[self.sentence]).format_map(facts)
+        text = with_facts(sentence or SENTENCES[self.sentence], self.facts, language, words, escape)
+        return f"{self.sent}: {text}" if self.sent else text
 
 
 class Aspect(Enum):

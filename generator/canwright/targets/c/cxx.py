@@ -226,7 +226,11 @@ class _Cxx:
         type_ = field.type
         enum = self._enums.get(type_.name, "")
         view = self._types[self._names.lower(self._stem(type_))]
-        pairs = (("", "double", view.double), ("_milli", view.milli.kind if view.milli else "", view.milli))
+        pairs = (
+            ("", "double", view.double),
+            ("_float", "float", view.single),
+            ("_milli", view.milli.kind if view.milli else "", view.milli),
+        )
         return FieldView(
             tag=self._names.upper("field", field.name),
             member=member(field.name),
@@ -246,7 +250,7 @@ class _Cxx:
 
 def _conversion(type_: TypeView, ending: str, number: str, view: ConversionView | None) -> Conversion:
     assert view is not None
-    unit = "double" if number == "double" else "milli"
+    unit = "milli" if ending == "_milli" else number
     return Conversion(
         ending=ending,
         number=number,
