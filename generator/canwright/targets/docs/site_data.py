@@ -151,7 +151,7 @@ def _types(edition: Edition) -> Iterator[Record]:
             of_type.setdefault(field.type, []).append(page_of(command))
     for type_ in dict.fromkeys((*edition.types, *of_type)):
         is_named = type_.path[0] == "types"
-        pages = [f"types#types.{type_.name}"] if is_named else list(dict.fromkeys(of_type[type_]))
+        pages = [f"types#types.{type_.name}"] if is_named else list(dict.fromkeys(of_type.get(type_, ())))
         if is_named:
             titles = {"title": dict(type_.title), "about": dict(type_.about)}
             yield {"kind": "type", "name": type_.name, **titles, "pages": pages}
