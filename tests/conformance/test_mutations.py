@@ -143,7 +143,7 @@ def test_a_changed_spec_fails(spec: str, mutant: str, targets: tuple[str, ...], 
             assert _replay(item, target, tmp_path), f"{mutant} survives in {spec}, {target}: a golden frame is missing"
 
 
-@pytest.mark.parametrize("target", ["c", "dbc", "docs"])
+@pytest.mark.parametrize("target", ["c", "dbc", "docs", "javascript"])
 @pytest.mark.parametrize(("spec", "mutant"), [(spec, one) for spec, some in EVERYWHERE.items() for one in some])
 def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Path) -> None:
     item = _changed(spec, MUTANTS[spec][mutant], tmp_path)
