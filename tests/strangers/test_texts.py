@@ -125,6 +125,8 @@ def _same_file(path: str, hostile: str, harmless: str) -> bool:
 
 def _same_html(hostile: str, harmless: str) -> bool:
     """The same page around data of the same shape."""
+    if 'id="data">' not in harmless:
+        return _equal(hostile, harmless)
     (page, data, rest), (other, other_data, other_rest) = (
         (start, *end.split("</script>", 1))
         for start, _, end in (t.partition('id="data">') for t in (hostile, harmless))
