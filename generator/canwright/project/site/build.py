@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import importlib.util
+import io
 import json
 import shlex
 import subprocess
 import sys
 import tempfile
+import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from ...output.manifest import read_manifest
 from ...output.writer import Content, refuse_occupied, write
 
 LANGUAGES = {"en": "English", "zh": "中文"}
@@ -29,6 +32,11 @@ DATA = "site.json"
 EXPLORER = "explorer"
 """The folder of the frame explorer, in the output of the javascript target and in the site."""
 
+DOWNLOADS = "downloads"
+"""The folder of the outputs of other targets in the site."""
+_SINGLE = (".dbc", ".lua")
+"""Suffixes of files that are also used on their own."""
+
 _UNUSED = (".map", ".buildinfo", "objects.inv", "/searchtools.js", "/language_data.js", "-stemmer.js", "/debug.css")
 """Ends of paths of files that Sphinx writes and no page uses; its search is replaced."""
 
@@ -40,7 +48,7 @@ class SiteError(Exception):
 def build(docs: Path, site: Path, *, force: bool = False) -> None:
     """Builds the pages below `docs` into `site`, an empty folder or an earlier site, which is replaced at the end.
 
-    The frame explorer is included if the folder beside `docs` contains it. Raises SiteError, also for broken links, and
+    The frame explorer and the other outputs are included if the folders beside `docs` contain them. Raises SiteError, also for broken links, and
     OutputError for other files in `site`. `force` overwrites only pages that were edited by hand.
     """
     refuse_occupied(site, (_TARGET,))
@@ -54,11 +62,14 @@ def build(docs: Path, site: Path, *, force: bool = False) -> None:
         raise SiteError(f"required packages are not installed; run: pip install {shlex.join(missing)}")
     _check_data(docs / DATA)
     explorer = _files(docs.parent / "javascript" / EXPLORER)
+    downloads = dict(_downloads(docs.parent))
     with tempfile.TemporaryDirectory() as folder:
-        _run_sphinx(docs, Path(folder), languages, bool(explorer))
+        _run_sphinx(docs, Path(folder), languages, bool(explorer), list(downloads))
         files = {
             **{name: (THEME / "root" / name).read_bytes() for name in ("404.html", "index.html")},
             **{f"{EXPLORER}/{path}": content for path, content in explorer.items()},
+            **downloads,
+            **{f"{one}/{file.name}": file.read_bytes() for one in languages for file in (docs / one).glob("*.html")},
             **{
                 f"{language}/{path}": content
                 for language in languages
@@ -86,13 +97,37 @@ def _files(folder: Path) -> Mapping[str, bytes]:
     return {f.relative_to(folder).as_posix(): f.read_bytes() for f in sorted(folder.rglob("*")) if f.is_file()}
 
 
-def _run_sphinx(docs: Path, folder: Path, languages: list[str], has_explorer: bool) -> None:
+def _downloads(output: Path) -> Iterator[tuple[str, bytes]]:
+    """Each generated folder as a ZIP file, and the files that are used on their own; no other files of the folder."""
+    folders: dict[str, dict[str, bytes]] = {}
+    for path in sorted(read_manifest(output).files):
+        folder, _, inner = path.partition("/")
+        if inner and folder != "docs" and (output / path).is_file():
+            folders.setdefault(folder, {})[inner] = (output / path).read_bytes()
+    for folder, files in folders.items():
+        yield f"{DOWNLOADS}/{folder}.zip", _packed(folder, files)
+        yield from ((f"{DOWNLOADS}/{folder}/{path}", data) for path, data in files.items() if path.endswith(_SINGLE))
+
+
+def _packed(folder: str, files: Mapping[str, bytes]) -> bytes:
+    """A ZIP file that depends on the files alone: the date of each is the earliest that the format has."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for path, data in files.items():
+            info = zipfile.ZipInfo(f"{folder}/{path}", (1980, 1, 1, 0, 0, 0))
+            info.create_system, info.external_attr = 3, 0o644 << 16
+            archive.writestr(info, data, zipfile.ZIP_DEFLATED)
+    return packed.getvalue()
+
+
+def _run_sphinx(docs: Path, folder: Path, languages: list[str], has_explorer: bool, downloads: list[str]) -> None:
     """One process for each language, at the same time. Raises SiteError with the messages of all that fail."""
     command = [sys.executable, "-m", f"{__package__}.language"]
     settings = {
         "docs": str(docs.resolve()),
         "languages": languages,
         "has_explorer": has_explorer,
+        "downloads": downloads,
         "folder": str(folder),
     }
     processes = [

@@ -15,7 +15,7 @@ from .build import DATA, EXPLORER
 from .markdown import Alerts, Anchors, Links, SectionIds, TrustedHtml, resolve_links
 from .menu import Menu
 
-_SETTINGS = ("docs", "language", "languages", "has_explorer", "texts")
+_SETTINGS = ("docs", "language", "languages", "has_explorer", "downloads", "texts")
 
 
 def setup(app: Sphinx) -> Mapping[str, bool]:

@@ -56,6 +56,7 @@ def run(settings: dict[str, Any]) -> int:
             "canwright_language": language,
             "canwright_languages": settings["languages"],
             "canwright_has_explorer": settings["has_explorer"],
+            "canwright_downloads": settings["downloads"],
             "canwright_texts": texts,
         },
         status=None,

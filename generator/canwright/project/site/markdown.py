@@ -16,7 +16,7 @@ from sphinx.environment import BuildEnvironment
 from sphinx.transforms import SphinxTransform
 from sphinx.util import logging
 
-from .build import EXPLORER
+from .build import DOWNLOADS, EXPLORER
 
 _ALERTS: dict[str, type[nodes.Element]] = {
     "NOTE": nodes.note,
@@ -30,19 +30,31 @@ _ANCHOR = re.compile(r'<a id="([\w.\-]+)">')
 _TRUSTED = re.compile(r"<(?:br|/?(?:details|summary|sub|sup|kbd))>")
 """The HTML that pages may contain besides anchors and comments. Texts of a spec are escaped and contain none."""
 
+_CODE_HOST_ONLY = "<!-- Not on the site, which has a switch. -->"
+"""The line before a paragraph that the site replaces by its own navigation."""
+
 _FENCE = re.compile(r"\s*(```|~~~)")
+_FOLDER = re.compile(r"\.\./\.\./\w+")
+"""A folder beside that of the pages, from the folder of a language: the output of another target."""
 _HEADING = re.compile(r"#{1,6}\s+(.*)")
 _LOGGER = logging.getLogger(__name__)
 
 
 class TrustedHtml(SphinxTransform):
-    """Removes comments; reports HTML that pages do not contain, so that no text can become part of the site as HTML."""
+    """Removes comments, and paragraphs that are for code hosts only; reports HTML that pages do not contain.
+
+    So no text can become part of the site as HTML.
+    """
 
     default_priority = 200
 
     def apply(self, **kwargs: object) -> None:
         for raw in list(self.document.findall(nodes.raw)):
             text = raw.astext().strip()
+            if text == _CODE_HOST_ONLY:
+                following = raw.next_node(descend=False, siblings=True)
+                if isinstance(following, nodes.paragraph):
+                    following.parent.remove(following)
             if text.startswith("<!--") and text.find("-->") == len(text) - 3:
                 raw.parent.remove(raw)
             elif not (_TRUSTED.fullmatch(text) or _ANCHOR.fullmatch(text) or text == "</a>"):
@@ -90,9 +102,10 @@ class Alerts(SphinxTransform):
 
 
 class Links(SphinxTransform):
-    """Finds out where relative links lead: to a page, to the frame explorer, or to a file, which the site then contains.
+    """Finds out where relative links lead: to a page, to a file or folder beside the pages, or to the frame explorer.
 
-    The pages on their own do not contain the explorer. If the site does not either, only the text of the link remains.
+    The site has a copy of those files, and of each generated folder as a ZIP file. Only the text remains of a link to a
+    folder that the site does not have.
     """
 
     default_priority = 230
@@ -104,15 +117,37 @@ class Links(SphinxTransform):
             target = posixpath.normpath(posixpath.join(posixpath.dirname(docname), path))
             if ":" in path or path.startswith("/"):
                 continue
-            if target == f"../{EXPLORER}/index.html":
-                if not self.config.canwright_has_explorer:
-                    link.replace_self(link.children)
+            if target in (f"../{EXPLORER}/index.html", f"../../javascript/{EXPLORER}/index.html"):
+                self._link_or_text(link, f"{EXPLORER}/index.html" if self.config.canwright_has_explorer else "")
+            elif _FOLDER.fullmatch(target):
+                self._link_folder(link, target.rpartition("/")[2])
             elif not path or path.endswith(".md"):
                 link["page"], link["anchor"] = (target.removesuffix(".md") if path else docname), anchor
-            elif (Path(self.env.srcdir) / target).is_file():
-                link.replace_self(addnodes.download_reference("", "", *link.children, reftarget=f"/{target}"))
-            else:
+            elif not (Path(self.env.srcdir) / target).is_file():
                 _LOGGER.warning("the link leads to a file that does not exist: %s", path, location=link)
+            elif not path.endswith(".html"):
+                link.replace_self(addnodes.download_reference("", "", *link.children, reftarget=f"/{target}"))
+
+    def _link_or_text(self, link: nodes.reference, file: str) -> None:
+        """Makes a link lead to a file of the site, by its path from the root; without one, only the text remains."""
+        if file:
+            _, mark, anchor = link["refuri"].partition("#")
+            link["refuri"] = posixpath.relpath(f"../{file}", posixpath.dirname(self.env.docname) or ".") + mark + anchor
+        else:
+            link.replace_self(link.children)
+
+    def _link_folder(self, link: nodes.reference, folder: str) -> None:
+        """A ZIP file; an item of a list becomes the list of the single files of the folder."""
+        files = self.config.canwright_downloads
+        item = link.parent.parent
+        if isinstance(item, nodes.list_item):
+            single = [file for file in files if file.startswith(f"{DOWNLOADS}/{folder}/")]
+            links = [nodes.reference("", posixpath.basename(file), refuri=f"../{file}") for file in single]
+            item.append(nodes.bullet_list("", *(nodes.list_item("", nodes.paragraph("", "", one)) for one in links)))
+            link.replace_self(link.children)
+        else:
+            packed = f"{DOWNLOADS}/{folder}.zip"
+            self._link_or_text(link, packed if packed in files else "")
 
 
 def resolve_links(env: BuildEnvironment, builder: Builder, document: nodes.document, docname: str) -> None:
