@@ -9,10 +9,13 @@ import json
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import can
+import cantools.database
 import pyarrow.parquet as pq
 import pytest
+from asammdf import MDF
 from canwright.cli import main
 from canwright.language.golden_frames import GoldenFrame
 from canwright.model.edition import Edition
@@ -30,6 +33,7 @@ from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
+from .traffic import Loss, Traffic
 
 V2_35 = ROOT / "spec/mwd_motor/v2.35.yaml"
 V2_36 = ROOT / "spec/mwd_motor/v2.36-2025-03.yaml"
@@ -379,6 +383,48 @@ def test_requests_and_replies_in_separate_channels(suffix: str) -> None:
     before = Path(name).read_bytes()
     decode(MIXED, *SETTINGS, "--split", name)
     assert Path(name).read_bytes() == before
+
+
+def test_both_dbc_files_read_the_channels_of_a_split_log() -> None:
+    """Without marks, cantools and asammdf find the values of `canwright decode`, and no others."""
+    traffic = Traffic(specification(V2_35).edition, "mixed", 4, loss=Loss(0.1, has_retries=True), nodes=1)
+    log = "".join(
+        f"({time // 10**9}.{time % 10**9 // 1000:06}) can0 {frame.id:03X}#{frame.data.hex().upper()}\n"
+        for (time, _, frame, _), _ in traffic.frames(100)
+        if time is not None
+    )
+    settings = ("--spec", str(V2_35), "--set", "series=MG")
+    rows: list[Any] = list(json_rows(decode(log, *settings, "--format", "jsonl").stdout))
+    run("bus.log", *settings, "--split", "split.blf")
+    files = [ROOT / f"generated/dbc/mwd_motor-v2.35-MG-{part}.dbc" for part in ("command", "reply")]
+    databases: Any = [cantools.database.load_file(file) for file in files]
+
+    found: dict[str, list[float]] = {}
+    with can.LogReader("split.blf") as reader, can.Logger("split.mf4") as writer:
+        for row, message in zip(rows, reader, strict=True):
+            assert message.channel == ["request", "reply"].index(row["direction"])
+            decoded = databases[message.channel].decode_message(
+                message.arbitration_id, message.data, decode_choices=False
+            )
+            values = {name.partition("_")[2]: value for name, value in decoded.items()}
+            for name, field in row["fields"].items():
+                if not isinstance(field["value"], list):  # flags are several signals
+                    wanted = field["value"] if isinstance(field["value"], int | float) else field["raw"]
+                    assert values[name.replace("[", "_").strip("]")] == pytest.approx(wanted), (row, name)
+            for name, value in decoded.items():
+                found.setdefault(name, []).append(float(value))
+            message.channel += 1  # asammdf takes channel 0 for any
+            writer.on_message_received(message)
+    with MDF("split.mf4") as mdf:
+        extracted = mdf.extract_bus_logging({"CAN": [(files[0], 1), (files[1], 2)]})
+    for name, values_ in found.items():
+        samples = []
+        for group, index in extracted.channels_db[name]:
+            raw = extracted.get(group=group, index=index, raw=True)
+            physical = raw.physical()
+            samples += [float(one) for one in (raw if physical.samples.dtype.kind in "SU" else physical).samples]
+        assert sorted(samples) == pytest.approx(sorted(values_)), name
+    assert len(found) > 50
 
 
 def test_a_picture_of_fields() -> None:

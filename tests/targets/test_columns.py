@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import ast
-import functools
 import importlib.util
 import itertools
+import os
+import re
+import shutil
+import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -278,8 +281,32 @@ def test_duckdb_and_polars(package: Package, tmp_path: Path) -> None:
     assert read["iq"].mean() == pytest.approx(mean)
 
 
+SNIPPETS = re.findall(r"```python\n(.*?)```", (COMMITTED / "README.md").read_text("utf-8"), re.DOTALL)
+"""The examples of the guide."""
+
+
+def test_the_examples_of_the_guide(package: Package, tmp_path: Path) -> None:
+    """All but that of Spark, in one program."""
+    (tmp_path / "frames").mkdir()
+    pq.write_table(pa.Table.from_batches([package.input()]), tmp_path / "frames/1.parquet")
+    (tmp_path / "bus.log").write_text(LINES, "utf-8")
+    shutil.copy(ROOT / "spec/mwd_motor/v2.35.yaml", tmp_path / "spec.yaml")
+    parts = [snippet for snippet in SNIPPETS if "spark" not in snippet]
+    assert len(parts) == len(SNIPPETS) - 1 == 4
+    script = "\n".join([*parts, "print(decoded.height)"])
+    environment = {**os.environ, "PYTHONPATH": str(COMMITTED)}
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.stderr == ""
+    skipped, inferred, by_node, height = done.stdout.splitlines()
+    assert "lines of no data frame" in skipped and "motion_feedback" in inferred
+    table = next(re.findall(r'TABLE = "(\w+)"', snippet)[0] for snippet in SNIPPETS if "TABLE =" in snippet)
+    rows = _decoded(package, [package.input()], table)
+    assert sum(count for _, count in ast.literal_eval(by_node)) == int(height) == rows.num_rows
+
+
 @pytest.mark.tools
-def test_pyspark(package: Package, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_example_of_spark(package: Package, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     tool("java")
     if importlib.util.find_spec("pyspark") is None:
         raise SystemExit("pyspark is not installed: pip install pyspark")
@@ -287,18 +314,20 @@ def test_pyspark(package: Package, monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in (("PYSPARK_PYTHON", sys.executable), ("PYTHONPATH", str(COMMITTED))):
         monkeypatch.setenv(name, value)  # the workers import the package
     monkeypatch.syspath_prepend(str(COMMITTED))
+    monkeypatch.chdir(tmp_path)
     edition_, arrow = (importlib.import_module(f"mwd_motor_columns.{name}") for name in ("v2_35", "arrow"))
-    rows = [tuple(row.values()) for row in package.input().to_pylist()]
-    schema = "time long, bus string, id long, extended boolean, remote boolean, data binary, direction string"
+    pq.write_table(pa.Table.from_batches([package.input()]), "frames")
     result = (
         "time long, bus string, node int, direction string, command string, code long, "
         "temperature tinyint, iq double, speed smallint, encoder double"
     )
-    decode = functools.partial(arrow.decode_batches, decoder=edition_.decoder(PARAMETERS), table="motion_feedback")
     builder = sql.SparkSession.builder.master("local[1]").config("spark.ui.enabled", "false")
     session = builder.config("spark.driver.host", "127.0.0.1").getOrCreate()
+    names = {"spark": session, "schema": result, "arrow": arrow, "TABLE": "motion_feedback"}
+    names["decoder"] = edition_.decoder(PARAMETERS)
     try:
-        found = session.createDataFrame(rows, schema).mapInArrow(decode, result).collect()
+        exec(next(snippet for snippet in SNIPPETS if "spark" in snippet), names)
+        found = names["decoded"].collect()
     finally:
         session.stop()
     expected = _decoded(package, [package.input()], "motion_feedback").to_pylist()

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
+import shlex
+import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+import can
 import pytest
 from canwright.language.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame
 from canwright.model.message import Direction
@@ -20,7 +23,8 @@ from canwright.targets.wireshark.filters import filters, flag_filter
 
 from ..conformance.adapter import ExactValue
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
-from .tshark import Captured, Dissected, dissect
+from ..tools import run, tool
+from .tshark import Captured, Dissected, capture, dissect
 
 pytestmark = pytest.mark.tools
 
@@ -192,6 +196,38 @@ def test_a_family_with_the_name_of_a_protocol_of_wireshark(tmp_path: Path) -> No
     captured = [Captured(START, CanFrame(0x102, bytes.fromhex("10 00 01 00 00 00 00 00")))]
     [found] = dissect(tmp_path, [script], "ip_can", captured, {})
     assert found is not None and found.one("ip_can.command") == "dim"
+
+
+GENERATED = ROOT / "generated/wireshark"
+EXCHANGE = [CanFrame(0x141, bytes.fromhex("A10000009B000000")), CanFrame(0x141, bytes.fromhex("A1329B00F4010080"))]
+
+
+def test_the_command_of_the_guide(tmp_path: Path) -> None:
+    shutil.copy(GENERATED / "mwd_motor.lua", tmp_path)
+    file = tmp_path / "bus.pcapng"
+    file.write_bytes(capture(Captured(START + i * 200_000, one) for i, one in enumerate(EXCHANGE)))
+    guide = (GENERATED / "README.md").read_text("utf-8")
+    (line,) = (line for line in guide.splitlines() if line.startswith("tshark -X"))
+    _, *options = shlex.split(line.replace("mwd_motor.lua", str(tmp_path / "mwd_motor.lua")))
+    options[-1] = str(file)
+    request, reply = run(tool("tshark"), *options).splitlines()
+    assert "set_torque request, node 1: iq 2.49755859375 A" in request
+    assert "set_torque reply, node 1: temperature 50 °C, iq 2.49755859375 A, speed 500 °/s, encoder 180 °" in reply
+
+
+def test_blf_gives_the_directions(tmp_path: Path) -> None:
+    """The marks decide against the content, which is the same in both frames."""
+    file = tmp_path / "bus.blf"
+    with can.BLFWriter(file) as writer:
+        for number, is_rx in enumerate((False, True, True)):
+            one = EXCHANGE[0]
+            writer.on_message_received(
+                can.Message(1000 + number, one.id, is_extended_id=False, data=one.data, is_rx=is_rx)
+            )
+    shown = [part for name in ("rule", "direction") for part in ("-e", f"mwd_motor.{name}")]
+    settings = ("-o", "mwd_motor.edition:v2.35", "-T", "fields", *shown)
+    text = run(tool("tshark"), "-r", file, "-X", f"lua_script:{GENERATED}/mwd_motor.lua", *settings)
+    assert text.split()[-4:] == ["mark", "reply", "mark", "reply"]
 
 
 def _script(folder: Path, outputs: Iterable[Output]) -> Path:

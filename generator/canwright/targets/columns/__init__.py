@@ -30,9 +30,10 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     example = {p.name: p.values[0].name for p in edition.parameters if p.is_choice}
     readme = env.get_template("README.md.j2")
     given = "{" + ", ".join(f"{literal(key)}: {literal(value)}" for key, value in example.items()) + "}"
-    yield Output(
-        "README.md", readme.render(name=name, package=packages[0], module=edition.identifier, parameters=given)
-    )
+    guide = {"name": name, "package": packages[0], "module": edition.identifier, "parameters": given}
+    tables = view.tables_of(edition)
+    table = tables[min(tables, key=lambda layout: (not layout.shared, not layout.fields))]
+    yield Output("README.md", readme.render(**guide, table=literal(table)))
     for family, package in zip(families, packages, strict=True):
         yield Output(f"{package}/__init__.py", env.get_template("__init__.py.j2").render(family=family))
         yield Output(f"{package}/py.typed", "")
