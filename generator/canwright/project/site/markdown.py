@@ -7,7 +7,7 @@ import posixpath
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from urllib.parse import quote, unquote
+from urllib.parse import quote as quoted, unquote
 
 from docutils import nodes
 from sphinx import addnodes
@@ -142,7 +142,7 @@ class Links(SphinxTransform):
         item = link.parent.parent
         if isinstance(item, nodes.list_item):
             single = [file for file in files if file.startswith(f"{DOWNLOADS}/{folder}/")]
-            links = [nodes.reference("", posixpath.basename(file), refuri=quote(f"../{file}")) for file in single]
+            links = [nodes.reference("", posixpath.basename(file), refuri=quoted(f"../{file}")) for file in single]
             item.append(nodes.bullet_list("", *(nodes.list_item("", nodes.paragraph("", "", one)) for one in links)))
             link.replace_self(link.children)
         else:
