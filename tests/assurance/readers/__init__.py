@@ -20,11 +20,16 @@ class Case(NamedTuple):
     names: frozenset[str]
 
 
+class UnsupportedFileError(Exception):
+    """A reader rejects a valid file because of a known defect of the reader."""
+
+
 class Reader(ABC):
-    """A reader of DBC files; `source` says where to get what it needs."""
+    """A reader of DBC files; `source` says where to get what it needs, `tolerance` is the relative error of its values."""
 
     name: str
     source: str
+    tolerance = 1e-9
 
     @abstractmethod
     def is_installed(self) -> bool:
@@ -32,4 +37,7 @@ class Reader(ABC):
 
     @abstractmethod
     def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
-        """The signals of each frame by name; raises an exception of the reader if it cannot load the file."""
+        """The signals of each frame by name; raises an exception of the reader if it cannot load the file.
+
+        Raises UnsupportedFileError if that is a known defect.
+        """

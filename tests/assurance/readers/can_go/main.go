@@ -1,11 +1,14 @@
-// Decodes frames with can-go: FILE, then lines of an id and data in hexadecimal on standard input.
+// Decodes frames with can-go: FILE, then lines ID#DATA in hexadecimal on standard input.
 package main
 
 import (
 	"bufio"
+	"encoding/hex"
 	"fmt"
 	"log"
 	"os"
+	"strconv"
+	"strings"
 
 	"go.einride.tech/can"
 	"go.einride.tech/can/pkg/dbc"
@@ -34,9 +37,13 @@ func main() {
 	}
 	lines := bufio.NewScanner(os.Stdin)
 	for lines.Scan() {
-		var id uint32
-		var bytes []byte
-		if _, err := fmt.Sscanf(lines.Text(), "%x %x", &id, &bytes); err != nil {
+		idText, dataText, _ := strings.Cut(lines.Text(), "#")
+		id, err := strconv.ParseUint(idText, 16, 32)
+		if err != nil {
+			log.Fatal(err)
+		}
+		bytes, err := hex.DecodeString(dataText)
+		if err != nil {
 			log.Fatal(err)
 		}
 		var data can.Data

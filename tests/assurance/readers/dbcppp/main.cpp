@@ -1,4 +1,4 @@
-// Decodes frames with dbcppp: FILE, then lines of an id and data in hexadecimal on standard input.
+// Decodes frames with dbcppp: FILE, then lines ID#DATA in hexadecimal on standard input.
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -19,10 +19,12 @@ int main(int, char** argv)
         return EXIT_FAILURE;
     }
     std::cout.precision(std::numeric_limits<double>::max_digits10);
-    std::string id;
-    std::string hex;
-    while (std::cin >> id >> hex)
+    std::string frame;
+    while (std::cin >> frame)
     {
+        const auto separator = frame.find('#');
+        const auto id = std::stoul(frame.substr(0, separator), nullptr, 16);
+        const auto hex = frame.substr(separator + 1);
         std::array<std::uint8_t, 64> data{};
         for (std::size_t i = 0; i < hex.size() / 2; i++)
         {
@@ -30,7 +32,7 @@ int main(int, char** argv)
         }
         for (const auto& message : network->Messages())
         {
-            if (message.Id() != std::stoul(id, nullptr, 16))
+            if (message.Id() != id)
             {
                 continue;
             }

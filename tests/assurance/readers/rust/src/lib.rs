@@ -1,4 +1,4 @@
-//! Arguments and input of the readers: FILE, then lines of an id and data in hexadecimal on standard input.
+//! Arguments and input of the readers: FILE, then lines ID#DATA in hexadecimal on standard input.
 
 use std::io::{self, BufRead};
 
@@ -12,7 +12,7 @@ pub fn text() -> String {
 pub fn frames() -> impl Iterator<Item = (u32, Vec<u8>)> {
     io::stdin().lock().lines().map(|line| {
         let line = line.expect("UTF-8");
-        let (id, data) = line.split_once(' ').expect("an id and data");
+        let (id, data) = line.split_once('#').expect("an id and data");
         let bytes = data.as_bytes().chunks(2).map(|two| {
             u8::from_str_radix(std::str::from_utf8(two).expect("ASCII"), 16).expect("hexadecimal")
         });
