@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,8 @@ class Compiler:
     name: str
     c: tuple[str, ...]
     cxx: tuple[str, ...]
+    for_messages: tuple[str, ...] = ()
+    """Flags that leave out what has no effect on the messages about a unit."""
 
     def run(self, standard: str, *arguments: str | Path) -> None:
         """Compiles; fails with the output of the compiler."""
@@ -45,6 +48,10 @@ class Compiler:
         if done.returncode:
             raise AssertionError(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
 
+    def check(self, standard: str, *arguments: str | Path) -> None:
+        """Compiles units for the messages of the compiler alone: the object file may have no code of the machine."""
+        self.run(standard, *arguments, *self.for_messages)
+
 
 _TARGET = ("-target", "native-linux-gnu") if sys.platform == "linux" else ()
 """Makes zig use its own C library: by default it asks the C compiler of the machine, if there is one, for another."""
@@ -53,8 +60,15 @@ _TRAP = "-fsanitize-trap=undefined"
 """Stops a program of zig at whatever the language leaves undefined, which it checks unless it optimizes. Without a trap,
 zig builds the library that describes it, which takes half a minute."""
 
-ZIG_COMMAND = (sys.executable, "-m", "ziglang")
-ZIG = Compiler("zig", (*ZIG_COMMAND, "cc", *_TARGET, _TRAP), (*ZIG_COMMAND, "c++", *_TARGET, _TRAP))
+_PACKAGE = find_spec("ziglang")
+assert _PACKAGE and _PACKAGE.origin
+ZIG_COMMAND = (str(Path(_PACKAGE.origin).with_name("zig")),)
+"""The program in the package, without an interpreter of Python before each of its runs."""
+
+_FOR_MESSAGES = ("-O0", "-g0", "-fno-sanitize=all", "-emit-llvm")
+"""The warnings of zig depend neither on the level nor on the code of the machine, which take most of the time."""
+
+ZIG = Compiler("zig", (*ZIG_COMMAND, "cc", *_TARGET, _TRAP), (*ZIG_COMMAND, "c++", *_TARGET, _TRAP), _FOR_MESSAGES)
 
 _PAIRS = (("gcc", "g++"), ("clang", "clang++"))
 OF_MACHINE = [Compiler(c, (c,), (cxx,)) for c, cxx in _PAIRS if shutil.which(c) and shutil.which(cxx)]

@@ -1,7 +1,8 @@
-"""Shows at the end of a run how many golden frames went through each target."""
+"""The order of the files, folders for caches, and how many golden frames went through each target."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from typing import Any
 
@@ -9,16 +10,35 @@ import pytest
 
 from .conformance.summary import REPORTS, lines
 
+LONGEST = {
+    "test_quality.py",
+    "test_conformance.py",
+    "test_mutations.py",
+    "test_readme.py",
+    "test_site.py",
+    "test_texts.py",
+    "test_c_compiles.py",
+    "test_specs.py",
+}
+"""These files come first: a worker that started one of them last would run on its own at the end."""
+
 OF_WORKERS: list[str] = []
 """What was counted in the processes that the tests are shared among."""
 
 
 @pytest.fixture(autouse=True, scope="session")
 def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Records of runs go to a temporary folder, not to that of the user."""
+    """Records of runs go to a temporary folder, not to that of the user; all workers share the C library of zig."""
+    own = tmp_path_factory.getbasetemp()
+    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("ZIG_GLOBAL_CACHE_DIR", os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(shared / "zig")))
         yield
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

@@ -40,6 +40,7 @@ def test_a_spec_is_loaded_and_generated(tmp_path: Path) -> None:
         "columns",
         "dbc",
         "docs",
+        "javascript",
         "python",
         "wireshark",
     }

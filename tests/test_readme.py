@@ -14,6 +14,7 @@ import pytest
 from canwright.cli import main
 from click.testing import CliRunner
 
+from . import node
 from .compilers import WARNINGS, Compiler, each_compiler
 from .spec_texts import ROOT, findings
 
@@ -44,6 +45,13 @@ def test_the_python_examples(name: str, tmp_path: Path) -> None:
     }
     result = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, check=False)
     assert (result.stdout, result.stderr) == (printed(name), "")
+
+
+def test_the_javascript_example(tmp_path: Path) -> None:
+    package = tmp_path / "node_modules/mwd_motor"
+    shutil.copytree(ROOT / "generated/javascript", package)
+    (tmp_path / "example.mjs").write_text(example("javascript"), "utf-8")
+    assert node.run(tmp_path / "example.mjs", cwd=tmp_path) == printed("javascript")
 
 
 def test_the_library_example(tmp_path: Path) -> None:
@@ -78,7 +86,10 @@ def test_the_spec_example_generates(tmp_path: Path) -> None:
 
 
 REPLAY = "tests/conformance/test_conformance.py"
-REPEATED = [f"{REPLAY}::test_random_questions", f"{REPLAY}::test_golden_frames[mwd_motor/v2.36-2025-09-dbc]"]
+REPEATED = [
+    f"{REPLAY}::test_random_questions",
+    *(f"{REPLAY}::test_golden_frames[mwd_motor/v2.36-2025-09-{target}]" for target in ("cxx", "dbc")),
+]
 """The slowest tests of a new edition; they run for the edition that it is a copy of."""
 
 

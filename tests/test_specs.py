@@ -52,7 +52,7 @@ def test_no_compiler_warns(compiler: Compiler, standard: str, made: Path, tmp_pa
     language = ("-x", "c++") if standard.startswith("c++") else ()
     level = "-O0" if compiler is ZIG else "-O2"  # the warnings of zig do not depend on it
     flags = (*WARNINGS, level, *language, f"-I{made}/c/include", "-c", "-o", tmp_path / "unit.o")
-    compiler.run(standard, *flags, made / "everything.c")
+    compiler.check(standard, *flags, made / "everything.c")
 
 
 def test_mypy_finds_nothing(made: Path) -> None:

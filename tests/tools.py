@@ -18,6 +18,7 @@ PACKAGES: Mapping[str, str] = {
     "frama-c": "frama-c-base",
     "gcc": "gcc",
     "java": "default-jre-headless",
+    "npm": "npm",
     "sdcc": "sdcc",
     "simavr": "simavr",
     "tshark": "tshark",

@@ -46,6 +46,7 @@ def test_generate_then_check_then_edit(folder: Path) -> None:
         "python",
         "dbc",
         "docs",
+        "javascript",
         "wireshark",
     }
     assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
@@ -136,7 +137,7 @@ def test_a_closed_pipe_is_no_error(folder: Path) -> None:
 
 def test_the_list_of_commands_is_complete() -> None:
     _, _, commands = run("--help").output.partition("Commands:\n")
-    assert len(commands.splitlines()) == 11
+    assert len(commands.splitlines()) == 12
     assert "..." not in commands
 
 

@@ -36,25 +36,31 @@ HEADER = Path("out/c/include/lamp/v1.h")
 MANIFEST = Path("out/.canwright.json")
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same for all tests, so that the copied templates are compiled once."""
+    return tmp_path_factory.mktemp("run_record")
+
+
 @pytest.fixture(autouse=True)
-def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def project(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a spec, and a copy of canwright's own files that a test may change."""
-    folder = tmp_path / "project"
-    (folder / SPEC).parent.mkdir(parents=True)
-    monkeypatch.chdir(folder)
+    shutil.rmtree(folder)
+    (folder / "project" / SPEC).parent.mkdir(parents=True)
+    monkeypatch.chdir(folder / "project")
     SPEC.write_text(MINIMAL, "utf-8")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
     monkeypatch.delenv("NO_COLOR", raising=False)
-    shutil.copytree(resources.TEMPLATES, tmp_path / "templates")
-    shutil.copytree(resources.PACKAGE / "targets", tmp_path / "package/targets")
+    shutil.copytree(resources.TEMPLATES, folder / "templates")
+    shutil.copytree(resources.PACKAGE / "targets", folder / "package/targets")
     for name, copied in (("UNITS", "units.yaml"), ("SYNONYMS", "synonyms.yaml"), ("SCHEMA", "canwright.schema.json")):
-        shutil.copy(getattr(resources, name), tmp_path / copied)
-        monkeypatch.setattr(resources, name, tmp_path / copied)
-    monkeypatch.setattr(resources, "TEMPLATES", tmp_path / "templates")
-    monkeypatch.setattr(resources, "PACKAGE", tmp_path / "package")
-    (tmp_path / "site").mkdir()
-    monkeypatch.syspath_prepend(tmp_path / "site")
-    return tmp_path
+        shutil.copy(getattr(resources, name), folder / copied)
+        monkeypatch.setattr(resources, name, folder / copied)
+    monkeypatch.setattr(resources, "TEMPLATES", folder / "templates")
+    monkeypatch.setattr(resources, "PACKAGE", folder / "package")
+    (folder / "site").mkdir()
+    monkeypatch.syspath_prepend(folder / "site")
+    return folder
 
 
 def run(*arguments: str) -> Result:

@@ -23,7 +23,7 @@ from .questions import Questions
 from .runner import Runner
 from .summary import REPORTS
 
-RANDOM = {("c", "python"): 2000, ("dbc",): 40}
+RANDOM = {("c", "python", "javascript"): 500, ("dbc",): 12}
 """So many random questions are asked of each target; `python -m tests.assurance.differential` asks a million."""
 
 Adapters = Callable[[Path, str], tuple[Specification, Adapter]]

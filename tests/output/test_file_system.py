@@ -120,7 +120,7 @@ def writes(scenario: Scenario, out: Path, tmp_path_factory: pytest.TempPathFacto
         ("docs", "docs/en"),
         ("docs/en/v1", "docs/en/v1/"),
         ("docs/en/v1/commands", "docs/en/v1/commands/"),
-        ("docs/en/v1/pictures", "docs/en/v1/pictures/"),
+        ("docs/pictures/v1", "docs/pictures/v1/"),
     ],
 )
 def test_a_folder_that_may_not_be_written(writes: Runs, scenario: Scenario, out: Path, closed: str, at: str) -> None:

@@ -84,7 +84,9 @@ def with_csv(installed: Path) -> Path:
 
 
 def test_a_target_of_another_package_is_listed_and_generates(with_csv: Path, tmp_path: Path) -> None:
-    assert "[c|columns|csv|dbc|docs|python|wireshark]" in run(tmp_path, with_csv / "canwright", "generate", "--help")
+    assert "[c|columns|csv|dbc|docs|javascript|python|wireshark]" in run(
+        tmp_path, with_csv / "canwright", "generate", "--help"
+    )
     (tmp_path / "my.yaml").write_text(MINIMAL, "utf-8")
     run(tmp_path, with_csv / "canwright", "generate", "--spec", "my.yaml", "--out", "out", "--target", "csv")
     assert [file.relative_to(tmp_path).as_posix() for file in (tmp_path / "out").rglob("*.csv")] == [

@@ -85,7 +85,8 @@ def test_a_clean_log(name: str) -> None:
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("name", EDITIONS)
 def test_three_of_a_hundred_frames_are_corrupted(name: str, seed: int) -> None:
-    assert fits(identified(corrupted(traffic(name), 0.03, seed))) == {node: [name] for node in NODES}
+    nodes = range(1, 7)
+    assert fits(identified(corrupted(traffic(name, nodes=nodes), 0.03, seed))) == {node: [name] for node in nodes}
 
 
 CANOPEN = ["40000A1000000000", "4300101892010F00", "80000A1000000006", "2F60600001000000", "05", "7F", "", "9C"]
@@ -96,7 +97,7 @@ CANOPEN = ["40000A1000000000", "4300101892010F00", "80000A1000000006", "2F606000
 @pytest.mark.parametrize("name", EDITIONS)
 def test_a_canopen_frame_on_the_id_of_a_motor(name: str, foreign: str) -> None:
     for at in (0, 1, 100):
-        frames = list(traffic(name, rounds=330, nodes=[1]))
+        frames = list(traffic(name, rounds=30, nodes=[1]))
         frames.insert(at, CanFrame(frames[0].id, bytes.fromhex(foreign)))
         assert fits(identified(frames)) == {1: [name]}, at
 
@@ -114,7 +115,7 @@ def test_a_host_that_leaves_reserved_bytes_uncleared(name: str) -> None:
             else:
                 yield frame
 
-    assert fits(identified(dirty(traffic(name)))) == {node: [name] for node in NODES}
+    assert fits(identified(dirty(traffic(name, nodes=[1, 2])))) == {1: [name], 2: [name]}
 
 
 def test_the_buses_of_a_log_are_independent() -> None:
@@ -204,7 +205,7 @@ def test_one_edition_among_others_in_a_log_of_a_fast_loop() -> None:
 
     def loop(edition: Edition) -> Iterator[CanFrame]:
         rng = random.Random(1)
-        for number in range(40_000):
+        for number in range(6_000):
             frames = list(exchange(edition.name, 1, rng))
             yield from frames[2:4] if number % 200 else frames[:2]
 

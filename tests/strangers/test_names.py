@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from canwright.project.loader import load
 from canwright.project.pipeline import generate
 from canwright.targets.registry import target_names
 
+from .. import node
 from ..compilers import ZIG
 
 SPEC = """\
@@ -61,6 +63,14 @@ def test_names_that_are_words_of_other_languages(tmp_path: Path) -> None:
     module = next(tmp_path.glob("python/**/v1.py"))
     program = "from lamp.v1 import *\nimport lamp.v1\nlamp.v1.TypenameRequest"
     subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=module.parents[1], check=True)
+    edition = json.dumps((tmp_path / "javascript/lamp/v1.js").as_uri())
+    node.run(f"""
+        const lamp = await import({edition});
+        const parameters = {{ value: "with", set: "int", get: 3 }};
+        const message = lamp.encodeRequest("typename", {{
+          node: 1, values: {{ uint8_t: "self", cls: 0.5, double: 0, std: 0 }}, parameters: {{ ...parameters, std: 3, register: 2 }} }});
+        if (message.values.uint8_t !== "self") throw new Error(message.values.uint8_t);
+    """)
     for database in tmp_path.glob("dbc/*.dbc"):
         assert cantools.database.load_file(database)
     include = tmp_path / "c" / "include"
@@ -68,6 +78,6 @@ def test_names_that_are_words_of_other_languages(tmp_path: Path) -> None:
     assert len(headers) > 3
     unit = tmp_path / "unit.c"
     unit.write_text("".join(f'#include "{header}"\n' for header in headers if header.suffix == ".h"), "utf-8")
-    ZIG.run("c99", f"-I{include}", "-c", "-o", tmp_path / "unit.o", unit)
+    ZIG.check("c99", f"-I{include}", "-c", "-o", tmp_path / "unit.o", unit)
     unit.write_text('#include "lamp/v1.hpp"\n', "utf-8")
-    ZIG.run("c++17", f"-I{include}", "-x", "c++", "-c", "-o", tmp_path / "unit.o", unit)
+    ZIG.check("c++17", f"-I{include}", "-x", "c++", "-c", "-o", tmp_path / "unit.o", unit)

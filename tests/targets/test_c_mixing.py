@@ -50,7 +50,7 @@ def test_all_editions_in_one_unit(compiler: Compiler, standard: str, tmp_path: P
     unit = tmp_path / "unit.c"
     unit.write_text(everything(INCLUDE, NAMES), "utf-8")
     language = ("-x", "c++") if standard == "c++17" else ()
-    compiler.run(standard, *WARNINGS, *language, f"-I{INCLUDE}", "-c", unit, "-o", tmp_path / "unit.o")
+    compiler.check(standard, *WARNINGS, *language, f"-I{INCLUDE}", "-c", unit, "-o", tmp_path / "unit.o")
 
 
 @pytest.mark.parametrize("standard", ["c99", "c++17"])
@@ -65,10 +65,10 @@ def test_mixing_editions_up_does_not_compile(compiler: Compiler, source: str, st
         flags = (*language, "-Werror=incompatible-pointer-types" if standard == "c99" else "-Werror", f"-I{INCLUDE}")
         arguments = (*flags, "-c", unit, "-o", tmp_path / "unit.o")
         if encode == OLD:
-            compiler.run(standard, *arguments)
+            compiler.check(standard, *arguments)
             continue
         with pytest.raises(AssertionError, match="mwd_motor_v2_35"):
-            compiler.run(standard, *arguments)
+            compiler.check(standard, *arguments)
 
 
 def test_headers_of_different_specs_do_not_compile_together(tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_headers_of_different_specs_do_not_compile_together(tmp_path: Path) -> N
     unit = tmp_path / "unit.c"
     unit.write_text("#include <mwd_motor/v2_35_float.h>\n", "utf-8")
     arguments = (f"-I{tmp_path / 'include'}", "-c", unit, "-o", tmp_path / "unit.o")
-    ZIG.run("c99", *arguments)
+    ZIG.check("c99", *arguments)
     (tmp_path / "include/mwd_motor/v2_35.h").write_text(made["include/mwd_motor/v2_35.h"], "utf-8")
     with pytest.raises(AssertionError, match=r"v2_35\.h and v2_35_float\.h were generated from different specs"):
-        ZIG.run("c99", *arguments)
+        ZIG.check("c99", *arguments)

@@ -74,7 +74,7 @@ def test_pkg_config_finds_the_headers(where: str, prefix: Path, tmp_path: Path) 
     assert _pkg_config(root, "--modversion", "mwd_motor") == PACKAGE_VERSION
     unit = tmp_path / "unit.c"
     unit.write_text("#include <mwd_motor/v2_35_float.h>\n#include <mwd_motor/v2_35_selftest.h>\n", "utf-8")
-    ZIG.run("c99", *flags, "-c", unit, "-o", tmp_path / "unit.o")
+    ZIG.check("c99", *flags, "-c", unit, "-o", tmp_path / "unit.o")
 
 
 def _pkg_config(root: Path, *arguments: str) -> str:
@@ -92,7 +92,7 @@ def test_arduino_finds_every_header_below_src(tmp_path: Path) -> None:
     unit = tmp_path / "unit.c"
     lines = ["#include <mwd_motor.h>", *(f"#include <{name}>" for name in sorted(names) if name.endswith(".h"))]
     unit.write_text("\n".join([*lines, ""]), "utf-8")
-    ZIG.run("c99", *WARNINGS, f"-I{GENERATED / 'src'}", "-c", unit, "-o", tmp_path / "unit.o")
+    ZIG.check("c99", *WARNINGS, f"-I{GENERATED / 'src'}", "-c", unit, "-o", tmp_path / "unit.o")
 
 
 def test_manifests_are_complete() -> None:

@@ -89,7 +89,7 @@ def test_no_warning(standard: str, compiler: Compiler, tmp_path: Path) -> None:
     language = ("-x", "c++") if standard.startswith("c++") else ()
     machine = CORTEX_M0 if compiler is ZIG else ()
     flags = (*machine, *WARNINGS, "-Os", f"-I{ROOT / 'generated/c/include'}", *language)
-    compiler.run(standard, *flags, "-c", unit, "-o", tmp_path / "unit.o")
+    compiler.check(standard, *flags, "-c", unit, "-o", tmp_path / "unit.o")
 
 
 def test_without_golden_frames_there_is_none(tmp_path: Path) -> None:

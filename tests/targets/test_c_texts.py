@@ -101,7 +101,7 @@ def _compile(folder: Path, standard: str = "c99") -> None:
     unit.write_text(everything(include, headers(made)), "utf-8")
     language = ("-x", "c++") if standard.startswith("c++") else ()
     flags = (*WARNINGS, "-Wcomment", "-Wtrigraphs", *language, f"-I{include}")
-    ZIG.run(standard, *flags, "-c", unit, "-o", folder / "unit.o")
+    ZIG.check(standard, *flags, "-c", unit, "-o", folder / "unit.o")
 
 
 def test_two_things_with_one_name_in_c_are_refused(tmp_path: Path) -> None:

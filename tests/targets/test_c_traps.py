@@ -86,7 +86,7 @@ def source(folder: Path, text: str) -> Path:
 def compiled(compiler: Compiler, standard: str, unit: Path, *flags: str) -> None:
     language = ("-x", "c++") if standard.startswith("c++") else ()
     arguments = (*WARNINGS, *flags, f"-I{INCLUDE}", f"-I{RUNTIME}", *language, "-c", unit, "-o", unit.with_suffix(".o"))
-    compiler.run(standard, *arguments)
+    compiler.check(standard, *arguments)
 
 
 @pytest.mark.parametrize("standard", STANDARDS)

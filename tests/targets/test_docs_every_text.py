@@ -148,6 +148,7 @@ def test_chinese_pages_are_chinese_throughout() -> None:
     made = docs.generate([specification(spec) for spec in spec_files(ROOT / "spec")], {})
     pages = {page.path: page.text for page in made if page.path.startswith("zh/") and page.path.endswith(".md")}
     assert "zh/v2.36-2025-03/changes.md" in pages
+    del pages["zh/glossary.md"]  # names in both languages
     for path, text in pages.items():
         for line in re.sub(r"`[^`]*`|<!--.*?-->|\]\([^)]*\)|<a id[^>]*>", "", text).splitlines():
             assert not ENGLISH.search(line), f"{path}: {line}"

@@ -11,7 +11,7 @@ from canwright.targets.registry import target
 from ..spec_texts import SPECS
 
 
-@pytest.mark.parametrize("name", ["c", "columns", "dbc", "python", "wireshark"])
+@pytest.mark.parametrize("name", ["c", "columns", "dbc", "javascript", "python", "wireshark"])
 def test_exported_names_are_in_the_output(name: str) -> None:
     for file in SPECS:
         specification = load(file, golden=False).specification

@@ -31,6 +31,7 @@ COMMANDS = {
     "editions": Summary("diff", "List the editions: family, name, date, commands, title."),
     "explain": Summary("explain", "Explain a RULE by example, or the meaning of a KEY."),
     "generate": Summary("generate", "Write the bindings and documents of the specs."),
+    "handover": Summary("handover", "Write documents to hand over: HTML, and the command matrix as CSV and Excel."),
     "identify": Summary("identify", "Show which editions a recorded exchange fits, and why."),
     "schema": Summary("schema", "Print the JSON Schema of the language, for editors."),
     "show": Summary("show", "Show one COMMAND, by name or by code (0x10)."),

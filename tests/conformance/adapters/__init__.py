@@ -10,6 +10,7 @@ from .columns import ColumnsAdapter
 from .cxx import CxxAdapter
 from .dbc import DbcAdapter
 from .docs import DocsAdapter
+from .javascript import JavaScriptAdapter
 from .python import PythonAdapter
 from .reference import ReferenceAdapter
 from .wireshark import WiresharkAdapter
@@ -21,6 +22,7 @@ ADAPTERS: Mapping[str, type[Adapter]] = {
         CAdapter,
         CxxAdapter,
         PythonAdapter,
+        JavaScriptAdapter,
         DbcAdapter,
         DocsAdapter,
         WiresharkAdapter,

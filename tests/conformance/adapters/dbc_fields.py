@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import struct
 from collections.abc import Mapping
@@ -114,9 +115,9 @@ class Cell:
 def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     """The places of a field, found by name; none where the file does not have it."""
     found = []
+    signals = _signals(message)
     for element in field.elements:
         name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
-        signals = {signal.name: signal for signal in message.signals if signal.name.startswith(name)}
         if not field.type.flags or field.fixed is not None:
             places = _whole(signals.get(name))
         else:
@@ -124,6 +125,11 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
         if places:
             found.append(Cell(field, tuple(places)))
     return found
+
+
+@functools.lru_cache(maxsize=1024)
+def _signals(message: Message) -> dict[str, Signal]:
+    return {signal.name: signal for signal in message.signals}
 
 
 def _whole(signal: Signal | None) -> list[Place]:

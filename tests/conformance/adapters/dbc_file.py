@@ -54,6 +54,14 @@ class DbcMessages:
             if owner is not None and line.startswith("BO_ ")
         }
         self._loaded: dict[int, CanMessage] = {}
+        self._owned: dict[str, dict[str, int]] = {}
+
+    def owned_by(self, owner: str) -> Mapping[str, int]:
+        """The ids of the messages whose names start with `owner`, by the rest of the name."""
+        if owner not in self._owned:
+            found = ((name, number) for name, number in self.names.items() if name.startswith(owner))
+            self._owned[owner] = {name.removeprefix(owner): number for name, number in found}
+        return self._owned[owner]
 
     def message(self, number: int) -> CanMessage:
         """The message with an id as it is in the file."""
@@ -151,8 +159,7 @@ class DbcFile:
     ) -> Encoded | Refused | None:
         """The frame, or why not; None when the file lacks the command."""
         owner = f"{_title(message.address)}{'' if node is None else node}_"
-        names = self._messages.names
-        of_node = {name.removeprefix(owner): number for name, number in names.items() if name.startswith(owner)}
+        of_node = self._messages.owned_by(owner)
         if not of_node:
             return Refused(Refusal.UNKNOWN_NODE)
         in_id = [f"{key.value:0{-(-key.width // 4)}X}" for key in message.keys if key.space is Space.ID]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
@@ -11,7 +12,7 @@ from ...language import notation
 from ...model.edition import Edition
 from ...model.message import Direction
 from ...model.types import Assignment
-from ..base import Options, header
+from ..base import EVERYTHING, Options, header
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, Scope, Traffic, partners
 from .selectors import joined_span
@@ -47,6 +48,18 @@ def files(edition: Edition, both: Traffics, set_parameters: Assignment, options:
         for file in made.tables(assignment):
             of_tables.setdefault((file.directions, file.table), []).append(file)
     return [*plain, *(file for same in of_tables.values() for file in made.merged(same))]
+
+
+@functools.lru_cache(maxsize=4)
+def _with_defaults(edition: Edition) -> _Files:
+    return _Files(edition, traffics(edition), {}, EVERYTHING)
+
+
+def reply_file(edition: Edition, assignment: Assignment) -> str | None:
+    """The name of the first file that decodes replies under some parameter values; None without replies."""
+    made = _with_defaults(edition)
+    found = (a for a in made.assignments if all(assignment.get(name, value) == value for name, value in a.items()))
+    return made.name_of_replies(next(found))
 
 
 def stems(edition: Edition) -> Iterator[str]:
@@ -96,6 +109,13 @@ class _Files:
         """The files of the first selector: one for each direction, or one for both if they share no id."""
         for group in self._groups:
             yield from self._file(group, assignment, "", list(self._plain_contents(group, assignment)))
+
+    def name_of_replies(self, assignment: Assignment) -> str | None:
+        """The name of the file of the first selector that contains replies."""
+        names = f"{self._edition.family}-{self._edition.name}", *self._known(self._scope(assignment))
+        groups = [group for group in self._groups if Direction.REPLY in group]
+        kinds = [KIND[group[0]] if len(group) == 1 else "" for group in groups]
+        return "-".join(filter(None, (*names, *kinds))) if groups else None
 
     def tables(self, assignment: Assignment) -> Iterator[File]:
         """The files that read the selectors of a table as one number."""

@@ -6,12 +6,22 @@ from collections.abc import Iterator, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
+from ...model.message import Direction
 from ...model.types import Assignment
-from ..base import EVERYTHING, NameProblem, Options, Output, Specification, TargetWithOptions
+from ..base import (
+    EVERYTHING,
+    CodeExample,
+    NameProblem,
+    Options,
+    Output,
+    Specification,
+    TargetWithOptions,
+    WorkedExchange,
+)
 from . import generate
 from .comments import languages
 from .exported import exported_names
-from .files import stems
+from .files import reply_file, stems
 from .names import long_names
 
 
@@ -41,6 +51,17 @@ class DbcTarget(TargetWithOptions):
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """The host, the first node of each address, signals, and names of values."""
         return exported_names(edition)
+
+    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:
+        frame, command = worked.reply, worked.command
+        lengths = {message.dlc for message in edition.messages(Direction.REPLY)}
+        if frame is None or frame.remote or command.entry is not None or len(lengths) > 1:
+            return None  # a terminal cannot decode tables and frames of several lengths in one line
+        file = reply_file(edition, worked.parameters)
+        digits = 8 if frame.extended else 3
+        line = f"can0 {frame.id:0{digits}X} [{len(frame.data)}] {frame.data.hex(' ').upper()}"
+        text = f"echo '{line}' | cantools decode --single-line {file}.dbc"
+        return CodeExample("sh", text) if file else None
 
 
 TARGET = DbcTarget()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import jinja2
@@ -15,7 +16,7 @@ from ...templating import resources
 from ...templating.environment import environment
 from ...templating.markup import block, code, markdown, xml
 from ..base import Output, Specification, header
-from . import editions
+from . import editions, guides
 from .common import Common
 from .links import COMMANDS, PICTURES, command_page, entry_anchor
 from .pages import Pages
@@ -23,6 +24,11 @@ from .site_data import FILE, site_data
 from .tables import Labels
 
 _PAGES = ("types", "parameters", "errata", "bus")
+_GUIDES = (
+    *("quickstart", "which-edition", "new-edition", "bus-load", "dbc-import", "downloads", "glossary"),
+    *("own-protocol", "assurance", "benchmarks"),
+)
+"""Pages that are not about a single edition, with one template for each language."""
 
 
 class _Book(NamedTuple):
@@ -53,10 +59,11 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
     )
     folder_of = folders([d.edition for d in specifications])
     books = list(_books(specifications, folder_of))
+    commons = {item.edition: Common(item.edition, item.frames) for item in specifications}
     for book in books:
-        yield from _front(env, book)
+        yield from _front(env, book, commons)
     for item in specifications:
-        common = Common(item.edition, item.frames)
+        common = commons[item.edition]
         yield from _pictures(common, folder_of[item.edition])
         for book in books:
             if book.language in item.edition.languages:
@@ -88,18 +95,38 @@ def _words(name: str) -> Any:
     return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 
 
-def _front(env: jinja2.Environment, book: _Book) -> Iterator[Output]:
+def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Common]) -> Iterator[Output]:
     """Pages that are not about a single edition."""
     language = book.language
-    tables = list(editions.support(book.listed, book.labels, language))
+    listed = [(folder, commons[edition]) for folder, edition in book.listed]
+    only_editions = [edition for _, edition in book.listed]
+    older = {edition: editions.previous(edition, only_editions) for edition in only_editions}
+    changed = {one: editions.changed_commands(commons[one].since(old)) for one, old in older.items() if old}
+    tables = list(editions.support(book.listed, book.labels, language, changed))
+    starts = list(guides.starts(listed))
+    about = {
+        "editions": only_editions,
+        "lengths": guides.lengths(only_editions),
+        "has_support": bool(tables),
+        "has_quickstart": bool(starts),
+        "starts": starts,
+        "hints": {name: book.labels[f"hint_{name}"] for name in ("c", "python", "sh")},
+        "telling": list(guides.telling_frames(listed)),
+        "words": [(edition, list(guides.words(edition, book.labels))) for edition in only_editions],
+    }
+    view = {**book.view, **about}
     lines = list(editions.front(book.listed))
-    front = env.get_template("language.md.j2").render(book.view, editions=lines, has_support=bool(tables))
-    yield Output(f"{language}/index.md", front)
+    yield Output(f"{language}/index.md", env.get_template("language.md.j2").render(view, editions=lines))
     if tables:
-        yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(book.view, tables=tables))
-        page = env.get_template(f"new_edition.{language}.md.j2").render(book.view)
-        yield Output(f"{language}/new-edition.md", page)
-    yield Output(f"{language}/assurance.md", env.get_template(f"assurance.{language}.md.j2").render(book.view))
+        yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(view, tables=tables))
+    for name in _GUIDES:
+        if (name != "new-edition" or tables) and (name != "quickstart" or starts):
+            page = env.get_template(f"{name.replace('new-edition', 'new_edition')}.{language}.md.j2").render(view)
+            yield Output(f"{language}/{name}.md", page)
+    script = (Path(__file__).parent / "runtime" / "bus_load.js").read_text("utf-8")
+    data = guides.load_data(book.listed, language)
+    calculator = env.get_template("bus-load.html.j2").render(view, data=data, script=script)
+    yield Output(f"{language}/bus-load-calculator.html", calculator)
 
 
 def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) -> Iterator[Output]:

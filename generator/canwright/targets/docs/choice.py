@@ -85,15 +85,27 @@ def _agree(request: GoldenFrame, reply: GoldenFrame) -> bool:
 
 def _rank(message: Message, frame: GoldenFrame) -> tuple[int, ...]:
     """Smaller for a better example: every value known, none of them 0, none at a limit, all parameters known."""
-    fields = {field.name: field for field in message.layout.fields}
-    raws = [(fields[name], raw) for name, listed in frame.raw.items() for raw in _list(listed) if name in fields]
+    raws = list(_raws(message, frame))
     return (
         sum(value == "none" for value in frame.values.values()) + len(frame.raw.keys() - frame.values.keys()),
         sum(raw == 0 and field.type.is_number for field, raw in raws),
-        sum(_is_extreme(field, raw) for field, raw in raws),
+        _extremes(message, frame),
         -len(frame.values),
         frame.node != 1,
     )
+
+
+def _raws(message: Message, frame: GoldenFrame) -> Iterator[tuple[Field, int]]:
+    """The raw integers of a frame with their fields."""
+    fields = {field.name: field for field in message.layout.fields}
+    for name, listed in frame.raw.items():
+        if name in fields:
+            yield from ((fields[name], raw) for raw in _list(listed))
+
+
+def _extremes(message: Message, frame: GoldenFrame) -> int:
+    """The number of numbers next to a limit or to 0."""
+    return sum(_is_extreme(field, raw) for field, raw in _raws(message, frame))
 
 
 def _list(raw: int | list[int]) -> list[int]:
@@ -125,7 +137,8 @@ def _shown(message: Message | None, frames: Sequence[GoldenFrame], first: Golden
             seen.add(_variant(message, frame))
             yield frame
     if not _is_negative(first):
-        yield from itertools.islice(filter(_is_negative, rest), 1)
+        typical = (frame for frame in rest if _is_negative(frame) and not _extremes(message, frame))
+        yield from itertools.islice(typical, 1)
 
 
 def _variant(message: Message, frame: GoldenFrame) -> frozenset[str]:

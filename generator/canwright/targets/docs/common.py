@@ -70,7 +70,9 @@ class Sheet(NamedTuple):
 
     name: str
     forms: Sequence[Form]
+    exchange: WorkedExchange | None
     programs: Sequence[Program]
+    """Programs for the exchange."""
     view: Mapping[str, Any]
 
 
@@ -135,7 +137,7 @@ class Common:
                 )
                 for one, found in zip(group, chosen, strict=True)
             ]
-            yield Sheet(first.group, forms, list(self._programs(exchange)), view)
+            yield Sheet(first.group, forms, exchange, list(self._programs(exchange)), view)
 
     def _programs(self, exchange: WorkedExchange | None) -> Iterator[Program]:
         for target in targets() if exchange else ():
@@ -167,7 +169,7 @@ class Common:
             is_repeated,
             not message.remote and any(picture.drawing.has_free_bits for picture in drawn),
             [] if is_repeated else [one for one in drawn if one.drawing.has_fields],
-            [worked(frame, message) for frame in frames],
+            [worked(self.edition.name, frame, message) for frame in frames],
         )
 
     def _has_selector_beside(self, message: Message) -> bool:

@@ -143,6 +143,11 @@ def _change_line(change: Change, language: str, labels: Mapping[str, str], wordi
     )
 
 
+def changed_commands(found: Sequence[Change]) -> frozenset[str]:
+    """The names of the commands that changes affect, other than those of texts."""
+    return frozenset(name for change in found if change.rule.category is not Category.DOC for name in change.used_by)
+
+
 class Changed(NamedTuple):
     """Changes of one command since the previous edition, in Markdown; and the number of further ones."""
 
@@ -187,18 +192,31 @@ def _frames(change: Change, language: str, wording: Wording) -> str:
     )
 
 
-def support(editions: Sequence[tuple[str, Edition]], labels: Mapping[str, str], language: str) -> Iterator[Support]:
-    """A table for each family that has several editions. `editions` come with their folders."""
+def support(
+    editions: Sequence[tuple[str, Edition]],
+    labels: Mapping[str, str],
+    language: str,
+    changed: Mapping[Edition, frozenset[str]],
+) -> Iterator[Support]:
+    """A table for each family that has several editions. `editions` come with their folders.
+
+    `changed` are the names of the commands that differ from the previous edition.
+    """
     for family in dict.fromkeys(edition.family for _, edition in editions):
         folders = {edition.name: folder for folder, edition in editions if edition.family == family}
         own = in_order(edition for _, edition in editions if edition.family == family)
         if len(own) > 1:
             listed = tuple((folders[edition.name], edition) for edition in own)
-            yield Support(family, listed, _commands(listed, labels, language), _entries(listed, labels, language))
+            yield Support(
+                family, listed, _commands(listed, labels, language, changed), _entries(listed, labels, language)
+            )
 
 
 def _commands(
-    editions: Sequence[tuple[str, Edition]], labels: Mapping[str, str], language: str
+    editions: Sequence[tuple[str, Edition]],
+    labels: Mapping[str, str],
+    language: str,
+    changed: Mapping[Edition, frozenset[str]],
 ) -> tuple[SupportLine, ...]:
     rows: dict[tuple[bool, int, str], list[str]] = {}
     titles: dict[str, str] = {}
@@ -208,6 +226,8 @@ def _commands(
             cells = rows.setdefault(key, ["—"] * len(editions))
             if cells[at] == "—":
                 cells[at] = _cell(folder, command, labels)
+                if command.name in changed.get(edition, ()):
+                    cells[at] += f" {labels['changed_mark']}"
                 titles.setdefault(command.group, command.group_title[language])
     return tuple(
         SupportLine(f"{code(name)}<br>{markdown(titles[name])}", tuple(cells))

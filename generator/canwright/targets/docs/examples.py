@@ -11,6 +11,7 @@ from ...language.golden_frames import GoldenFrame, GoldenFrames, Value
 from ...model import formatting
 from ...model.message import Message
 from ...templating.markup import code, markdown
+from .links import explorer_link
 
 
 class Example(NamedTuple):
@@ -40,12 +41,12 @@ class Worked(NamedTuple):
         return Example(self.frame, self.given, self.means % labels, source)
 
 
-def worked(frame: GoldenFrame, message: Message) -> Worked:
+def worked(edition: str, frame: GoldenFrame, message: Message) -> Worked:
     """A golden frame of a message with its meaning."""
     units = {f.name: f" {f.type.unit.symbol}" for f in message.layout.fields if f.type.unit}
     return Worked(
         frame,
-        f"`{formatting.sent(frame)}`",
+        f"[`{formatting.sent(frame)}`]({explorer_link(edition, frame)})",
         ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
         "<br>".join(_meanings(frame, units)) or "%(none)s",
     )

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from urllib.parse import quote, urlencode
 
+from ...language.golden_frames import GoldenFrame
+from ...model import formatting
 from ...model.edition import Edition
 from ...model.message import Command
 
@@ -26,6 +29,12 @@ def entry_anchor(command: Command) -> str:
 def command_link(edition: Edition, name: str) -> str:
     """The page of the command with a name."""
     return command_page(edition.command(name))
+
+
+def explorer_link(edition: str, frame: GoldenFrame) -> str:
+    """The frame explorer of the site with a frame, from the page of a command; the site removes it without explorer."""
+    state = {"frame": formatting.sent(frame), "edition": edition, "direction": frame.direction.value}
+    return f"../../../explorer/index.html#{urlencode(state, quote_via=quote)}"
 
 
 def pages_of(edition: Edition, names: Sequence[str]) -> Mapping[str, str]:

@@ -143,6 +143,11 @@ class Pages:
         found = [one.reply.id for one in commands if one.reply] if commands else [address.reply]
         return list(dict.fromkeys(code(formatting.id_rule(rule)) for rule in found))
 
+    def commands_with(self, effect: Effect) -> Mapping[str, str]:
+        """Names and pages of the commands that have an effect."""
+        edition = self._common.edition
+        return pages_of(edition, [one.name for one in edition.commands if effect in one.effects])
+
     def types(self) -> Mapping[str, Any]:
         """The page of types."""
         return {"named_types": [t for t in self._common.edition.types if t.path[0] == "types"], "tables": tables}

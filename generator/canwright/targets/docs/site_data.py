@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import yaml
@@ -14,12 +14,13 @@ from ...model.layout import Field
 from ...model.message import Command, Direction, IdRule, Message
 from ...model.types import Type
 from ...templating import resources
+from .links import COMMANDS, command_page
 
 FILE = "site.json"
 
 Record = dict[str, Any]
-"""An item that a search finds: `kind`, `name`, `pages` in the folder of the edition, and what is known of its code,
-title, description, unit and anchor. Texts are by language and not escaped."""
+"""An item that a search finds: `kind`, `name`, `pages` in the folder of the edition, with or without a section, and what
+is known of its code, title, description and units. Texts are by language and not escaped."""
 
 
 def site_data(listed: Sequence[tuple[str, Edition]]) -> str:
@@ -46,14 +47,14 @@ def _synonyms() -> list[list[str]]:
 
 
 def _records(edition: Edition) -> Iterator[Record]:
-    yield from (_command(command) for command in edition.commands)
+    yield from _commands(edition)
     yield from _ids(edition)
     yield from _fields(edition)
     yield from _types(edition)
     for erratum in edition.errata:
         about = {lang: f"{erratum.used[lang]} {erratum.why[lang]}" for lang in edition.languages}
-        place = {"pages": ["errata"], "anchor": f"errata.{erratum.id}"}
-        yield {"kind": "erratum", "name": erratum.id, "title": dict(erratum.printed), "about": about, **place}
+        pages = [f"errata#errata.{erratum.id}"]
+        yield {"kind": "erratum", "name": erratum.id, "title": dict(erratum.printed), "about": about, "pages": pages}
     for effect in edition.effects:
         pages = [page_of(command) for command in edition.commands if effect in command.effects]
         yield {"kind": "effect", "name": effect.name, "title": dict(effect.title), "pages": list(dict.fromkeys(pages))}
@@ -64,25 +65,46 @@ def _records(edition: Edition) -> Iterator[Record]:
         ("table", "index", edition.tables),
     ):
         for item in items:
-            place = {"pages": [page], "anchor": f"{'bus.' if kind == 'mode' else ''}{kind}s.{item.name}"}
-            yield {"kind": kind, "name": item.name, "title": dict(item.title), "about": dict(item.about), **place}
+            pages = [f"{page}#{'bus.' if kind == 'mode' else ''}{kind}s.{item.name}"]
+            yield {
+                "kind": kind,
+                "name": item.name,
+                "title": dict(item.title),
+                "about": dict(item.about),
+                "pages": pages,
+            }
 
 
 def page_of(command: Command) -> str:
-    """The page of a command in the folder of its edition, without suffix."""
-    return f"commands/{command.name}"
+    """The place of a command in the folder of its edition: a page without suffix, or a section of it."""
+    return COMMANDS + command_page(command).replace(".md", "", 1)
 
 
-def _command(command: Command) -> Record:
-    codes = [f"0x{command.code:02X}"] if command.code is not None else []
-    return {
-        "kind": "command",
-        "name": command.name,
-        "code": ", ".join(codes or sorted(_fixed_ids(command))),
-        "title": dict(command.title),
-        "about": dict(command.about),
-        "pages": [page_of(command)],
-    }
+def _commands(edition: Edition) -> Iterator[Record]:
+    """The commands, each followed by its entries if it has a table."""
+    groups: dict[str, list[Command]] = {}
+    for command in edition.commands:
+        groups.setdefault(command.group, []).append(command)
+    for name, forms in groups.items():
+        first = forms[0]
+        yield {
+            "kind": "command",
+            "name": name,
+            "code": ", ".join(dict.fromkeys(code for form in forms for code in _codes(form))),
+            "title": dict(first.group_title),
+            "about": dict(first.about),
+            "pages": [page_of(first).partition("#")[0]],
+        }
+        for form in forms:
+            if form.entry:
+                yield {"kind": "entry", "name": form.name, "title": dict(form.title), "pages": [page_of(form)]}
+
+
+def _codes(command: Command) -> Sequence[str]:
+    """The code of a command; without one, the ids of its messages that no node is part of."""
+    if command.code is not None:
+        return [f"0x{command.code:02X}"]
+    return sorted({formatting.id_rule(m.id) for _, m in _messages([command]) if m.id.nodes is None and not m.id_mask})
 
 
 def _messages(commands: Iterable[Command]) -> Iterator[tuple[Command, Message]]:
@@ -90,11 +112,6 @@ def _messages(commands: Iterable[Command]) -> Iterator[tuple[Command, Message]]:
         for message in (command.message(direction) for direction in Direction):
             if message is not None:
                 yield command, message
-
-
-def _fixed_ids(command: Command) -> set[str]:
-    """The ids of messages that no node is part of."""
-    return {formatting.id_rule(m.id) for _, m in _messages([command]) if m.id.nodes is None and not m.id_mask}
 
 
 def _ids(edition: Edition) -> Iterator[Record]:
@@ -134,10 +151,10 @@ def _types(edition: Edition) -> Iterator[Record]:
             of_type.setdefault(field.type, []).append(page_of(command))
     for type_ in dict.fromkeys((*edition.types, *of_type)):
         is_named = type_.path[0] == "types"
-        place: Mapping[str, object] = {"pages": list(dict.fromkeys(of_type.get(type_, ())))}
+        pages = [f"types#types.{type_.name}"] if is_named else list(dict.fromkeys(of_type.get(type_, ())))
         if is_named:
-            place = {"pages": ["types"], "anchor": f"types.{type_.name}"}
-            yield {"kind": "type", "name": type_.name, "title": dict(type_.title), "about": dict(type_.about), **place}
+            titles = {"title": dict(type_.title), "about": dict(type_.about)}
+            yield {"kind": "type", "name": type_.name, **titles, "pages": pages}
         for member in (*type_.enum, *type_.flags):
             titles = {"title": dict(member.title), "about": dict(member.about)}
-            yield {"kind": "value", "name": member.name, **titles, "of": type_.name if is_named else "", **place}
+            yield {"kind": "value", "name": member.name, **titles, "pages": pages}

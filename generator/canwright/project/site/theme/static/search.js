@@ -6,23 +6,22 @@ const SEPARATORS = /[\s_\-‐–—,，、;；:：。()（）[\]【】"'“”`!
 const CHINESE = /[\u3400-\u9fff]/u;
 
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
-const WEIGHTS = { command: 1, id: 0.95, page: 0.9, effect: 0.75, field: 0.7, value: 0.65, type: 0.6, table: 0.6, erratum: 0.55, parameter: 0.55, setting: 0.5, mode: 0.5, heading: 0.5 };
+const WEIGHTS = { command: 1, entry: 0.97, id: 0.95, page: 0.9, effect: 0.75, field: 0.7, value: 0.65, type: 0.6, table: 0.6, erratum: 0.55, parameter: 0.55, setting: 0.5, mode: 0.5, heading: 0.8 };
 const ABOUT = 0.3;
+const EXACT = 10;
 
 const normalized = text => text.normalize("NFKC").toLowerCase().replace(SEPARATORS, " ").trim();
 
 /** How well a text contains a term: 1 for an equal text, 0 for none. */
 function quality(term, text) {
   if (term === text) { return 1; }
+  const isChinese = CHINESE.test(term);
+  if (!text.includes(term)) { return isChinese ? 0.4 * pairsIn(term, text) : 0; }
   const share = term.length / text.length / 10;
-  if (CHINESE.test(term)) {
-    if (text.includes(term)) { return (text.startsWith(term) ? 0.8 : 0.7) + share; }
-    return 0.4 * pairsIn(term, text);
-  }
   const spaced = ` ${text} `;
-  if (spaced.includes(` ${term} `)) { return (text.startsWith(term) ? 0.8 : 0.7) + share; }
+  if (isChinese || spaced.includes(` ${term} `)) { return (text.startsWith(term) ? 0.8 : 0.7) + share; }
   if (spaced.includes(` ${term}`)) { return 0.5 + share; }
-  return term.length > 2 && text.includes(term) ? 0.3 + share : 0;
+  return term.length > 2 ? 0.3 + share : 0;
 }
 
 /** The share of pairs of neighbouring Chinese characters that a text contains, if it is most of them. */
@@ -62,9 +61,13 @@ function createSearch(index, language) {
       const texts = [record.name, ...codes, ...titles, ...(record.units ?? [])].map(normalized).filter(Boolean);
       const about = Object.values(record.about ?? {}).map(normalized);
       const item = { ...record, title: inLanguage(record.title), texts: [...new Set(texts)], about };
-      for (const path of record.pages ?? []) { add(edition.folder, path, item); }
+      for (const place of record.pages ?? []) {
+        const [path, anchor] = place.split("#");
+        add(edition.folder, path, anchor ? { ...item, anchor } : item);
+      }
     }
   }
+  const items = [...new Set([...documents.values()].flatMap(found => found.items))];
   const names = new Map(index.editions.map(edition => [edition.folder, edition.name]));
   const families = new Map(index.editions.map(edition => [edition.folder, edition.family]));
   const newest = index.editions.at(-1)?.folder ?? "";
@@ -107,29 +110,31 @@ function createSearch(index, language) {
     return fits ? { ...item, node: step ? node : null } : null;
   }
 
-  function match(found, query, parts) {
-    let best = null;
-    const perTerm = parts.map(() => 0);
-    for (const item of found.items) {
-      const weight = WEIGHTS[item.kind];
-      const identified = ofId(item, query);
-      const whole = identified || item.texts.includes(query) ? 10 + weight : 0;
-      let sum = 0;
-      parts.forEach(({ word, same }, i) => {
-        const value = Math.max(
-          ...item.texts.map(text => quality(word, text)),
-          ...item.about.map(text => ABOUT * quality(word, text)),
-          ...same.flatMap(other => item.texts.map(text => 0.8 * quality(other, text))),
-        ) * weight;
-        perTerm[i] = Math.max(perTerm[i], value);
-        sum += value;
-      });
-      const score = whole || sum / parts.length;
-      if (score > (best?.score ?? 0)) { best = { score, item: identified ?? item }; }
-    }
-    if (!best || (best.score < 10 && perTerm.some(value => !value))) { return null; }
-    const score = best.score >= 10 ? best.score : perTerm.reduce((sum, value) => sum + value, 0) / parts.length;
-    return { found, score, item: best.item };
+  /** How well an item matches the whole query and each of its terms. */
+  function rate(item, query, parts) {
+    const weight = WEIGHTS[item.kind];
+    const identified = ofId(item, query);
+    const values = parts.map(({ word, same }) => {
+      let best = 0;
+      for (const text of item.texts) {
+        best = Math.max(best, quality(word, text), ...same.map(other => 0.8 * quality(other, text)));
+      }
+      for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text)); }
+      return best * weight;
+    });
+    const isWhole = identified || item.texts.includes(query);
+    const whole = isWhole ? EXACT + (item.kind === "heading" ? 0 : weight) : 0;
+    return { item: identified ?? item, values, score: whole || values.reduce((sum, value) => sum + value, 0) / parts.length };
+  }
+
+  /** The best item of a page, if the page has it all: an exact match, or one of each term. */
+  function match(found, parts, rated) {
+    const all = found.items.map(item => rated.get(item));
+    const best = all.reduce((one, other) => other.score > one.score ? other : one);
+    if (best.score >= EXACT) { return { found, score: best.score, item: best.item }; }
+    const perTerm = parts.map((_, i) => Math.max(...all.map(({ values }) => values[i])));
+    const score = perTerm.reduce((sum, value) => sum + value, 0) / parts.length;
+    return perTerm.every(Boolean) ? { found, score, item: best.item } : null;
   }
 
   /** The hits of a query, best first; those of `edition` before those of others that match as well. */
@@ -137,9 +142,10 @@ function createSearch(index, language) {
     const query = normalized(text);
     if (!query) { return []; }
     const parts = terms(query);
+    const rated = new Map(items.map(item => [item, rate(item, query, parts)]));
     const pages = new Map();
     for (const found of documents.values()) {
-      const hit = match(found, query, parts);
+      const hit = match(found, parts, rated);
       if (hit) {
         const key = `${families.get(found.folder) ?? ""} ${found.path}`;
         pages.set(key, [...(pages.get(key) ?? []), hit]);
@@ -150,7 +156,7 @@ function createSearch(index, language) {
       const most = Math.max(...hits.map(hit => hit.score));
       const good = hits.filter(hit => hit.score >= most * 0.9);
       const best = good.find(isCurrent) ?? good.find(hit => hit.found.folder === newest) ?? good.at(-1);
-      return { best, hits, most, level: Math.floor(Math.min(most, 10) * 2), current: isCurrent(best) };
+      return { best, hits, most, level: Math.floor(Math.min(most, EXACT) * 2), current: isCurrent(best) };
     });
     ranked.sort((a, b) => b.level - a.level || b.current - a.current || b.most - a.most || a.best.found.order - b.best.found.order);
     return ranked.map(({ best, hits }) => shown(best, hits, texts));

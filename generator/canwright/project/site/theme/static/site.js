@@ -1,5 +1,5 @@
 "use strict";
-// Links to other languages and editions keep the section; the dialog of the search.
+// Links to other languages and editions keep the section; the menu; wide tables; the dialog of the search.
 (() => {
   const dialog = document.getElementById("site-search");
   const { root, edition, language, explorer } = dialog.dataset;
@@ -20,6 +20,11 @@
   const current = document.querySelector(".sidebar-tree .current-page");
   const menu = document.querySelector(".sidebar-scroll");
   if (current && menu) { menu.scrollTop = current.offsetTop - menu.clientHeight / 3; }
+
+  // What scrolls sideways can be scrolled with the keyboard.
+  for (const wide of document.querySelectorAll("pre, .table-wrapper")) {
+    if (wide.scrollWidth > wide.clientWidth) { wide.tabIndex = 0; }
+  }
 
   let ready = null;
   const load = () => {
@@ -90,6 +95,9 @@
       event.preventDefault();
       const next = at + (event.key === "ArrowDown" ? 1 : -1);
       (links[next] || (next < 0 ? input : document.activeElement)).focus();
+    } else if (event.key === "Escape") {
+      event.preventDefault();
+      dialog.close();
     } else if (event.key === "Enter" && event.target === input && !event.isComposing) {
       event.preventDefault();
       await update();

@@ -1,0 +1,38 @@
+"""`handover`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from ..output.paths import OutputError
+from .common import FilePath, read, spec_option, stop
+from .terminal import print_text
+
+
+@click.command()
+@spec_option
+@click.option(
+    "--out",
+    type=FilePath(file_okay=False, readable=False),
+    default=Path("handover"),
+    show_default=True,
+    help="Folder of the documents.",
+)
+@click.option("--force", is_flag=True, help="Overwrite documents of an earlier run that were edited by hand.")
+def handover(specs: Sequence[Path], out: Path, force: bool) -> None:
+    """Write documents to hand over: one HTML file for each edition and language, and the command matrix.
+
+    The HTML file needs no network, has contents and a search, and prints well. The command matrix is a CSV and an Excel
+    file with one row for each field. The folder must be new, empty, or that of an earlier run.
+    """
+    from ..project.handover import HandoverError, build
+
+    specifications = read(specs)
+    try:
+        names = build(specifications, out, force=force)
+    except (HandoverError, OutputError, OSError) as error:
+        stop(str(error))
+    print_text("".join(f"{out.as_posix()}/{name}\n" for name in names))

@@ -1,0 +1,56 @@
+"""Texts of the documents to hand over, by language."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+LABELS: Mapping[str, Mapping[str, str]] = {
+    "en": {
+        "contents": "Contents",
+        "search": "Search, for example a code, a name or a unit",
+        "found": "found in",
+        "none": "nothing found",
+        "command": "Command",
+        "title": "Title",
+        "code": "Code",
+        "direction": "Direction",
+        "id": "Id",
+        "nodes": "Nodes",
+        "frame": "Frame",
+        "position": "Position",
+        "bits": "Bits",
+        "field": "Field",
+        "meaning": "Meaning",
+        "raw": "Raw",
+        "raw_range": "Raw range",
+        "resolution": "Resolution (1 LSB)",
+        "unit": "Unit",
+        "values": "Named values",
+        "only": "Only",
+        "manual": "Manual",
+    },
+    "zh": {
+        "contents": "目录",
+        "search": "搜索命令码、名称或单位",
+        "found": "见于",
+        "none": "没有结果",
+        "command": "命令",
+        "title": "标题",
+        "code": "命令码",
+        "direction": "方向",
+        "id": "标识符",
+        "nodes": "节点",
+        "frame": "帧",
+        "position": "位置",
+        "bits": "位数",
+        "field": "字段",
+        "meaning": "含义",
+        "raw": "原始数据类型",
+        "raw_range": "原始值范围",
+        "resolution": "分辨率（1 LSB）",
+        "unit": "单位",
+        "values": "枚举值",
+        "only": "仅适用于",
+        "manual": "手册",
+    },
+}

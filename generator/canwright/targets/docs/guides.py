@@ -1,0 +1,150 @@
+"""Pages that help to start: quick start, editions by one frame, bus load, words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from ...model import formatting
+from ...model.edition import Edition
+from ...model.message import Command, Direction
+from ...model.types import Text
+from ...semantics.bus_load import message_bits
+from ...semantics.decoder import Decoder, Rejection
+from ...semantics.frame import CanFrame
+from ...templating.markup import code, markdown
+from .common import Common, Program, Sheet
+from .links import COMMANDS
+
+
+def first_sheet(common: Common) -> Sheet | None:
+    """The command for the quick start: without effects where there is one, and with most values in its reply."""
+    found = [sheet for sheet in common.sheets if sheet.programs and sheet.forms[0].command.entry is None]
+    return max(found, key=_helpfulness, default=None)
+
+
+def _helpfulness(sheet: Sheet) -> tuple[bool, bool, int]:
+    exchange = sheet.exchange
+    values = len(exchange.reply.values) if exchange and exchange.reply else 0
+    return not sheet.forms[0].command.effects, exchange is not None and exchange.is_answered, values
+
+
+class Start(NamedTuple):
+    """The quick start of an edition: its programs by target."""
+
+    edition: Edition
+    folder: str
+    sheet: Sheet
+    programs: Sequence[Program]
+
+
+def starts(listed: Sequence[tuple[str, Common]]) -> Iterator[Start]:
+    """One for each family, with its newest edition; `listed` are the editions with their folders, oldest first."""
+    newest = {common.edition.family: (folder, common) for folder, common in listed}
+    for folder, common in newest.values():
+        sheet = first_sheet(common)
+        if sheet is not None:
+            yield Start(common.edition, folder, sheet, sheet.programs)
+
+
+class Telling(NamedTuple):
+    """A golden frame that only one edition of a family explains; the cells are Markdown."""
+
+    edition: str
+    frame: str
+    command: str
+
+
+def telling_frames(listed: Sequence[tuple[str, Common]]) -> Iterator[Telling]:
+    """For each edition the first shown reply that no other edition of its family decodes, if there is one."""
+    for folder, common in listed:
+        others = [Decoder(one.edition) for _, one in listed if one.edition.family == common.edition.family]
+        others = [decoder for decoder, (_, one) in zip(others, listed, strict=False) if one is not common]
+        for sheet in common.sheets if others else ():
+            frames = [x.golden for form in sheet.forms for d, side in form.sides if side for x in side.examples]
+            own = [f for f in frames if f.direction is Direction.REPLY]
+            found = next((f for f in own if all(_is_rejected(decoder, f) for decoder in others)), None)
+            if found:
+                yield Telling(
+                    f"[{markdown(common.edition.name)}]({folder}/index.md)",
+                    code(formatting.sent(found)),
+                    f"[{markdown(sheet.name)}]({folder}/{COMMANDS}{sheet.name}.md)",
+                )
+                break
+
+
+def _is_rejected(decoder: Decoder, frame: Any) -> bool:
+    sent = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
+    assignment = {name: str(value) for name, value in frame.parameters.items()}
+    return isinstance(decoder.decode(Direction.REPLY, sent, assignment), Rejection)
+
+
+class Length(NamedTuple):
+    """Frames of one length: the kind of id, the number of data bytes, and the bits on the bus."""
+
+    extended: bool
+    data_bytes: int
+    least: int
+    most: int
+
+
+def lengths(editions: Sequence[Edition]) -> Sequence[Length]:
+    """The lengths of the frames of some editions."""
+    messages = [message for edition in editions for message in edition.all_messages()]
+    found = {Length(m.id.extended, 0 if m.remote else m.dlc, *message_bits(m)) for m in messages}
+    return sorted(found)
+
+
+def load_data(listed: Sequence[tuple[str, Edition]], language: str) -> str:
+    """The data of the calculator as JSON that HTML can contain."""
+    data = [_load(edition, language) for _, edition in listed]
+    text = json.dumps(data, ensure_ascii=True, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _load(edition: Edition, language: str) -> Mapping[str, Any]:
+    within = edition.bus.reply_within_ms
+    rates = sorted({rate for mode in edition.bus.modes for rate in mode.bit_rates_kbps}, reverse=True)
+    groups: dict[str, Command] = {}
+    for command in edition.commands:
+        groups.setdefault(command.group, command)
+    return {
+        "edition": f"{edition.family} {edition.name}",
+        "rates": rates or [1000, 500, 250, 125],
+        "replyMs": None if within is None else float(within),
+        "nodes": edition.bus.max_nodes or 1,
+        "commands": [
+            {
+                "name": command.group,
+                "title": command.group_title[language],
+                "request": message_bits(command.request) if command.request else None,
+                "reply": message_bits(command.reply) if command.reply else None,
+                "replies": (len(command.from_each) or 1) if command.reply else 0,
+            }
+            for command in groups.values()
+        ],
+    }
+
+
+class Word(NamedTuple):
+    """A name with its titles; the cells are Markdown."""
+
+    name: str
+    kind: str
+    titles: Sequence[str]
+
+
+def words(edition: Edition, labels: Mapping[str, str]) -> Iterator[Word]:
+    """The named items of an edition with their titles in every language."""
+    kinds: Sequence[tuple[str, Sequence[Any]]] = (
+        ("type", [t for t in edition.types if t.path[0] == "types"]),
+        ("parameter", edition.parameters),
+        ("setting", edition.settings),
+        ("effect", edition.effects),
+        ("mode", edition.bus.modes),
+    )
+    for kind, items in kinds:
+        for item in items:
+            titles: Text = item.title
+            yield Word(code(item.name), labels[f"item_{kind}"], [markdown(titles[one]) for one in edition.languages])

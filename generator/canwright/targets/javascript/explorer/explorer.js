@@ -1,0 +1,571 @@
+"use strict";
+
+/** The page: reads the input and the state of the address, shows messages, bits, fields and code. Texts are only set as text. */
+(() => {
+  const { frames, meaning, code } = canwright;
+  const PAGE = 100; // frames of a log that are shown at once
+  const state = { frame: "", edition: "", direction: "", command: "", lang: "", parameters: {} };
+  let found = [];
+  let chosen = null;
+  let field = "";
+  let log = { frames: [], skipped: 0, start: 0 };
+
+  const at = (id) => document.getElementById(id);
+
+  /** An element with properties; `children` are elements and texts. */
+  function make(tag, properties = {}, ...children) {
+    const { dataset = {}, ...others } = properties;
+    const element = document.createElement(tag);
+    for (const [name, value] of Object.entries(others)) {
+      if (name in element) {
+        element[name] = value;
+      } else {
+        element.setAttribute(name, value);
+      }
+    }
+    Object.assign(element.dataset, dataset);
+    element.append(...children);
+    return element;
+  }
+
+  function say(key, ...values) {
+    const text = canwright.labels[state.lang][key];
+    return values.reduce((whole, value, i) => whole.replace(`{${i}}`, value), text);
+  }
+
+  /** A text of the spec in the language of the page, otherwise in another one. */
+  function text(texts, otherwise = "") {
+    return texts?.[state.lang] ?? texts?.en ?? Object.values(texts ?? {})[0] ?? otherwise;
+  }
+
+  function titleOf({ edition, decoded }) {
+    const { code: number, title } = edition.texts.commands[decoded.command];
+    const shown = text(title, decoded.command);
+    return number === undefined ? shown : `0x${frames.hex(number, 2)} ${shown}`;
+  }
+
+  // The state in the address
+
+  function readAddress() {
+    const given = new URLSearchParams(location.hash.slice(1));
+    const query = new URLSearchParams(location.search);
+    const names = new Set(meaning.parameters().map(({ name }) => name));
+    for (const name of ["frame", "edition", "direction", "command"]) {
+      state[name] = given.get(name) ?? "";
+    }
+    const lang = given.get("lang") ?? query.get("lang") ?? (state.lang || navigator.language);
+    state.lang = lang.toLowerCase().startsWith("zh") ? "zh" : "en";
+    state.parameters = Object.fromEntries([...given].filter(([name]) => names.has(name)));
+  }
+
+  function writeAddress() {
+    const { parameters, ...others } = state;
+    const entries = Object.entries({ ...others, ...parameters }).filter(([, value]) => value !== "");
+    history.replaceState(null, "", `#${new URLSearchParams(entries)}`);
+  }
+
+  // Input
+
+  function showParameters() {
+    const items = meaning.parameters().map(({ name, values, texts }) => {
+      const id = `parameter-${name}`;
+      const options = (values ?? []).map((value) => make("option", { value }, text(texts?.values?.[value], value)));
+      const unknown = make("option", { value: "" }, say("unknown"));
+      const input = values ? make("select", { id }, unknown, ...options) : make("input", { id, inputMode: "decimal", size: 6 });
+      input.value = state.parameters[name] ?? "";
+      input.addEventListener("change", () => {
+        state.parameters[name] = input.value.trim();
+        update();
+      });
+      return make("p", {}, make("label", { htmlFor: id }, text(texts?.title, name)), input);
+    });
+    at("parameters").replaceChildren(...items);
+    at("parameters-box").hidden = !items.length;
+  }
+
+  function showCommands() {
+    const edition = meaning.find(state.edition) ?? chosen?.edition ?? meaning.editions[0];
+    at("edition").replaceChildren(
+      ...meaning.editions.map((one) => make("option", { value: meaning.label(one), selected: one === edition }, meaning.label(one))),
+    );
+    const options = [...edition.messages].map(([value, { direction, command }]) => {
+      const title = titleOf({ edition, decoded: { command } });
+      return make("option", { value }, `${title} · ${say(direction)}`);
+    });
+    at("message").replaceChildren(make("option", { value: "" }, say("choose")), ...options);
+    at("message").value = chosen && chosen.edition === edition ? `${chosen.decoded.direction} ${chosen.decoded.command}` : "";
+  }
+
+  function compose() {
+    const [direction, command] = at("message").value.split(" ");
+    const edition = meaning.find(at("edition").value);
+    state.edition = meaning.label(edition);
+    if (direction) {
+      Object.assign(state, { direction, command });
+      use(meaning.blank(edition, direction, command, state.parameters).decoded.frame);
+    } else {
+      state.command = "";
+      update();
+    }
+  }
+
+  /** Shows a frame that was composed or selected. */
+  function use(frame) {
+    state.frame = frames.format(frame);
+    at("frame").value = state.frame;
+    update();
+  }
+
+  function openLog(file) {
+    file.text().then((content) => {
+      log = { ...frames.parseLog(content), start: 0, name: file.name };
+      showLog();
+      if (log.frames.length) {
+        use(log.frames[0]);
+      }
+    });
+  }
+
+  function showLog() {
+    const { frames: all, skipped, start, name } = log;
+    at("log").hidden = !name;
+    if (!name) {
+      return;
+    }
+    at("log-summary").textContent = say("log_summary", name, all.length, skipped);
+    const rows = all.slice(start, start + PAGE).map((frame) => {
+      const shown = frames.format(frame);
+      const [best] = meaning.interpret(frame, state.parameters);
+      const button = make("button", { type: "button" }, shown);
+      button.addEventListener("click", () => use(frame));
+      const mark = frame.sent === null ? "" : say(frame.sent ? "sent" : "received");
+      const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : say("no_message");
+      return make("tr", {}, make("td", {}, frame.time), make("td", {}, mark), make("td", {}, button), make("td", {}, what));
+    });
+    at("log-rows").replaceChildren(...rows);
+    at("log-position").textContent = all.length ? `${start + 1}–${Math.min(start + PAGE, all.length)} / ${all.length}` : "";
+    at("log-previous").disabled = start === 0;
+    at("log-next").disabled = start + PAGE >= all.length;
+  }
+
+  function turn(step) {
+    log.start += step * PAGE;
+    showLog();
+  }
+
+  // Messages
+
+  function isPreferred({ edition, decoded }) {
+    const { direction, command, edition: name } = state;
+    return (
+      (!name || name === meaning.label(edition) || name === edition.name) &&
+      (!direction || direction === decoded.direction) &&
+      (!command || command === decoded.command)
+    );
+  }
+
+  function update() {
+    const line = state.frame.trim();
+    const frame = line ? frames.parseLine(line) : null;
+    found = frame ? meaning.interpret(frame, state.parameters) : [];
+    chosen = found.find(isPreferred) ?? found[0] ?? null;
+    at("problem").textContent = line && !frame ? say("no_frame") : frame && !found.length ? reasons(frame) : "";
+    at("frame").setAttribute("aria-invalid", String(Boolean(line && !frame)));
+    show();
+  }
+
+  /** Why no message fits, by the codec of the newest edition. */
+  function reasons(frame) {
+    const texts = meaning.editions.slice(0, 1).flatMap(({ codec }) =>
+      [codec.decodeRequest, codec.decodeReply].map((decode) => {
+        try {
+          decode(frame);
+          return "";
+        } catch (error) {
+          return error.message;
+        }
+      }),
+    );
+    return `${say("no_message")} (${texts.filter(Boolean).join("; ")})`;
+  }
+
+  function select(one) {
+    chosen = one;
+    Object.assign(state, { edition: meaning.label(one.edition), direction: one.decoded.direction, command: one.decoded.command });
+    show();
+    at("found").querySelector('[aria-pressed="true"]')?.focus();
+  }
+
+  function show() {
+    writeAddress();
+    showFound();
+    showCommands();
+    at("chosen").hidden = !chosen;
+    if (chosen) {
+      const names = chosen.decoded.fields.map(({ name }) => name);
+      field = names.includes(field) ? field : "";
+      showChosen();
+      showBits();
+      showFields();
+      showCode();
+    }
+  }
+
+  function showFound() {
+    at("found-box").hidden = !found.length;
+    at("found-count").textContent = found.length ? say("found_count", found.length) : "";
+    const items = found.map((one) => {
+      const { edition, decoded, variant, deviation } = one;
+      const facts = [say(decoded.direction), meaning.label(edition)];
+      if (variant) {
+        facts.push(`${text(edition.texts.parameters[variant.parameter]?.title, variant.parameter)}: ${variant.values.join(", ")}`);
+      }
+      if (decoded.node !== null) {
+        facts.push(say("node", decoded.node));
+      }
+      if (deviation) {
+        facts.push(say(deviation));
+      }
+      const values = decoded.fields.map((one) => `${one.name} ${shown(one)}`).join(", ");
+      const button = make(
+        "button",
+        { type: "button", "aria-pressed": String(one === chosen) },
+        make("strong", {}, titleOf(one)),
+        make("span", {}, facts.join(" · ")),
+        make("small", {}, values),
+      );
+      button.addEventListener("click", () => select(one));
+      return make("li", {}, button);
+    });
+    at("found").replaceChildren(...items);
+    const current = items[found.indexOf(chosen)];
+    if (current) {
+      at("found").scrollTop = current.offsetTop - at("found").offsetTop - 8;
+    }
+  }
+
+  /** A value with its unit; the raw integer if there is none. */
+  function shown({ raw, value, unit, reason }) {
+    const list = (one) => (Array.isArray(one) ? `[${one.map(list).join(", ")}]` : String(one));
+    return reason === null ? `${list(value)}${unit ? ` ${unit}` : ""}` : `${say("raw")} ${list(raw)}`;
+  }
+
+  function showChosen() {
+    const { edition, decoded } = chosen;
+    at("chosen-title").textContent = titleOf(chosen);
+    at("chosen-facts").textContent = [decoded.command, say(decoded.direction), meaning.label(edition)].join(" · ");
+    const effects = edition.texts.commands[decoded.command].effects ?? [];
+    const items = decoded.direction === "request" ? effects : [];
+    at("effects").replaceChildren(
+      ...items.map((name) => {
+        const { level, title } = edition.texts.effects[name];
+        return make("li", { className: level }, `${say(level)}: ${text(title, name)}`);
+      }),
+    );
+  }
+
+  // Bits
+
+  /** The field of each bit of a frame, as `byte:bit`; byte -1 is the id. */
+  function owners() {
+    const found = new Map();
+    const names = chosen.decoded.fields.map(({ name }) => name);
+    for (const { name, elements } of chosen.message.fields) {
+      for (const [byte, low, width] of elements.flat()) {
+        for (let bit = low; bit < low + width && names.includes(name); bit += 1) {
+          found.set(`${byte}:${bit}`, name);
+        }
+      }
+    }
+    return found;
+  }
+
+  function showBits() {
+    const { frame, fields } = chosen.decoded;
+    const ownerOf = owners();
+    const numbers = new Map(fields.map(({ name }, i) => [name, i % 6]));
+    const hasId = [...ownerOf.keys()].some((key) => key.startsWith("-1:"));
+    const rows = hasId ? idRows(frame) : [];
+    rows.push(...frame.data.map((value, byte) => ({ title: `DATA[${byte}]`, byte, first: 0, width: 8, value })));
+    const body = rows.map(({ title, byte, first, width, value }) => {
+      const cells = [];
+      for (let column = 7; column >= 0; column -= 1) {
+        const bit = first + column;
+        const owner = ownerOf.get(`${byte}:${bit}`) ?? "";
+        const digit = column < width ? String(Math.floor(value / 2 ** column) % 2) : "";
+        const label = `${title} ${say("bit")} ${bit}: ${digit}${owner ? `, ${owner}` : ""}`;
+        const button = make("button", { type: "button", tabIndex: -1, ariaLabel: label, dataset: { field: owner } }, digit);
+        if (owner) {
+          button.dataset.colour = numbers.get(owner);
+        }
+        button.addEventListener("click", () => highlight(owner));
+        cells.push(digit ? make("td", {}, button) : make("td"));
+      }
+      const hex = make("td", { className: "hex" }, `0x${frames.hex(value, 2)}`);
+      return make("tr", {}, make("th", { scope: "row" }, title), ...cells, hex);
+    });
+    at("bits").replaceChildren(...body);
+    const first = at("bits").querySelector("button[data-field]:not([data-field=''])") ?? at("bits").querySelector("button");
+    if (first) {
+      first.tabIndex = 0;
+    }
+    highlight(field);
+  }
+
+  function idRows({ id, extended }) {
+    const bits = extended ? 29 : 11;
+    const rows = [];
+    for (let first = 8 * Math.floor((bits - 1) / 8); first >= 0; first -= 8) {
+      const width = Math.min(8, bits - first);
+      rows.push({ title: `ID ${first}+`, byte: -1, first, width, value: Math.floor(id / 2 ** first) % 2 ** width });
+    }
+    return rows;
+  }
+
+  /** Marks the bits and the row of a field. */
+  function highlight(name) {
+    field = name;
+    for (const element of document.querySelectorAll("[data-field]")) {
+      element.classList.toggle("on", name !== "" && element.dataset.field === name);
+    }
+    for (const button of at("fields").querySelectorAll("button[data-field]")) {
+      button.setAttribute("aria-pressed", String(button.dataset.field === name));
+    }
+    const description = chosen.message.fields.find((one) => one.name === name);
+    at("field-says").textContent = description ? `${name}: ${place(description)}` : "";
+  }
+
+  function place({ elements }) {
+    const parts = elements.map((segments) => {
+      const sorted = [...segments].sort((one, other) => one[0] - other[0]);
+      return sorted.map(([byte, low, width]) => {
+        const where = byte < 0 ? "ID" : `DATA[${byte}]`;
+        const bits = width === 1 ? `${say("bit")} ${low}` : `${say("bits")} ${low}..${low + width - 1}`;
+        return width === 8 && byte >= 0 ? where : `${where} ${bits}`;
+      }).join(", ");
+    });
+    return parts.join(" | ").replace(/^DATA\[(\d)\](?:, DATA\[\d\])*, DATA\[(\d)\]$/, "DATA[$1..$2]");
+  }
+
+  function moveInBits(event) {
+    const step = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
+    const cell = event.target.closest("td");
+    if (!step || !cell) {
+      return;
+    }
+    const row = cell.parentElement;
+    const next = [...at("bits").rows][row.rowIndex - 1 + step[0]]?.cells[cell.cellIndex + step[1]]?.querySelector("button");
+    if (next) {
+      event.target.tabIndex = -1;
+      next.tabIndex = 0;
+      next.focus();
+      highlight(next.dataset.field);
+      event.preventDefault();
+    }
+  }
+
+  // Fields
+
+  function showFields() {
+    const { edition, message, decoded } = chosen;
+    const rows = decoded.fields.map((one) => {
+      const position = message.fields.findIndex(({ name }) => name === one.name);
+      const description = message.fields[position];
+      const { title, type } = edition.texts.layouts[message.layout][position];
+      const button = make("button", { type: "button", dataset: { field: one.name }, "aria-pressed": "false" }, one.name);
+      button.addEventListener("click", () => highlight(field === one.name ? "" : one.name));
+      const row = make(
+        "tr",
+        { dataset: { field: one.name } },
+        make("th", { scope: "row" }, button, make("small", {}, text(title))),
+        make("td", { dataset: { title: say("value") } }, valueInput(one, description, edition.texts.types[type])),
+        make("td", { dataset: { title: say("raw_integer") } }, rawInput(one)),
+        make("td", {}, facts(description, edition.texts.types[type], one)),
+      );
+      row.addEventListener("focusin", () => highlight(one.name));
+      return row;
+    });
+    at("fields").replaceChildren(...rows);
+    at("field-table").hidden = !rows.length;
+    at("no-fields").hidden = rows.length > 0;
+    highlight(field);
+  }
+
+  function facts(description, texts, { unit, reason }) {
+    const by = (list) => list.map(([names, what]) => `${what ?? say("not_given")}${names ? ` (${names})` : ""}`).join(", ");
+    const parts = [place(description)];
+    if (reason) {
+      parts.push(say(reason));
+    }
+    if (texts.resolution) {
+      parts.push(`${say("resolution")} ${by(texts.resolution)}`);
+    } else if (unit) {
+      parts.push(unit);
+    }
+    if (texts.range) {
+      parts.push(`${say(description.type.encoding === "float" ? "range_of" : "raw_range")} ${by(texts.range)}`);
+    }
+    return parts.join(" · ");
+  }
+
+  function valueInput(one, { isArray, type }, texts) {
+    const label = say("value_of", one.name);
+    if (type.enum && !isArray) {
+      const select = make("select", { ariaLabel: label });
+      select.append(
+        ...(one.value === null ? [make("option", { value: "" }, `${say("no_name")} (${one.raw})`)] : []),
+        ...type.enum.map(([, name]) => make("option", { value: name }, text(texts.members?.[name], name))),
+      );
+      select.value = one.value ?? "";
+      select.addEventListener("change", () => enter(one.name, { value: select.value }));
+      return select;
+    }
+    if (type.flags && !isArray) {
+      return make(
+        "fieldset",
+        {},
+        make("legend", { className: "hidden" }, label),
+        ...type.flags.map(([, name]) => {
+          const box = make("input", { type: "checkbox", checked: one.value.includes(name) });
+          box.addEventListener("change", () => {
+            const names = one.value.filter((other) => other !== name);
+            enter(one.name, { value: box.checked ? [...names, name] : names });
+          });
+          return make("label", {}, box, text(texts.members?.[name], name));
+        }),
+      );
+    }
+    const known = one.reason === null;
+    const input = make("input", { ariaLabel: label, value: known ? [one.value].flat().join(" ") : "", disabled: !known, size: 12 });
+    input.addEventListener("change", () => enter(one.name, { value: numbers(input.value, isArray, Number) }));
+    return make("span", {}, input, one.unit ? ` ${one.unit}` : "");
+  }
+
+  function rawInput(one) {
+    const input = make("input", { ariaLabel: say("raw_of", one.name), value: [one.raw].flat().join(" "), size: 12 });
+    input.addEventListener("change", () => enter(one.name, { raw: numbers(input.value, Array.isArray(one.raw), BigInt) }));
+    return input;
+  }
+
+  /** The number or numbers of a text; NaN, which the codec refuses, for anything else. Whole numbers are exact. */
+  function numbers(given, isArray, convert) {
+    const one = (part) => {
+      try {
+        return part === "" ? NaN : /^[+-]?\d{16,}$/.test(part) ? BigInt(part) : convert(part);
+      } catch {
+        return NaN;
+      }
+    };
+    return isArray ? given.trim().split(/[\s,]+/).map(one) : one(given.trim());
+  }
+
+  /** Encodes the message with another value of one field, and shows the frame. */
+  function enter(name, { value, raw }) {
+    const { edition, decoded, parameters } = chosen;
+    const encode = decoded.direction === "request" ? edition.codec.encodeRequest : edition.codec.encodeReply;
+    const { direction, command, node } = decoded;
+    try {
+      let changed = raw;
+      if (raw === undefined) {
+        changed = edition.codec.rawOf(direction, command, name, value, parameters);
+      }
+      const { frame } = encode(command, { node: node ?? undefined, raw: { ...decoded.raw, [name]: changed }, parameters });
+      at("field-problem").textContent = "";
+      Object.assign(state, { edition: meaning.label(edition), direction, command });
+      const focused = document.activeElement?.ariaLabel;
+      use(frame);
+      [...at("fields").querySelectorAll("input, select")].find((one) => one.ariaLabel === focused)?.focus();
+    } catch (error) {
+      const known = canwright.labels[state.lang][error.refusal];
+      at("field-problem").textContent = `${error.field ?? name}: ${known ?? say("not_finite")}`;
+    }
+  }
+
+  // Code
+
+  function showCode() {
+    at("bytes").textContent = chosen.decoded.frame.data.map((byte) => frames.hex(byte, 2)).join(" ");
+    for (const language of ["cansend", "c", "python"]) {
+      at(language).textContent = chosen.deviation === "range" && language !== "cansend" ? say("range") : code[language](chosen);
+    }
+  }
+
+  function copy(button) {
+    const source = at(button.dataset.copy);
+    const range = document.createRange();
+    range.selectNodeContents(source);
+    getSelection().removeAllRanges();
+    getSelection().addRange(range);
+    document.execCommand("copy"); // the only way that works from a file
+    at("copied").textContent = say("copied");
+  }
+
+  // The page
+
+  function showLanguage() {
+    document.documentElement.lang = state.lang === "zh" ? "zh-Hans" : "en";
+    document.title = say("title");
+    for (const element of document.querySelectorAll("[data-label]")) {
+      element.textContent = say(element.dataset.label);
+    }
+    for (const button of document.querySelectorAll("[data-lang]")) {
+      button.setAttribute("aria-pressed", String(button.dataset.lang === state.lang));
+    }
+  }
+
+  function start() {
+    readAddress();
+    showLanguage();
+    showParameters();
+    at("frame").value = state.frame;
+    showLog();
+    update();
+  }
+
+  at("frame").addEventListener("input", () => {
+    Object.assign(state, { frame: at("frame").value, direction: "", command: "" });
+    update();
+  });
+  at("frame").addEventListener("paste", (event) => {
+    const content = event.clipboardData.getData("text");
+    if (content.trim().includes("\n")) {
+      event.preventDefault();
+      openLog(new File([content], say("clipboard")));
+    }
+  });
+  at("edition").addEventListener("change", () => {
+    state.edition = at("edition").value;
+    at("message").value = "";
+    compose();
+  });
+  at("message").addEventListener("change", compose);
+  at("open").addEventListener("click", () => at("file").click());
+  at("file").addEventListener("change", () => at("file").files[0] && openLog(at("file").files[0]));
+  at("log-previous").addEventListener("click", () => turn(-1));
+  at("log-next").addEventListener("click", () => turn(1));
+  at("bits").addEventListener("keydown", moveInBits);
+  at("bits").addEventListener("focusin", (event) => highlight(event.target.dataset.field ?? ""));
+  for (const button of document.querySelectorAll("[data-copy]")) {
+    button.addEventListener("click", () => copy(button));
+  }
+  for (const button of document.querySelectorAll("[data-lang]")) {
+    button.addEventListener("click", () => {
+      state.lang = button.dataset.lang;
+      writeAddress();
+      start();
+    });
+  }
+  document.addEventListener("dragover", (event) => event.preventDefault());
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    const file = event.dataTransfer.files[0];
+    const content = event.dataTransfer.getData("text");
+    if (file) {
+      openLog(file);
+    } else if (content) {
+      openLog(new File([content], say("clipboard")));
+    }
+  });
+  window.addEventListener("hashchange", start);
+  start();
+})();

@@ -1,0 +1,164 @@
+/** A frame. `extended` means a 29-bit id, `remote` a frame without data that requests some; both are false if left out. */
+export interface Frame {
+  readonly id: number;
+  /** At most 8 bytes: an array, a `Uint8Array` or a `Buffer`. */
+  readonly data?: ArrayLike<number>;
+  readonly extended?: boolean;
+  readonly remote?: boolean;
+}
+
+/** A frame with all its parts; immutable. */
+export interface WrittenFrame extends Frame {
+  readonly data: readonly number[];
+  readonly extended: boolean;
+  readonly remote: boolean;
+}
+
+/** Why a frame or a value is rejected; the same in all languages. */
+export type Refusal =
+  | "unknown_id"
+  | "unknown_code"
+  | "wrong_length"
+  | "wrong_constant"
+  | "missing_parameter"
+  | "no_scale"
+  | "out_of_range"
+  | "not_finite"
+  | "unknown_node"
+  | "not_answer";
+
+/** A frame or a value is rejected. */
+export class CodecError extends Error {
+  readonly name: "CodecError";
+  readonly refusal: Refusal;
+  /** The field that caused it. */
+  readonly field: string | undefined;
+}
+
+export type Direction = "request" | "reply";
+
+/** The raw integer, the value and the accepted values of a field. */
+export interface FieldOf<Raw, Value, Given> {
+  readonly raw: Raw;
+  readonly value: Value;
+  readonly given: Given;
+}
+
+type Part<Fields, Name extends "raw" | "value"> = { readonly [F in keyof Fields]: Fields[F] extends FieldOf<any, any, any> | undefined ? NonNullable<Fields[F]>[Name] : never };
+type GivenRaw<Fields> = { readonly [F in keyof Fields]: NonNullable<Fields[F]> extends FieldOf<infer Raw, any, any> ? (Raw extends readonly unknown[] ? readonly (number | bigint)[] : number | bigint) : never };
+type GivenValue<Fields> = { readonly [F in keyof Fields]: NonNullable<Fields[F]> extends FieldOf<any, any, infer Given> ? Given : never };
+
+/** A field of a message. */
+export interface FieldResult {
+  readonly name: string;
+  readonly raw: number | bigint | readonly (number | bigint)[];
+  readonly value: unknown;
+  readonly unit: string | null;
+  /** Why there is no value; null with a value. */
+  readonly reason: Refusal | null;
+}
+
+/** One frame with its meaning; immutable. `values` are in units, and null where a raw integer has no value. */
+export interface Message<D extends Direction, C, Fields, Parameters> {
+  readonly family: string;
+  readonly edition: string;
+  readonly direction: D;
+  readonly command: C;
+  /** The node that receives or sends the frame; null if its id contains none. */
+  readonly node: number | null;
+  readonly parameters: Parameters;
+  readonly frame: WrittenFrame;
+  readonly fields: readonly FieldResult[];
+  readonly raw: Part<Fields, "raw">;
+  readonly values: Part<Fields, "value">;
+}
+
+/** The content of a message: either values in units or raw integers, of all its fields; neither without fields. */
+export type Content<Fields, Parameters> = {
+  /** The node; left out if the id contains none. */
+  readonly node?: number;
+  readonly parameters?: Parameters;
+} & (
+  | { readonly values: GivenValue<Fields>; readonly raw?: undefined }
+  | { readonly raw: GivenRaw<Fields>; readonly values?: undefined }
+  | (keyof Fields extends never ? { readonly values?: undefined; readonly raw?: undefined } : never)
+);
+
+/** A message that a frame can be if its direction is unknown. */
+export interface Candidate {
+  readonly direction: Direction;
+  readonly command: string;
+  readonly node: number | null;
+}
+
+/** Bits of a frame: byte (-1 for the id), lowest bit, width, lowest bit of the raw integer. */
+export type Segment = readonly [byte: number, low: number, width: number, rawLow: number];
+
+/** An integer, or a quotient as text. */
+export type Rational = number | bigint | string;
+
+/** A bound of a range: a number, or constant, coefficient and name of a number parameter. */
+export type Bound = Rational | readonly [constant: Rational, coefficient: Rational, parameter: string];
+
+/** A fact, or the facts by the values of a parameter; null is unknown. */
+export type Dependent<T> = T | null | { readonly by: string; readonly cases: { readonly [value: string]: T | null } };
+
+/** value = (raw * factor + addend) / divisor, multiplied by the parameter `times`. Left out: 1, 0, 1. */
+export interface Linear {
+  readonly factor?: number | bigint;
+  readonly addend?: number | bigint;
+  readonly divisor?: number | bigint;
+  readonly times?: string;
+}
+
+/** The bits and the type of a field. */
+export interface FieldDescription {
+  readonly name: string;
+  /** The bits of the field; of an array, of each element. */
+  readonly elements: readonly (readonly Segment[])[];
+  readonly isArray: boolean;
+  readonly indices: readonly number[] | null;
+  /** The values of the parameter of the message under which the field exists; null for all. */
+  readonly only: readonly string[] | null;
+  /** The raw integer that a sender always writes; such a field is in no message. */
+  readonly fixed: number | bigint | null;
+  /** Whether a receiver rejects any other raw integer. */
+  readonly isConstant: boolean;
+  readonly type: {
+    readonly width: number;
+    readonly encoding: "unsigned" | "signed" | "float";
+    readonly unit: string | null;
+    readonly enum: readonly (readonly [value: number | bigint, name: string])[] | null;
+    readonly flags: readonly (readonly [bit: number, name: string])[] | null;
+    readonly linear: Dependent<Linear> | undefined;
+    readonly range: Dependent<readonly [low: Bound, high: Bound]> | undefined;
+  };
+}
+
+/** A message: how its frames are identified, and its fields. */
+export interface MessageDescription {
+  readonly direction: Direction;
+  readonly command: string;
+  /** The id is base + node * step, with the bits of keys and fields. */
+  readonly base: number;
+  readonly step: number;
+  /** First and last node; null for a fixed id. */
+  readonly nodes: readonly [number, number] | null;
+  readonly extended: boolean;
+  readonly remote: boolean;
+  readonly length: number;
+  /** Bits with their accepted values; the first value is sent. */
+  readonly keys: readonly { readonly segments: readonly Segment[]; readonly values: readonly (number | bigint)[] }[];
+  /** The position of its layout in the module of texts. */
+  readonly layout: number;
+  /** The parameter that decides which fields exist. */
+  readonly parameter: string | null;
+  readonly fields: readonly FieldDescription[];
+}
+
+/** The values of a choice, or the limits of a number. */
+export interface ParameterDescription {
+  readonly values?: readonly string[];
+  readonly minimum?: Rational;
+  readonly maximum?: Rational;
+}

@@ -1,0 +1,110 @@
+"""JavaScript source of texts, numbers and tables."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from ...diagnostics.unicode_safety import visible
+from ...model.types import Text
+
+WIDTH = 120
+EXACT = (1 << 53) - 1
+"""Integers up to this are exact as a number of JavaScript; larger ones are printed as BigInt."""
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
+
+Value = str | int | float | Fraction | Mapping[str, "Value"] | Sequence["Value"] | None
+"""What is printed as JavaScript. An entry of a mapping that is None is left out; `null` in a list is None."""
+
+
+class Code(str):
+    """A text that is JavaScript source already."""
+
+    __slots__ = ()
+
+
+NULL = Code("null")
+
+
+def quoted(text: str) -> str:
+    """A string literal in ASCII that is safe in a script of an HTML page too."""
+    return json.dumps(text).replace("<", "\\u003c").replace(">", "\\u003e")
+
+
+def comment(text: str) -> str:
+    """A text on one line for a comment: it cannot end the comment, and starts no tag of TSDoc."""
+    return visible(text).replace("*/", "*\\/").replace("@", "\\@")
+
+
+def english(text: Text) -> str:
+    """The English text, or the first there is."""
+    return text.get("en") or next(iter(text.values()), "")
+
+
+def integer(raw: int, width: int) -> Code:
+    """A raw integer: a BigInt for types with more than 53 bits."""
+    return Code(f"{raw}n" if width > 53 else str(raw))
+
+
+def rational(number: Fraction) -> Value:
+    """An exact number: an integer, or a quotient as text."""
+    return number.numerator if number.denominator == 1 else f"{number.numerator}/{number.denominator}"
+
+
+def double(number: Fraction | int) -> Code:
+    """The double that is nearest to a number."""
+    try:
+        return Code(repr(float(number)))
+    except OverflowError:
+        return Code("Infinity" if number > 0 else "-Infinity")
+
+
+def printed(value: Value, indent: int = 0) -> str:
+    """A value on one line if it fits, else with one entry per line."""
+    line = _flat(value)
+    if indent + len(line) + 20 <= WIDTH or not isinstance(value, (Mapping, list, tuple)):
+        return line
+    margin = " " * (indent + 2)
+    opening, closing = "{}" if isinstance(value, Mapping) else "[]"
+    lines = (f"{margin}{name}{printed(item, indent + 2)},\n" for name, item in _entries(value))
+    return f"{opening}\n{''.join(lines)}{' ' * indent}{closing}"
+
+
+def _flat(value: Value) -> str:
+    if isinstance(value, Mapping):
+        inner = ", ".join(name + _flat(item) for name, item in _entries(value))
+        return f"{{ {inner} }}" if inner else "{}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_flat, value))}]"
+    return _scalar(value)
+
+
+def _scalar(value: object) -> str:
+    if isinstance(value, Code):
+        return str(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return quoted(value)
+    if isinstance(value, int) and abs(value) > EXACT:
+        return f"{value}n"
+    return "null" if value is None else repr(value)
+
+
+def _entries(value: Mapping[str, Value] | Sequence[Value]) -> list[tuple[str, Value]]:
+    if isinstance(value, Mapping):
+        return [(f"{key(name)}: ", item) for name, item in value.items() if item is not None]
+    return [("", item) for item in value]
+
+
+def key(name: str) -> str:
+    """The name of a property, in quotes where it has to be."""
+    return name if _NAME.fullmatch(name) else quoted(name)
+
+
+def as_type(name: str) -> str:
+    """The name of a property, as `key` has it, as a type of TypeScript."""
+    return name if name.startswith('"') else quoted(name)

@@ -1,0 +1,147 @@
+"""The generated JavaScript module of an edition, in a process of Node."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import weakref
+from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from canwright.model.edition import Edition
+from canwright.model.layout import Field
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.targets import javascript as target
+from canwright.targets.base import Specification
+from canwright.targets.javascript.package import module_path
+
+from ...node import NODE
+from ..adapter import Adapter, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value, write_files
+
+HARNESS = Path(__file__).parent / "javascript_harness.mjs"
+
+
+class JavaScriptAdapter(Adapter):
+    """Answers through the exported functions: every kind of question."""
+
+    name = "javascript"
+
+    def __init__(self, edition: Edition, module: Path) -> None:
+        super().__init__(edition)
+        self._fields = {
+            (message.direction, message.command, field.name): field
+            for message in edition.all_messages()
+            for field in message.layout.fields
+        }
+        pipe = subprocess.PIPE
+        self._node = subprocess.Popen([NODE, HARNESS, module], stdin=pipe, stdout=pipe, text=True, encoding="utf-8")
+        weakref.finalize(self, _end, self._node)
+
+    @classmethod
+    def create(cls, specification: Specification, workdir: Path) -> JavaScriptAdapter:
+        folder = write_files(target.generate([specification], {}), workdir)
+        return cls(specification.edition, folder / f"{module_path(specification.edition)}.js")
+
+    def decode(
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
+    ) -> Decoded | Refused:
+        question = {"direction": direction.value, "frame": _frame(frame), "parameters": dict(parameters)}
+        task = "decode" if expected is None else "decodeAs"
+        found = self.ask(task, command=expected, **question)
+        if isinstance(found, Refused):
+            return found
+        values: dict[str, Value] = {}
+        for one in found["fields"]:
+            field = self._field(direction, found["command"], one["name"])
+            assert one["unit"] == (field.type.unit.symbol if field.type.unit else None)
+            if one["reason"] != Refusal.MISSING_PARAMETER.value:
+                values[one["name"]] = _value(one["value"])
+        return Decoded(found["command"], found["node"], found["raw"], values)
+
+    def encode_raw(
+        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+    ) -> Encoded | Refused:
+        return self._encode(direction, command, node, parameters, raw={name: _given(one) for name, one in raw.items()})
+
+    def encode_values(
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        values: Mapping[str, ExactValue],
+        parameters: Parameters,
+    ) -> Encoded | Refused:
+        message = self.message_of(direction, command)
+        numbers = {f.name for f in message.layout.fields if f.type.is_number}
+        given = {name: _number(one) if name in numbers else _given(one) for name, one in values.items()}
+        return self._encode(direction, command, node, parameters, values=given)
+
+    def _encode(
+        self, direction: Direction, command: str, node: int | None, parameters: Parameters, **content: Any
+    ) -> Encoded | Refused:
+        content |= {"node": node, "parameters": dict(parameters)}
+        found = self.ask("encode", direction=direction.value, command=command, content=content)
+        if isinstance(found, Refused):
+            return found
+        return Encoded(found["id"], bytes(found["data"]), found["extended"], found["remote"])
+
+    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+        found = self.ask("answers", request=_frame(request), reply=_frame(reply))
+        return found if isinstance(found, Refused) else None
+
+    def ask(self, task: str, **question: Any) -> Any:
+        """The answer of the process, or the refusal."""
+        assert self._node.stdin is not None and self._node.stdout is not None
+        self._node.stdin.write(json.dumps({"task": task, **question}) + "\n")
+        self._node.stdin.flush()
+        answer = json.loads(self._node.stdout.readline(), object_hook=_bigint)
+        if "refusal" in answer:
+            return Refused(Refusal(answer["refusal"]), answer.get("field"))
+        if "error" in answer:
+            raise AssertionError(answer["error"])
+        return answer["answer"]
+
+    def _field(self, direction: Direction, command: str, name: str) -> Field:
+        return self._fields[direction, command, name]
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    process.communicate()
+
+
+def _bigint(table: dict[str, Any]) -> Any:
+    return int(table["bigint"]) if "bigint" in table else table
+
+
+def _frame(frame: CanFrame) -> dict[str, Any]:
+    return {"id": frame.id, "data": list(frame.data), "extended": frame.extended, "remote": frame.remote}
+
+
+def _given(given: Any) -> Any:
+    """A raw integer, a name, or several of them; integers that are no exact double as BigInt."""
+    if isinstance(given, list):
+        return [_given(one) for one in given]
+    if isinstance(given, Fraction):
+        return _number(given)
+    return {"bigint": str(given)} if isinstance(given, int) and abs(given) >= 1 << 53 else given
+
+
+def _number(value: Any) -> Any:
+    """A number as the nearest double; an integer that is none as BigInt."""
+    if isinstance(value, list):
+        return [_number(one) for one in value]
+    if not isinstance(value, (Fraction, int)):
+        return {"special": value}
+    if value.denominator == 1 and float(value) != value:
+        return {"bigint": str(value)}
+    return float(value)
+
+
+def _value(value: Any) -> Value:
+    """A value with its numbers as floats."""
+    if isinstance(value, list):
+        return [_value(one) for one in value]  # type: ignore[return-value]
+    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

@@ -1,0 +1,38 @@
+// Runs the scripts of the frame explorer without its page, and interprets the frames of a file of JSON.
+
+const { readFileSync } = require("node:fs");
+const { join } = require("node:path");
+const vm = require("node:vm");
+
+const [folder, questions] = process.argv.slice(2);
+const page = readFileSync(join(folder, "index.html"), "utf-8");
+const context = vm.createContext({});
+for (const [, path] of page.matchAll(/<script src="([^"]*)">/g)) {
+  if (path !== "explorer.js") {
+    vm.runInContext(readFileSync(join(folder, path), "utf-8"), context, { filename: path });
+  }
+}
+const canwright = vm.runInContext("canwright", context);
+const replace = (_, value) => (typeof value === "bigint" ? { bigint: String(value) } : value);
+
+const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ line, parameters }) => {
+  const frame = canwright.frames.parseLine(line);
+  return frame && {
+    frame: canwright.frames.format(frame),
+    sent: frame.sent,
+    time: frame.time,
+    found: canwright.meaning.interpret(frame, parameters).map((one) => ({
+      edition: one.edition.name,
+      direction: one.decoded.direction,
+      command: one.decoded.command,
+      node: one.decoded.node,
+      raw: one.decoded.raw,
+      deviation: one.deviation,
+      series: one.variant?.values ?? null,
+      c: one.deviation === "range" ? "" : canwright.code.c(one),
+      python: one.deviation === "range" ? "" : canwright.code.python(one),
+      cansend: canwright.code.cansend(one),
+    })),
+  };
+});
+console.log(JSON.stringify(answers, replace));

@@ -1,0 +1,167 @@
+"""The frame explorer without a browser: what lines and golden frames mean, and the code that it shows."""
+
+from __future__ import annotations
+
+import ast
+import gzip
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from canwright.language.golden_frames import GoldenFrame
+from canwright.model import formatting
+from canwright.project.loader import specification
+from canwright.targets import c, python
+from canwright.targets.javascript.page import FOLDER, explorer
+from canwright.templating.resources import TEMPLATES
+
+from ..compilers import WARNINGS, ZIG
+from ..conformance.adapter import write_files
+from ..node import run
+from ..spec_texts import ROOT, SPECS, called
+
+MOTOR = ROOT / "spec/mwd_motor/v2.35.yaml"
+
+
+def _bigint(table: dict[str, Any]) -> Any:
+    return int(table["bigint"]) if "bigint" in table else table
+
+
+def interpret(folder: Path, questions: Sequence[Mapping[str, Any]]) -> list[Any]:
+    """The answers of the scripts in a folder."""
+    (folder / "questions.json").write_text(json.dumps(questions), "utf-8")
+    script = Path(__file__).parent / "explorer.cjs"
+    found: list[Any] = json.loads(run(script, folder / FOLDER, folder / "questions.json"), object_hook=_bigint)
+    return found
+
+
+def _question(frame: GoldenFrame) -> dict[str, Any]:
+    return {"line": formatting.sent(frame), "parameters": {name: str(v) for name, v in frame.parameters.items()}}
+
+
+@pytest.mark.parametrize("spec", [MOTOR, *SPECS[4:]], ids=called)
+def test_golden_frames_and_their_code(spec: Path, tmp_path: Path) -> None:
+    """Every golden frame is found with its raw integers; the code for one frame of each message writes its bytes."""
+    item = specification(spec)
+    assert item.frames is not None
+    folder = write_files(explorer([item]), tmp_path)
+    frames = [frame for frame in item.frames.frames if len(frame.data) <= 8]
+    programs: dict[tuple[str, str], tuple[str, str, str]] = {}
+    for frame, answer in zip(frames, interpret(folder, list(map(_question, frames))), strict=True):
+        line = formatting.sent(frame)
+        assert answer["frame"] == line
+        same = [one for one in answer["found"] if one["direction"] == frame.direction.value]
+        message = item.edition.command(frame.command).message(frame.direction)
+        assert message is not None
+        fitting = [one for one in same if one["command"] == message.command and one["raw"] == dict(frame.raw)]
+        assert fitting, (line, same)
+        assert fitting[0]["cansend"] == f"cansend can0 {line}"
+        if not fitting[0]["deviation"] and not frame.decode_only:
+            programs.setdefault((frame.direction.value, message.command), (line, fitting[0]["c"], fitting[0]["python"]))
+    assert len(programs) > len(item.edition.all_messages()) // 2
+    _run_python(write_files(python.generate([item], {}), tmp_path), list(programs.values()))
+    _run_c(write_files(c.generate([item], {}), tmp_path), list(programs.values()))
+
+
+def _run_python(folder: Path, programs: Sequence[tuple[str, str, str]]) -> None:
+
+    script = "\n".join(program for _, _, program in programs)
+    ast.parse(script)
+    done = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    for line, (wanted, _, program) in zip(done.stdout.splitlines(), programs, strict=True):
+        assert _same("#".join(line.split(" ", 1)).replace(" ", ""), wanted), program
+
+
+def _run_c(folder: Path, programs: Sequence[tuple[str, str, str]]) -> None:
+    includes = sorted({program.splitlines()[0] for _, program, _ in programs})
+    bodies = [program.split("\n", 2)[2] for _, program, _ in programs]
+    show = "if (status != CANWRIGHT_OK) { return 1; } show(&frame);"
+    functions = "\n".join(f"static int f{i}(void)\n{{\n{body}\n{show}\nreturn 0;\n}}" for i, body in enumerate(bodies))
+    calls = " ".join(f"if (f{i}()) {{ return {i + 1}; }}" for i in range(len(bodies)))
+    printer = """static void show(const canwright_frame_t *frame)
+{
+    printf("%X#", (unsigned)(frame->id & 0x1FFFFFFFu));
+    for (int i = 0; i < frame->dlc && !(frame->id & CANWRIGHT_REMOTE); i++) {
+        printf("%02X", frame->data[i]);
+    }
+    printf("\\n");
+}"""
+    source = folder / "main.c"
+    source.write_text(
+        "\n".join(["#include <stdio.h>", *includes, printer, functions, f"int main(void) {{ {calls} return 0; }}"]),
+        "utf-8",
+    )
+    ZIG.run("c99", *WARNINGS, f"-I{folder / 'include'}", source, "-o", folder / "main")
+
+    done = subprocess.run([folder / "main"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, bodies[done.returncode - 1]
+    for line, (wanted, program, _) in zip(done.stdout.splitlines(), programs, strict=True):
+        assert _same(line, wanted), program
+
+
+def _same(written: str, wanted: str) -> bool:
+    """Whether a program wrote the id and the data of a frame."""
+    (id_, data), (wanted_id, wanted_data) = (f"{line}#".split("#")[:2] for line in (written, wanted))
+    return int(id_, 16) == int(wanted_id, 16) and data.upper() == wanted_data.rstrip("R")
+
+
+LINES = {
+    "141#9C00000000000000": ("141#9C00000000000000", None, ""),
+    "cansend can0 141#9c.00.00.00.00.00.00.00": ("141#9C00000000000000", None, ""),
+    "  can0  141   [8]  9C 00 00 00 00 00 00 00": ("141#9C00000000000000", None, ""),
+    "(1700000000.000100) can0 141#9C00000000000000 T": ("141#9C00000000000000", True, "1700000000.000100"),
+    " (000.5)  can0  RX - -  141   [2]  9C 00": ("141#9C00", False, "000.5"),
+    "00000141#R": ("00000141#R", None, ""),
+    "can0 141 [0] remote request": ("141#R", None, ""),
+    "141#": ("141#", None, ""),
+    "": None,
+    "141": None,
+    "141#9C0": None,
+    "FFF#00": None,
+    "141#000000000000000000": None,
+    "can0 141 [8] 00": None,
+    "141##19C00": None,
+}
+
+
+def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
+    folder = write_files(explorer([specification(MOTOR)]), tmp_path)
+    answers = interpret(folder, [{"line": line, "parameters": {}} for line in LINES])
+    found = [one and (one["frame"], one["sent"], one["time"]) for one in answers]
+    assert dict(zip(LINES, found, strict=True)) == LINES
+
+
+def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
+    """A request with its reserved bits, a reply with them set, all editions, and both layouts of a series."""
+    folder = write_files(explorer([specification(spec) for spec in SPECS[:4]]), tmp_path)
+    lines = ["141#9C00000000000000", "141#9C33640000000100", "141#A1329B00F4010080", "141#9C33640000000100"]
+    parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}]
+    answers = interpret(folder, [{"line": a, "parameters": b} for a, b in zip(lines, parameters, strict=True)])
+    firsts = [(one["found"][0]["direction"], one["found"][0]["command"]) for one in answers]
+    status = ("reply", "read_status_2")
+    assert firsts == [("request", "read_status_2"), status, ("reply", "set_torque"), status]
+    assert {one["edition"] for one in answers[0]["found"]} == {specification(spec).edition.name for spec in SPECS[:4]}
+    assert [one["series"] for one in answers[1]["found"]][:2] == [["MS"], ["MF", "MH", "MG"]]
+    assert {tuple(one["series"] or ()) for one in answers[3]["found"] if one["direction"] == "reply"} == {("MS",)}
+
+
+def test_both_languages_have_the_same_labels() -> None:
+    labels = yaml.safe_load((TEMPLATES / "javascript/labels.yaml").read_text("utf-8"))
+    assert list(labels) == ["en", "zh"] and list(labels["en"]) == list(labels["zh"])
+    sources = ROOT / "generator/canwright/targets/javascript/explorer/explorer.js"
+    page = (TEMPLATES / "javascript/explorer.html.j2").read_text("utf-8")
+    used = set(re.findall(r'\bsay\("(\w+)"', sources.read_text("utf-8"))) | set(re.findall(r'data-label="(\w+)"', page))
+    assert used <= set(labels["en"]) and "innerHTML" not in sources.read_text("utf-8")
+
+
+def test_it_is_small() -> None:
+
+    folder = ROOT / "generated/javascript/explorer"
+    assert sum(len(gzip.compress(file.read_bytes())) for file in folder.rglob("*.*")) < 100_000

@@ -1,0 +1,254 @@
+"""The frame explorer in a browser: both directions, keyboard, languages, themes, widths, and hostile texts."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import threading
+from collections.abc import Callable, Iterator
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from canwright.model import formatting
+from canwright.project.loader import specification
+from canwright.targets.javascript.page import FOLDER, explorer
+from playwright.sync_api import Browser, Page
+
+from ..conformance.adapter import write_files
+from ..project.browser import browser
+from ..spec_texts import SPECS
+from ..strangers.everything import filled
+from ..strangers.hostile import HOSTILE
+
+pytestmark = pytest.mark.machine
+
+TORQUE = "#frame=141%23A1329B00F4010080&edition=v2.35&direction=reply&series=MG&encoder_bits=15"
+Open = Callable[..., Page]
+
+
+class _Quiet(SimpleHTTPRequestHandler):
+    """A server without messages."""
+
+    def log_message(self, format: str, *args: object) -> None:
+        pass
+
+
+@pytest.fixture(scope="module")
+def page_of_motors(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page with the editions of the motor protocol."""
+    items = [specification(spec) for spec in SPECS[:4]]
+    return write_files(explorer(items), tmp_path_factory.mktemp("explorer")) / FOLDER / "index.html"
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    with browser() as launched:
+        yield launched
+
+
+@pytest.fixture
+def opened(chromium: Browser) -> Iterator[Open]:
+    """Opens a page from its folder. At the end, nothing was reported and no other file than its own was asked for."""
+    problems: list[str] = []
+    contexts = []
+
+    def open_page(file: Path, state: str = "", **options: Any) -> Page:
+        root = options.pop("root", file.parent.as_uri())
+        context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}, "locale": "en-US", **options})
+        contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda message: problems.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.on("dialog", lambda dialog: problems.append(f"dialog: {dialog.message}"))
+        allowed = (root, "data:")
+        page.on("request", lambda request: None if request.url.startswith(allowed) else problems.append(request.url))
+        page.goto(f"{root}/{file.name}{state}")
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert problems == []
+
+
+REPLAY = """
+(questions) => questions.map(([line, edition, direction, command, parameters]) => {
+  const all = canwright.meaning.interpret(canwright.frames.parseLine(line), parameters);
+  const found = all.find((one) => one.edition.name === edition && one.decoded.direction === direction && one.decoded.command === command);
+  if (!found) { return null; }
+  const { codec } = found.edition;
+  const encode = direction === "request" ? codec.encodeRequest : codec.encodeReply;
+  const raw = Object.entries(found.decoded.raw).map(([name, one]) => [name, [one].flat().map(String)]);
+  let written = "";
+  try {
+    const { values, node, fields } = found.decoded;
+    const isCoarse = ({ raw }) => [raw].flat().some((one) => one >= 2 ** 50 || one <= -(2 ** 50));
+    const content = fields.some((one) => one.reason || isCoarse(one)) ? { raw: found.decoded.raw } : { values };
+    written = canwright.frames.format(encode(command, { node: node ?? undefined, ...content, parameters: found.parameters }).frame);
+  } catch (error) {
+    written = error.refusal;
+  }
+  return { raw: Object.fromEntries(raw), written };
+})
+"""
+
+
+def test_golden_frames_in_both_directions(page_of_motors: Path, opened: Open) -> None:
+    """Each is found with its raw integers; its values, or raw integers without exact values, are encoded to the same bytes."""
+    page = opened(page_of_motors)
+    golden = []
+    for item in map(specification, SPECS[:4]):
+        assert item.frames is not None
+        for frame in item.frames.frames:
+            message = item.edition.command(frame.command).message(frame.direction)
+            if message is not None and message.command == frame.command:
+                golden.append((item.edition.name, frame))
+    questions = [
+        [formatting.sent(f), name, f.direction.value, f.command, {n: str(v) for n, v in f.parameters.items()}]
+        for name, f in golden
+    ]
+    found = page.evaluate(REPLAY, questions)
+    for (_, frame), question, answer in zip(golden, questions, found, strict=True):
+        raw = {name: [str(one) for one in (r if isinstance(r, list) else [r])] for name, r in frame.raw.items()}
+        assert answer and answer["raw"] == raw, question
+        assert frame.decode_only or answer["written"] == question[0], (question, answer)
+    assert len(found) > 2000
+
+
+def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open) -> None:
+    page = opened(page_of_motors)
+    box = page.get_by_label("Frame, or a line")
+    for line in ("141#A100000064000000", "can0  141   [8]  9C 00 00 00 00 00 00 00"):
+        box.fill(line)
+        assert page.locator("#found li").count() >= 4
+    page.get_by_label("Motor series").select_option("MG")
+    box.fill("(1.2) can0 141#A100000064000000")
+    page.get_by_label("Value of iq", exact=True).fill("2.5")
+    page.get_by_label("Value of iq", exact=True).press("Enter")
+    assert box.input_value() == "141#A10000009B000000"
+    assert "iq = 155" in page.locator("#c").inner_text()
+    page.get_by_label("Raw integer of iq").fill("-1")
+    page.get_by_label("Raw integer of iq").press("Tab")
+    assert page.locator("#bytes").inner_text() == "A1 00 00 00 FF FF 00 00"
+    page.get_by_label("Value of iq", exact=True).fill("1e9")
+    page.get_by_label("Value of iq", exact=True).press("Enter")
+    assert page.locator("#field-problem").inner_text() == "iq: outside the range"
+    assert "frame=141%23A1000000FFFF0000" in page.url and "series=MG" in page.url
+    box.fill("nonsense")
+    assert "no CAN frame" in page.locator("#problem").inner_text()
+    box.fill("7FF#00")
+    assert "No message has this id" in page.locator("#problem").inner_text()
+
+
+def test_a_message_is_composed(page_of_motors: Path, opened: Open) -> None:
+    page = opened(page_of_motors)
+    page.get_by_label("Edition").select_option("v2.35")
+    page.get_by_label("Or enter values for a message").select_option("request turn_to_angle")
+    page.get_by_label("Value of spin_direction", exact=True).select_option("counterclockwise")
+    page.get_by_label("Value of angle", exact=True).fill("90")
+    page.get_by_label("Value of angle", exact=True).press("Enter")
+    assert page.locator("#cansend").inner_text() == "cansend can0 141#A501000028230000"
+
+
+def test_it_works_below_a_sub_path(page_of_motors: Path, opened: Open) -> None:
+    folder = page_of_motors.parents[1]
+    with ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(_Quiet, directory=str(folder))) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        page = opened(page_of_motors, TORQUE, root=f"http://127.0.0.1:{server.server_port}/{FOLDER}")
+        assert page.locator("#chosen-facts").inner_text() == "set_torque · reply · v2.35"
+        server.shutdown()
+
+
+def test_an_address_selects_edition_and_direction(page_of_motors: Path, opened: Open) -> None:
+    page = opened(page_of_motors, TORQUE)
+    assert page.locator("#chosen-facts").inner_text() == "set_torque · reply · v2.35"
+    assert page.get_by_label("Value of encoder", exact=True).input_value() == "360"
+    page.evaluate("location.hash = 'frame=141%239C00000000000000&edition=v2.36-2025-03&direction=request&lang=zh'")
+    page.wait_for_selector("h1:text('帧解析器')")
+    assert page.locator("#chosen-facts").inner_text() == "read_status_2 · 请求 · v2.36-2025-03"
+
+
+def test_fields_and_bits_with_the_keyboard_alone(page_of_motors: Path, opened: Open) -> None:
+    page = opened(page_of_motors)
+    page.keyboard.press("Tab")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Tab")
+    page.keyboard.type("141#A1329B00F4010080")
+    page.locator("#found button").nth(1).focus()
+    page.keyboard.press("Enter")
+    for _ in range(20):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.closest('#bits') !== null"):
+            break
+    page.keyboard.press("ArrowDown")
+    assert page.locator("#field-says").inner_text() == "iq: DATA[2..3]"
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowRight")
+    assert page.locator("#bits button.on").count() == 16
+    assert page.locator("#fields tr.on th button").inner_text() == "iq"
+    page.get_by_role("button", name="speed", exact=True).focus()
+    page.keyboard.press("Enter")
+    assert page.locator("#field-says").inner_text() == ""
+    page.keyboard.press("Enter")
+    assert page.locator("#field-says").inner_text() == "speed: DATA[4..5]"
+    marked = page.locator("#bits button.on").evaluate_all("(all) => all.map((one) => one.ariaLabel)")
+    assert len(marked) == 16 and marked[0] == "DATA[4] bit 7: 1, speed"
+
+
+def test_a_log_is_listed(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
+    log = tmp_path / "bus.log"
+    lines = [f"(1.{n:03}) can0 141#9C{n % 100:02d}640000000000 R" for n in range(250)]
+    log.write_text("\n".join(["damaged", "(1.0) can0 141#9C00000000000000 T", *lines]), "utf-8")
+    page = opened(page_of_motors)
+    page.locator("#file").set_input_files(log)
+    page.wait_for_selector("#log-rows tr:nth-child(100)")
+    assert page.locator("#log-summary").inner_text() == "bus.log: 251 frames, 1 lines without a frame"
+    assert page.locator("#log-rows tr").first.inner_text().split("\t")[0::2] == ["1.0", "141#9C00000000000000"]
+    page.get_by_role("button", name="Next").click()
+    page.get_by_role("button", name="Next").click()
+    assert page.locator("#log-rows tr").count() == 51
+    page.locator("#log-rows button").last.click()
+    assert page.get_by_label("Frame, or a line").input_value() == "141#9C49640000000000"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_it_is_accessible_and_fits_a_phone(language: str, scheme: Any, page_of_motors: Path, opened: Open) -> None:
+    page = opened(
+        page_of_motors, f"{TORQUE}&lang={language}", color_scheme=scheme, viewport={"width": 390, "height": 844}
+    )
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    assert page.evaluate("document.documentElement.lang") == {"en": "en", "zh": "zh-Hans"}[language]
+    page.locator("#fields button").first.click()
+    found = Axe().run(page, options={"preload": False}).response["violations"]
+    assert [(one["id"], [node["html"] for node in one["nodes"]][:3]) for one in found] == []
+    page.emulate_media(media="print")
+    assert page.locator("#bits-table").is_visible() and not page.locator("#frame").is_visible()
+
+
+def test_the_code_is_copied(page_of_motors: Path, opened: Open) -> None:
+    page = opened(page_of_motors, TORQUE)
+    page.locator("[data-copy=cansend]").click()
+    assert page.locator("#copied").inner_text() == "Copied"
+    page.get_by_label("Frame, or a line").focus()
+    page.keyboard.press("Control+A")
+    page.keyboard.press("Control+V")
+    assert page.get_by_label("Frame, or a line").input_value() == "cansend can0 141#A1329B00F4010080"
+
+
+def test_hostile_texts_are_shown_as_text(opened: Open, tmp_path: Path) -> None:
+    texts = itertools.cycle(text for text in HOSTILE if "<" in text)
+    item = filled(lambda: next(texts), tmp_path)
+    file = write_files(explorer([item]), tmp_path) / FOLDER / "index.html"
+    page = opened(file)
+    scripts = page.locator("script").count()
+    messages = page.locator("#message option").evaluate_all("(all) => all.map((one) => one.value)")
+    for message in filter(None, messages):
+        page.locator("#message").select_option(message)
+        assert page.locator("#chosen").is_visible()
+        assert page.locator("script").count() == scripts and page.locator("img, style, svg").count() == 0
+    titles = page.locator("#message option").all_inner_texts()
+    assert len(titles) == len(messages) and len(set(titles)) > len(titles) - 3 and all("<" in one for one in titles[1:])

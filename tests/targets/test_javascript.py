@@ -1,0 +1,321 @@
+"""The generated npm package: examples, numbers, immutable messages, errors, and the types of TypeScript."""
+
+from __future__ import annotations
+
+import json
+import random
+import re
+import struct
+import subprocess
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from canwright.model.refusal import Refusal
+from canwright.project.loader import specification
+from canwright.semantics.candidates import Candidates
+from canwright.semantics.frame import CanFrame
+from canwright.targets import javascript as target
+from canwright.targets.base import Specification
+from canwright.targets.javascript.package import RUNTIME, module_path
+from canwright.targets.javascript.text import printed, quoted
+
+from ..conformance.adapter import write_files
+from ..conformance.adapters.javascript import JavaScriptAdapter
+from ..node import run
+from ..semantics.random_frames import random_frame
+from ..spec_texts import MINIMAL, ROOT, SPECS, called, edition, findings
+from ..tools import run as run_tool, tool
+
+MOTOR = ROOT / "spec/mwd_motor/v2.35.yaml"
+
+
+def write(folder: Path, *specs: Path) -> Path:
+    """The package of some specs."""
+    return write_files(target.generate([specification(spec) for spec in specs], {}), folder)
+
+
+def programs(folder: Path) -> list[str]:
+    """The programs of the README."""
+    return re.findall(r"```js\n(.*?)```", (folder / "README.md").read_text("utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_the_program_of_the_readme(spec: Path, tmp_path: Path) -> None:
+    """It sends what a golden frame has; the package finds itself by its name, as if it were installed."""
+    folder, item = write(tmp_path, spec), specification(spec)
+    assert item.frames is not None
+    (program,) = programs(folder)
+    (folder / "program.mjs").write_text(program, "utf-8")
+    lines = run(folder / "program.mjs", cwd=folder).splitlines()
+    id_ = lines[0].split()[0]
+    assert int(id_, 16) in {frame.id for frame in item.frames.frames}
+    assert "undefined" not in "".join(lines)
+
+
+def test_several_families_are_one_package(tmp_path: Path) -> None:
+    folder = write(tmp_path, *SPECS)
+    package = json.loads((folder / "package.json").read_text("utf-8"))
+    paths = [path for entry in package["exports"].values() for path in entry.values()]
+    assert len(paths) == 4 * len(SPECS) and all((folder / path).is_file() for path in paths)
+    imports = [f'await import("canwright_bindings{name[1:]}")' for name in package["exports"]]
+    (folder / "all.mjs").write_text(f"for (const one of [{','.join(imports)}]) console.log(typeof one)", "utf-8")
+    assert run(folder / "all.mjs", cwd=folder).split() == ["object"] * len(imports)
+
+
+def test_numbers_are_exact() -> None:
+    """Quotients near the limits of doubles are rounded as Python does; texts, doubles and ties are exact."""
+    chance = random.Random(1)
+    cases = [
+        (chance.getrandbits(chance.choice((8, 54, 70, 1100))) * chance.choice((-1, 1)), chance.getrandbits(bits) or 1)
+        for bits in (4, 53, 64, 200, 1080)
+        for _ in range(60)
+    ]
+    cases += [(((1 << 53) + 1 << 100) + one, 1 << 100) for one in (-1, 0, 1)]  # near a tie
+    cases += [((1 << 54) + 1, 1), ((1 << 54) + 3, 2), (1, 1 << 1075), (3, 1 << 1075), (1 << 1024, 1), (5, 1 << 1074)]
+    wanted = []
+    for n, d in cases:
+        try:
+            wanted.append(n / d)
+        except OverflowError:
+            wanted.append(None)  # type: ignore[arg-type]
+    doubles = [chance.uniform(-1e3, 1e3) * 10.0 ** chance.randint(-320, 300) for _ in range(100)] + [0.1, 5e-324, -0.5]
+    texts = ["0.3", "-12.50", "1e-7", "2E+3", "1/3", "16.5/2048", "7"]
+    arguments = json.dumps([[str(n), str(d)] for n, d in cases]), json.dumps(doubles), json.dumps(texts)
+    program = f"""
+        import * as numbers from {json.dumps((RUNTIME / "canwright-numbers.js").as_uri())};
+        const [cases, doubles, texts] = process.argv.slice(1).map(JSON.parse);
+        console.log(JSON.stringify([
+          cases.map(([n, d]) => numbers.quotient(BigInt(n), BigInt(d))),
+          doubles.map((one) => numbers.ratio(one).map(String)),
+          texts.map((one) => numbers.rational(one).map(String)),
+          [0.5, 1.5, -0.5, -2.5, 0.49999999999999994, 2 ** 51 - 0.5].map(numbers.rounded),
+          [[1n, 2n], [-3n, 2n], [5n, -2n], [7n, 3n]].map((one) => Number(numbers.nearest(...one))),
+          [[-7n, 2n], [7n, 2n], [-4n, 2n]].map((one) => [numbers.floor(one), numbers.ceil(one)].map(Number)),
+          ["", "x", "1/0", "0x10", "1,5"].map(numbers.rational),
+        ]));"""
+    quotients, ratios, rationals, rounded, nearest, whole, invalid = json.loads(
+        run(program, *arguments), parse_int=float
+    )
+    assert quotients == wanted
+    assert [Fraction(int(n), int(d)) for n, d in ratios] == [Fraction(one) for one in doubles]
+    notations = [Fraction(3, 10), Fraction(-25, 2), Fraction(1, 10**7), 2000, Fraction(1, 3), Fraction(33, 4096), 7]
+    assert [Fraction(int(n), int(d)) for n, d in rationals] == notations
+    assert rounded == [1, 2, -1, -3, 0, 2**51]
+    assert nearest == [1, -2, -3, 2]
+    assert whole == [[-4, -3], [3, 4], [-2, -2]]
+    assert invalid == [None] * 5
+
+
+WIDE = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4, selector: {at: 0, raw: u8}}, other: {id: 0x300}}
+types:
+  level: {raw: i56, unit: "%", scale: 0.1}
+  count: {raw: u64}
+commands:
+  dim: {code: 0x10, request: {level: {at: 1, type: level}}, reply: none}
+  count: {address: other, request: {count: {at: 0, type: count}}, reply: none}
+"""
+
+
+def test_integers_above_53_bits_are_bigint(tmp_path: Path) -> None:
+    item = Specification(edition(tmp_path, WIDE), None)
+    folder = write_files(target.generate([item], {}), tmp_path)
+    program = f"""
+        import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
+        const dim = lamp.encodeRequest("dim", {{ node: 1, raw: {{ level: -(2n ** 55n) + 1n }} }});
+        const count = lamp.encodeRequest("count", {{ values: {{ count: 2n ** 64n - 1n }} }});
+        const refusal = (make) => {{ try {{ make(); }} catch (error) {{ return error.refusal ?? error.constructor.name; }} }};
+        console.log(String(dim.raw.level), dim.values.level, String(count.values.count), count.frame.data.join());
+        console.log(
+          refusal(() => lamp.encodeRequest("count", {{ values: {{ count: 2n ** 64n }} }})),
+          refusal(() => lamp.encodeRequest("count", {{ raw: {{ count: 2 ** 60 }} }})),
+          refusal(() => lamp.encodeRequest("count", {{ raw: {{ count: 1.5 }} }})),
+          String(lamp.encodeRequest("count", {{ raw: {{ count: 5 }} }}).raw.count),
+        );"""
+    lines = run(program).splitlines()
+    assert lines == [
+        f"-36028797018963967 {-36028797018963967 / 10} 18446744073709551615 255,255,255,255,255,255,255,255",
+        "out_of_range TypeError TypeError 5",
+    ]
+
+
+FLOAT = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100}}
+types: {level: {raw: f32, scale: 3}}
+commands: {dim: {request: {level: {at: 0, type: level}}, reply: none}}
+"""
+
+
+def test_bigints_are_rounded_to_floats_once(tmp_path: Path) -> None:
+    """Next to a tie of 32-bit floats, which the nearest double is."""
+    item = Specification(edition(tmp_path, FLOAT), None)
+    folder = write_files(target.generate([item], {}), tmp_path)
+    tie = ((1 << 24) + 1) << 40
+    values = [3 * tie + 3 * step for step in (-1, 0, 1)] + [-3 * tie - 3]
+    program = f"""
+        import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
+        const bits = (level) => lamp.encodeRequest("dim", {{ values: {{ level }} }}).raw.level;
+        console.log([{", ".join(f"{value}n" for value in values)}].map(bits).join());"""
+    exact = (struct.unpack("<I", struct.pack("<f", float(n << 40)))[0] for n in (1 << 24, 1 << 24, (1 << 24) + 2))
+    assert [int(one) for one in run(program).split(",")] == [*exact, 0xDF800001]
+
+
+def test_wrong_arguments_are_errors_and_messages_are_immutable(tmp_path: Path) -> None:
+    folder = write(tmp_path, MOTOR)
+    program = f"""
+        import * as motor from {json.dumps((folder / "mwd_motor/v2_35.js").as_uri())};
+        const say = (make) => {{ try {{ make(); return "nothing"; }} catch (error) {{ return `${{error.name}}: ${{error.message}}`; }} }};
+        const speed = {{ node: 1, values: {{ speed: 1 }} }};
+        const request = motor.encodeRequest("set_speed", speed);
+        const parameters = {{ series: "MG" }};
+        console.log([
+          () => motor.encodeRequest("set_sped", speed),
+          () => motor.encodeRequest("set_speed", {{ node: 1, values: {{ sped: 1 }} }}),
+          () => motor.encodeRequest("set_speed", {{ node: 1 }}),
+          () => motor.encodeRequest("set_speed", {{ ...speed, parameters: {{ serie: "MG" }} }}),
+          () => motor.encodeRequest("set_speed", {{ ...speed, parameters: {{ series: "XX" }} }}),
+          () => motor.encodeRequest("set_speed", {{ ...speed, parameters: {{ gear_ratio: 0.5 }} }}),
+          () => motor.encodeRequest("set_speed", {{ ...speed, parameters: {{ gear_ratio: NaN }} }}),
+          () => motor.encodeRequest("set_speed", {{ node: 33, values: {{ speed: 1 }} }}),
+          () => motor.encodeRequest("set_speed", {{ node: 1, values: {{ speed: "1" }} }}),
+          () => motor.decodeRequest({{ id: 2 ** 29 }}),
+          () => motor.decodeRequest({{ id: 0x141, data: [256] }}),
+          () => motor.decodeReply({{ id: 0x141, data: [0x00, 0, 0, 0, 0, 0, 0, 0] }}),
+          () => motor.decodeReply({{ id: 0x141, data: [0xA2] }}),
+          () => motor.decodeReply({{ id: 0x141, extended: true }}),
+          () => {{ request.values.speed = 2; }},
+          () => {{ request.frame.data[0] = 2; }},
+          () => {{ motor.MESSAGES[0].fields.push(1); }},
+          () => motor.decodeAnswer(request, {{ ...request.frame, id: 0x142 }}, parameters),
+        ].map(say).join("\\n"));
+        console.log(JSON.stringify(motor.decodeAnswer(request, {{ id: 0x141, data: Uint8Array.of(0xA2, 32, 0, 4, 1, 0, 0, 0) }}, parameters).values));
+        """
+    lines = run(program).splitlines()
+    assert lines == EXPECTED.splitlines(), "\n".join(lines)
+
+
+EXPECTED = """\
+TypeError: there is no request of "set_sped"
+TypeError: the request of set_speed needs values, or raw integers, of: speed
+TypeError: the request of set_speed needs values, or raw integers, of: speed
+TypeError: there is no parameter "serie"
+RangeError: series is none of MS, MF, MH, MG; leave it out if it is unknown
+RangeError: gear_ratio must be from 1 to ∞; leave it out if it is unknown
+RangeError: gear_ratio is no number; leave it out if it is unknown
+CodecError: there is no node 33; nodes are 1..32
+TypeError: speed is no number
+TypeError: a frame has an id of at most 29 bits, and bytes as data
+TypeError: a frame has an id of at most 29 bits, and bytes as data
+CodecError: no reply on 0x141 has the code 0x0
+CodecError: 0x141 has 1 data bytes, not 8
+CodecError: no reply has the 29-bit id 0x141
+TypeError: Cannot assign to read only property 'speed' of object '#<Object>'
+TypeError: Cannot assign to read only property '0' of object '[object Array]'
+TypeError: Cannot add property 0, object is not extensible
+CodecError: it comes from node 2, not 1
+{"temperature":32,"iq":16.5,"speed":1,"encoder":null}
+"""
+
+
+@pytest.mark.parametrize("name", ["mwd_motor/v2.35", "press/v1"])
+def test_candidates_are_those_of_the_reference(name: str, tmp_path: Path) -> None:
+    spec = next(spec for spec in SPECS if called(spec) == name)
+    item, chance = specification(spec), random.Random(1)
+    adapter, wanted = JavaScriptAdapter.create(item, tmp_path), Candidates(item.edition)
+    messages, found = item.edition.all_messages(), 0
+    assert item.frames is not None
+    frames = [CanFrame(one.id, one.data, one.extended, one.remote) for one in item.frames.frames]
+    random_frames = [random_frame(chance.choice(messages), chance.choice(messages), chance) for _ in range(50)]
+    for frame in (*chance.sample(frames, min(len(frames), 100)), *random_frames):
+        answer = adapter.ask("candidates", frame=_frame(frame))
+        assert [(one["direction"], one["command"]) for one in answer] == [
+            (message.direction.value, message.command) for message in wanted.of(frame)
+        ]
+        found += len(answer) > 1
+    assert found
+
+
+def _frame(frame: CanFrame) -> dict[str, object]:
+    return {"id": frame.id, "data": list(frame.data), "extended": frame.extended, "remote": frame.remote}
+
+
+def test_texts_are_literals() -> None:
+    texts = ["</script><!--", "\u2028\u2029", "\\", '"', "${x}`'", "\n\r\0", "急停", "\U0001f600"]
+    assert not re.search(r"[^ -~]|[<>]", "".join(map(quoted, texts)))
+    value = {text: [text, None] for text in texts}
+    assert json.loads(run(f"console.log(JSON.stringify(Object.entries({printed(value)})))")) == [
+        [text, [text, None]] for text in texts
+    ]
+
+
+def test_reserved_names_of_packages(tmp_path: Path) -> None:
+    found = findings(tmp_path, MINIMAL.replace("family: lamp\n", "family: stream\n"))
+    assert [finding.message for finding in found] == [
+        "the npm package cannot have the name `stream`, which Node uses itself"
+    ]
+
+
+def test_refusals_are_those_of_the_model() -> None:
+    declared = (RUNTIME / "canwright-codec.d.ts").read_text("utf-8")
+    names = re.search(r"type Refusal =([^;]*);", declared)
+    assert names and re.findall(r'"(\w+)"', names.group(1)) == [refusal.value for refusal in Refusal]
+
+
+USE = """\
+import * as motor from "mwd_motor/v2_35";
+import { TEXTS } from "mwd_motor/v2_35.texts";
+
+const request = motor.encodeRequest("set_torque", { node: 1, values: { iq: 1.5 }, parameters: { series: "MG" } });
+const iq: number | null = request.values.iq;
+const reply = motor.decodeAnswer(request, { id: 0x141, data: new Uint8Array(8) }, { series: "MG", encoder_bits: 14 });
+const command: "set_torque" = reply.command;
+const multi = motor.decodeAs("reply", "read_multi_turn_angle", { id: 0x141 });
+const wide: bigint = multi.raw.angle;
+const any: motor.Reply = motor.decodeReply({ id: 0x141, data: [1, 2] });
+if (any.command === "read_status_1") {
+  const voltage: number = any.values.voltage;
+  console.log(voltage);
+}
+const title: string | undefined = TEXTS.commands["set_torque"]?.title?.en;
+motor.encodeRequest("motor_off", { node: 1 });
+motor.encodeRequest("set_speed", { node: 1, raw: { speed: 5n } });
+console.log(iq, command, wide, title, motor.MESSAGES[0]?.fields[0]?.type.unit);
+"""
+
+WRONG = """\
+motor.encodeRequest("set_sped", { node: 1 });
+motor.encodeRequest("set_speed", { node: 1, values: { sped: 1 } });
+motor.encodeRequest("set_speed", { node: 1 });
+motor.encodeRequest("set_speed", { node: 1, values: { speed: "1" } });
+motor.encodeRequest("set_speed", { node: 1, values: { speed: 1 }, parameters: { series: "XX" } });
+const number: number = multi.raw.angle;
+const sure: number = request.values.iq;
+request.values.iq = 1;
+"""
+
+
+@pytest.mark.tools
+def test_declarations_are_strict_typescript(tmp_path: Path) -> None:
+    """Every line of WRONG is an error, and nothing else; the declarations of all specs are correct."""
+    folder = write(tmp_path, MOTOR)
+    every = write(tmp_path, *SPECS)
+    options = ["--strict", "--noEmit", "--module", "nodenext", "--target", "es2023", "--noUncheckedIndexedAccess"]
+    npm = tool("npm")
+    compiler = [npm, "exec", "--yes", "--package=typescript@5.9", "--", "tsc", *options]
+    run_tool(*compiler, *(every / f"{module_path(specification(spec).edition)}.d.ts" for spec in SPECS), cwd=every)
+    (folder / "use.mts").write_text(USE, "utf-8")
+    run_tool(*compiler, "use.mts", cwd=folder)
+    (folder / "use.mts").write_text(USE + WRONG, "utf-8")
+    done = subprocess.run(
+        [*compiler, "--pretty", "false", "use.mts"], cwd=folder, capture_output=True, text=True, check=False
+    )
+    lines = [int(line) for line in re.findall(r"^use\.mts\((\d+),", done.stdout, re.MULTILINE)]
+    first = USE.count("\n") + 1
+    assert sorted(set(lines)) == list(range(first, first + WRONG.count("\n"))), done.stdout
