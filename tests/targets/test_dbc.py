@@ -22,6 +22,7 @@ from canwright.targets.base import Options, Specification
 from canwright.targets.dbc.frames import obstacle
 
 from ..spec_texts import MINIMAL, SMALL, called
+from ..spec_texts import SPECS as ALL
 
 ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
@@ -433,7 +434,7 @@ def id_text(frame: GoldenFrame) -> str:
     return f"{frame.id:0{8 if frame.extended else 3}X}"
 
 
-@pytest.mark.parametrize("spec", [MAIN, *SMALL], ids=called)
+@pytest.mark.parametrize("spec", ALL, ids=called)
 def test_commands_of_the_guide_decode_the_golden_frames(
     spec: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

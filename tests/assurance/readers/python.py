@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from . import Case, Reader, Values
+from . import Case, Reader, UnsupportedFileError, Values
 
 
 class PythonReader(Reader):
@@ -120,8 +120,10 @@ class Qt(PythonReader):
         from PySide6.QtSerialBus import QCanBusFrame, QCanDbcFileParser, QCanFrameProcessor
 
         parser = QCanDbcFileParser()
-        if not parser.parse(str(file)) or parser.warnings():
-            raise ValueError(parser.errorString() or parser.warnings()[0])
+        if not parser.parse(str(file)):
+            raise ValueError(parser.errorString())
+        if parser.warnings():
+            raise UnsupportedFileError(parser.warnings()[0])  # names of negative values, messages without data
         processor = QCanFrameProcessor()
         processor.setMessageDescriptions(parser.messageDescriptions())
         processor.setUniqueIdDescription(QCanDbcFileParser.uniqueIdDescription())
