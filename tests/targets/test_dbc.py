@@ -424,7 +424,7 @@ def golden_of(spec: Path, file: str) -> list[GoldenFrame]:
     assert one.frames
     kinds = {Direction.REPLY} if file.endswith("reply.dbc") else {*Direction}
     messages = {m.name for m in one.edition.all_messages() if not obstacle(m)}
-    known = {p.name: v.name for p in one.edition.parameters for v in p.values if v.name in file.split("-")}
+    known = {p.name: v.name for p in one.edition.parameters for v in p.values if v.name in file.removesuffix(".dbc").split("-")}
     of_command = ((f, one.edition.command(f.command)) for f in one.frames.frames if f.direction in kinds)
     described = ((f, c.message(f.direction)) for f, c in of_command if c.available(known) and not f.decode_only)
     return [f for f, m in described if m and m.name in messages]
