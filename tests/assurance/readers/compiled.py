@@ -43,9 +43,9 @@ class Program(Reader):
         with tempfile.TemporaryDirectory() as folder:
             command = [str(part) for part in self.program(file, cases, Path(folder))]
             done = subprocess.run(command, input=frames, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise ValueError(done.stderr.strip())
         lines = [line.split() for line in done.stdout.splitlines()]
+        if done.returncode or len(lines) != len(cases):
+            raise ValueError(f"{len(lines)} of {len(cases)} frames decoded; {done.stderr.strip()}")
         return [{name: float(value) for name, _, value in (one.partition("=") for one in line)} for line in lines]
 
 
