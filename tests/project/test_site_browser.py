@@ -268,7 +268,7 @@ def test_pages_on_a_phone_and_on_paper(site: Path, opened: Open) -> None:
 def test_texts_of_a_spec_are_texts(tmp_path: Path, opened: Open) -> None:
     """In pages, menus and search results: no element, no script."""
     text = "<script>alert(1)</script><img src=x onerror=alert(2)> {{ 7*7 }} {math}`x`"
-    build(pages_of([filled(lambda: text, tmp_path / "spec")], tmp_path / "docs"), tmp_path / "site")
+    build(pages_of([filled(lambda: text, tmp_path / "spec", ("en",))], tmp_path / "docs"), tmp_path / "site")
     assert len(sorted((tmp_path / "site").rglob("*.html"))) > 20
     page = opened(f"{(tmp_path / 'site').as_uri()}/en/index.html")
     for file in sorted((tmp_path / "site").rglob("*/*.html")):
