@@ -113,6 +113,11 @@ def test_two_things_with_one_name_in_c_are_refused(tmp_path: Path) -> None:
         list(c.generate([specification(file)], {}))
 
 
+def test_only_a_function_ends_with_a_brace_at_the_margin(tmp_path: Path) -> None:
+    for path, source in _code(tmp_path, "plain")[0].items():
+        assert not re.search(r"^}\n +\S", source, flags=re.M), path
+
+
 def test_long_code_is_folded_and_comments_and_directives_are_not() -> None:
     name, word = "a" * 60, "b" * 60
     head = f"static inline void {name}(int one, int {word})"

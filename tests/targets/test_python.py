@@ -259,6 +259,14 @@ def test_what_is_no_integer_is_named_as_it_came(wrong: object, tmp_path: Path) -
             lamp.DimRequest(node=wrong, level=0, faults=0)
 
 
+def test_one_value_in_place_of_an_array_is_named(v2_35: ModuleType) -> None:
+    message = v2_35.BroadcastTorqueRequest(iq=(1, 2, 3, 4))
+    for make in (v2_35.BroadcastTorqueRequest, v2_35.BroadcastTorqueRequest.from_raw, message.replace):
+        for wrong in (1, None):
+            with pytest.raises(TypeError, match=f"^iq={wrong} is no array; it needs 4 elements$"):
+                make(iq=wrong)
+
+
 def test_what_is_no_number_is_refused_and_what_is_too_large_is_out_of_range(v2_35: ModuleType) -> None:
     known = v2_35.Parameters(series=v2_35.Series.MG)
     for wrong in ("2.5", None, [1]):

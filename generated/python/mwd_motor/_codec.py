@@ -662,6 +662,8 @@ class ArrayType(FieldType):
         return self.type.value_range(parameters)
 
     def _all(self, given: Iterable[Any], field: str) -> tuple[Any, ...]:
+        if not isinstance(given, Iterable):
+            raise TypeError(f"{field}={given!r} is no array; it needs {self.count} elements")
         found = tuple(given)
         if len(found) != self.count:
             text = f"{field} has {len(found)} elements, but needs {self.count}"

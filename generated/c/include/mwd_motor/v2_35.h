@@ -3978,7 +3978,7 @@ static inline canwright_status_t mwd_motor_v2_35_identify_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     if (frame->id == MWD_MOTOR_V2_35_BROADCAST_REQUEST_ID) {
         *node = 0u;
         if (frame->dlc != 8u) {
@@ -3986,7 +3986,7 @@ static inline canwright_status_t mwd_motor_v2_35_identify_request(
         }
         *command = MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE;
         return CANWRIGHT_OK;
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4107,7 +4107,7 @@ static inline canwright_status_t mwd_motor_v2_35_decode_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     if (frame->id == MWD_MOTOR_V2_35_BROADCAST_REQUEST_ID) {
         request->node = 0u;
         if (frame->dlc != 8u) {
@@ -4116,7 +4116,7 @@ static inline canwright_status_t mwd_motor_v2_35_decode_request(
         request->command = MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE;
         mwd_motor_v2_35_broadcast_torque_request_unpack(&request->as.broadcast_torque, frame);
         return CANWRIGHT_OK;
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4188,7 +4188,7 @@ static inline canwright_status_t mwd_motor_v2_35_identify_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4324,7 +4324,7 @@ static inline canwright_status_t mwd_motor_v2_35_decode_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 

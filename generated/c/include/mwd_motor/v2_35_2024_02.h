@@ -4536,7 +4536,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_identify_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4695,7 +4695,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4795,7 +4795,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_identify_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -4974,7 +4974,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_decode_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 

@@ -5106,7 +5106,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -5298,7 +5298,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -5422,7 +5422,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -5650,7 +5650,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 

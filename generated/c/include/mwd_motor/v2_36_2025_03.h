@@ -8318,7 +8318,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -8650,7 +8650,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_request(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -8910,7 +8910,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_identify_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
@@ -9330,7 +9330,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_decode_reply(
         default:
             return CANWRIGHT_UNKNOWN_CODE;
         }
-}
+    }
     return CANWRIGHT_UNKNOWN_ID;
 }
 
