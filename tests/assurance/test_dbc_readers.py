@@ -10,14 +10,15 @@ from canwright.targets.base import Options
 from canwright.targets.dbc.printer import printed
 
 from ..spec_texts import ROOT
-from .dbc_readers import READERS, Case, Reader, differences, is_installed, samples, violations
+from .dbc_readers import differences, samples, violations
+from .readers import Case, Reader
+from .readers.python import PYTHON, Qt
 
 EDITIONS = {
     "v2.35": ["mwd_motor-v2.35-MG-reply-node1", "mwd_motor-v2.35-MG-command-node1"],
     "v2.36-2025-03": ["mwd_motor-v2.36-2025-03-MG-node1", "mwd_motor-v2.36-2025-03-stored-settings-pid-node1"],
 }
-PYTHON = [reader for reader in READERS if reader.name != "qt"]
-(QT,) = (reader for reader in READERS if reader.name == "qt")
+SMALL = [reader for reader in PYTHON if not isinstance(reader, Qt)]
 
 
 @functools.cache
@@ -30,11 +31,11 @@ def sample(name: str) -> tuple[str, list[Case]]:
 
 
 def is_noticed(text: str, cases: list[Case]) -> bool:
-    return any(violations(text)) or any(line for reader in PYTHON for line in differences(reader, text, cases))
+    return any(violations(text)) or any(line for reader in SMALL for line in differences(reader, text, cases))
 
 
 @pytest.mark.parametrize("name", [name for names in EDITIONS.values() for name in names])
-@pytest.mark.parametrize("reader", PYTHON, ids=lambda reader: reader.name)
+@pytest.mark.parametrize("reader", SMALL, ids=lambda reader: reader.name)
 def test_golden_frames_have_their_values_in_a_reader(reader: Reader, name: str) -> None:
     text, cases = sample(name)
     assert len(cases) > 10
@@ -45,9 +46,9 @@ def test_golden_frames_have_their_values_in_a_reader(reader: Reader, name: str) 
 @pytest.mark.tools
 @pytest.mark.parametrize("name", [name for names in EDITIONS.values() for name in names])
 def test_golden_frames_have_their_values_in_qt(name: str) -> None:
-    if not is_installed(QT):
+    if not Qt().is_installed():
         raise SystemExit("Qt SerialBus is not installed; pip install PySide6-Addons")
-    assert not list(differences(QT, *sample(name)))
+    assert not list(differences(Qt(), *sample(name)))
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from canwright.targets import dbc
 from canwright.targets.base import Options, Specification
 from canwright.targets.dbc.frames import obstacle
 
-from ..spec_texts import MINIMAL, SMALL, called
+from ..spec_texts import MINIMAL, SMALL, SPECS as ALL, called
 
 ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
@@ -423,7 +423,12 @@ def golden_of(spec: Path, file: str) -> list[GoldenFrame]:
     assert one.frames
     kinds = {Direction.REPLY} if file.endswith("reply.dbc") else {*Direction}
     messages = {m.name for m in one.edition.all_messages() if not obstacle(m)}
-    known = {p.name: v.name for p in one.edition.parameters for v in p.values if v.name in file.split("-")}
+    known = {
+        p.name: v.name
+        for p in one.edition.parameters
+        for v in p.values
+        if v.name in file.removesuffix(".dbc").split("-")
+    }
     of_command = ((f, one.edition.command(f.command)) for f in one.frames.frames if f.direction in kinds)
     described = ((f, c.message(f.direction)) for f, c in of_command if c.available(known) and not f.decode_only)
     return [f for f, m in described if m and m.name in messages]
@@ -433,7 +438,7 @@ def id_text(frame: GoldenFrame) -> str:
     return f"{frame.id:0{8 if frame.extended else 3}X}"
 
 
-@pytest.mark.parametrize("spec", [MAIN, *SMALL], ids=called)
+@pytest.mark.parametrize("spec", ALL, ids=called)
 def test_commands_of_the_guide_decode_the_golden_frames(
     spec: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
