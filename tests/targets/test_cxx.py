@@ -46,7 +46,7 @@ CORRECT = (
 INCORRECT = (
     "status = set(reply, field::voltage, 1.0)",
     "status = set(request, field::iq, 2.5)",
-    "status = set_float(request, field::iq, 2.5, motor)",
+    "status = set_float(request, field::iq, 2.7, motor)",
     "status = set(request, field::iq, series::mg, motor)",
     "set(state, field::errors, spin_direction::clockwise)",
     "status = set(request, mwd_motor::v2_36_2025_03::field::iq, 2.5, motor)",

@@ -23,10 +23,10 @@ from .terminal import print_text
 )
 @click.option("--force", is_flag=True, help="Overwrite documents of an earlier run that were edited by hand.")
 def handover(specs: Sequence[Path], out: Path, force: bool) -> None:
-    """Write documents to hand over: one HTML file for each edition and language, and the command matrix.
+    """Write documents to hand over: HTML, and the command matrix as CSV and Excel.
 
-    The HTML file needs no network, has contents and a search, and prints well. The command matrix is a CSV and an Excel
-    file with one row for each field. The folder must be new, empty, or that of an earlier run.
+    Each edition and language has one HTML file. It needs no network, has contents and a search, and prints well. The
+    command matrix has one row for each field. The folder must be new, empty, or that of an earlier run.
     """
     from ..project.handover import HandoverError, build
 

@@ -36,7 +36,8 @@ def _edition(folder: str, edition: Edition) -> str:
 
 
 def _json(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False)
+    """JSON without tags of HTML, so that a page may contain it."""
+    return json.dumps(value, ensure_ascii=False).replace("<", "\\u003c")
 
 
 def _synonyms() -> list[list[str]]:
