@@ -230,7 +230,7 @@ def made(small: Path) -> str:
 def without_sphinx(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pages of the site are copies, for tests of which files are written."""
 
-    def copy(docs: Path, folder: Path, languages: list[str], has_explorer: bool) -> None:
+    def copy(docs: Path, folder: Path, languages: list[str], has_explorer: bool, downloads: list[str]) -> None:
         for file in (docs / "en").glob("*.md"):
             (folder / "en").mkdir(exist_ok=True)
             (folder / "en" / f"{file.stem}.html").write_bytes(file.read_bytes())
