@@ -27,6 +27,7 @@ from canwright.model.edition import Edition
 from canwright.project.loader import Loaded, load
 
 from ..conformance.mutants import mutants
+from ..samples import sampled
 from ..spec_texts import SMALL, SPECS, called
 from .recorded import findings, record, recorded
 
@@ -167,12 +168,12 @@ def _write(folder: Path) -> None:
     record(RECORDED, {" ".join(case): chosen[case] for case in sorted(chosen)})
 
 
-@pytest.mark.parametrize(("case", "found"), recorded(RECORDED).items(), ids=recorded(RECORDED))
-def test_findings(case: str, found: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("case", sampled([*recorded(RECORDED)], 2))
+def test_findings(case: str, tmp_path: Path) -> None:
     """Each finding is at an edited line, but that of a removed item of a list, which is at the list."""
     spec, _, mutant = case.partition(" ")
     result, elsewhere = _compared((spec, mutant), tmp_path)
-    assert result == found
+    assert result == recorded(RECORDED)[case]
     assert not elsewhere or ".accept " in case
 
 

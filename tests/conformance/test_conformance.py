@@ -14,6 +14,7 @@ from canwright.project.loader import specification
 from canwright.targets.base import Specification
 
 from ..assurance.differential import compare
+from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
 from .adapter import Adapter, CanFrame, Decoded, Parameters, Refused
 from .adapters import ADAPTERS
@@ -51,7 +52,7 @@ def test_golden_frames(spec: Path, target: str, adapters: Adapters) -> None:
     assert not report.failures, f"{len(report.failures)} failures\n" + "\n".join(report.failures[:40])
 
 
-@pytest.mark.parametrize("spec", SPECS, ids=called)
+@pytest.mark.parametrize("spec", sampled(SPECS, 4), ids=called)
 def test_random_questions(spec: Path, adapters: Adapters) -> None:
     item = specification(spec)
     every = list(Questions(item.edition).round())

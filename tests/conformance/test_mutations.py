@@ -30,10 +30,10 @@ from .runner import Runner
 COMPLETE = 120
 """So many mutants of one spec, evenly spread over it, are replayed by `pytest -m exhaustive`."""
 
-MOST = 12
+MOST = 6
 """So many of them are always replayed through the reference decoder, and one of each kind."""
 
-GENERATED = 4
+GENERATED = 2
 """So many of the latter, evenly spread, are always replayed through generated code as well."""
 
 EVERYWHERE = {
@@ -51,7 +51,7 @@ EVERYWHERE = {
 }
 """What the targets are shown that take longer."""
 
-JUDGED = 4
+JUDGED = 2
 """So many mutants of each small spec are asked what they make of every single golden frame."""
 
 ORIGINALS = {called(spec): specification(spec) for spec in SPECS}
