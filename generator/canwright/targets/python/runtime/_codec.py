@@ -660,10 +660,10 @@ class ArrayType(FieldType):
         """The range of each element."""
         return self.type.value_range(parameters)
 
-    def _all(self, given: Iterable[Any], field: str) -> tuple[Any, ...]:
+    def _all(self, given: object, field: str) -> tuple[Any, ...]:
         if not isinstance(given, Iterable):
             raise TypeError(f"{field}={given!r} is no array; it needs {self.count} elements")
-        found = tuple(given)
+        found: tuple[Any, ...] = tuple(given)
         if len(found) != self.count:
             text = f"{field} has {len(found)} elements, but needs {self.count}"
             raise CodecError(Refusal.OUT_OF_RANGE, text, field)
