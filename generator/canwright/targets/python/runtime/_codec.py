@@ -660,10 +660,11 @@ class ArrayType(FieldType):
         """The range of each element."""
         return self.type.value_range(parameters)
 
-    def _all(self, given: object, field: str) -> tuple[Any, ...]:
-        if not isinstance(given, Iterable):
-            raise TypeError(f"{field}={given!r} is no array; it needs {self.count} elements")
-        found: tuple[Any, ...] = tuple(given)
+    def _all(self, given: Any, field: str) -> tuple[Any, ...]:
+        try:
+            found: tuple[Any, ...] = tuple(given)
+        except TypeError:
+            raise TypeError(f"{field}={given!r} is no array; it needs {self.count} elements") from None
         if len(found) != self.count:
             text = f"{field} has {len(found)} elements, but needs {self.count}"
             raise CodecError(Refusal.OUT_OF_RANGE, text, field)
