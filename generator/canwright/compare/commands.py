@@ -112,7 +112,7 @@ def _added(found: Collector, command: Command, old: Edition) -> None:
 def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
     """Kind, item, path, parent and facts of a command that the other edition lacks, or of its entry alone."""
     entry = command.entry
-    if entry is not None and any(c.group == command.group for c in other.commands):
+    if entry is not None and other.forms(command.group):
         facts = {"name": entry.name, "index": discriminators.index(command)}
         return "entry", Item.of_entry(entry), entry.path, ("tables", entry.table), facts
     facts = {"name": command.group, "code": _code(command)}
@@ -276,10 +276,7 @@ _OF_CONDITIONS = (
 
 def _conditions(both: Editions, old: Command, new: Command) -> Iterator[tuple[_Conditions, _Conditions]]:
     """The conditions of a command in each edition: what all its entries have in common in both, and the rest."""
-    forms = [
-        [c for c in edition.commands if c.group == command.group]
-        for edition, command in ((both.old, old), (both.new, new))
-    ]
+    forms = [edition.forms(command.group) for edition, command in ((both.old, old), (both.new, new))]
     effects = {e.name for c in (*forms[0], *forms[1]) for e in c.effects}
     parameters = {p for c in (*forms[0], *forms[1]) for p in c.only}
     alike = {name for name in effects if all(_alike([name in {e.name for e in c.effects} for c in f]) for f in forms)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -118,6 +119,7 @@ def _place_of(keys: Sequence[Key], role: KeyRole) -> str:
     return listed(_place(k) for k in keys if k.role is role)
 
 
+@functools.lru_cache(maxsize=2)
 def _one_selector(edition: Edition) -> bool:
     """Whether all frames have their code in the same bits."""
     keys = [m.keys[0] for m in edition.all_messages() if m.keys and m.keys[0].role is KeyRole.CODE]

@@ -62,8 +62,8 @@ class Edition:
         return self._index.commands[name]
 
     def forms(self, group: str) -> Sequence[Command]:
-        """The commands with a name in the spec: several if it has a table, one for each entry."""
-        return self._index.forms[group]
+        """The commands with a name in the spec: one for each entry if it has a table; none for an unknown name."""
+        return self._index.forms.get(group, ())
 
     def parameter(self, name: str) -> Parameter:
         return next(p for p in self.parameters if p.name == name)
