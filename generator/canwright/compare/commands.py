@@ -147,8 +147,9 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
     _address(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
-        _message(found, both, old, new, one, other, used)
-        if not _other_layout(found, both, old, new, direction, used):
+        is_other = _other_layout(found, both, old, new, direction, used)
+        _message(found, both, old, new, one, other, used, is_other=is_other)
+        if not is_other:
             _layout_name(found, both, old, one, other, used)
             fields.compare(found, both, old.group, one, other, used)
 
@@ -370,8 +371,17 @@ _DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc), Impact.LOU
 
 
 def _message(
-    found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: Use
+    found: Collector,
+    both: Editions,
+    old: Command,
+    new: Command,
+    one: Message,
+    other: Message,
+    use: Use,
+    *,
+    is_other: bool,
 ) -> None:
+    """Adds changes of a message besides its layout; those of one with another layout are part of that change."""
     rows = list(_OF_MESSAGE)
     if discriminators.same_kind(old, new) and [discriminators.code_sent(m) for m in (one, other)] != [
         old.code,
@@ -384,4 +394,5 @@ def _message(
         found.attributes([_DLC], *item_of_bus, one, other, use, direction=Word("usual frame"))
     else:
         rows.append(_DLC)
-    found.attributes(rows, item, places, one, other, use, direction=direction)
+    if not is_other:
+        found.attributes(rows, item, places, one, other, use, direction=direction)
