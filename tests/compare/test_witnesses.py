@@ -338,6 +338,12 @@ def test_the_byte_order_of_an_index_is_one_finding(tmp_path: Path) -> None:
     assert verdicts([change]) == {"byte-order-changed table settings": {"sending": LOUD, "receiving": LOUD}}
 
 
+def test_the_byte_order_of_an_edition_is_one_finding_though_a_selector_gets_other_bits(tmp_path: Path) -> None:
+    text = MINIMAL.replace("selector: {at: 0, raw: u8}", "selector: {at: 0, raw: u5}")
+    (change,) = found(tmp_path, text, ("edition: v1", "edition: v1\nbyte_order: big"))
+    assert (change.rule.id, str(change.item)) == ("byte-order-changed", "edition")
+
+
 def test_a_frame_with_unknown_bits_in_its_id_is_loud(tmp_path: Path) -> None:
     press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
     (change,) = found(tmp_path, press, ("host: {raw: u8", "host: {raw: u7"))
