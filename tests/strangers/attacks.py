@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-LOOPS = 80.0
+LOOPS = 40.0
 """The maximum processor time of a run, relative to that of `LOOP`, which takes about a quarter of a second."""
 LOOP = "sum(i * i % 7 for i in range(3_000_000))"
 MEGABYTES = 500
