@@ -22,7 +22,7 @@ from .words import LABELS
 _TARGET = "handover"
 _NEEDED = {"markdown_it": "markdown-it-py", "xlsxwriter": "XlsxWriter"}
 """Modules and the packages that contain them."""
-_FIRST, _LAST = ("index",), ("types", "parameters", "bus", "errata", "changes")
+_FIRST, _LAST = ("index", "states"), ("types", "parameters", "bus", "errata", "changes")
 
 
 class HandoverError(Exception):

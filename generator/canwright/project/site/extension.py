@@ -12,7 +12,7 @@ from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
 from .build import DATA, EXPLORER
-from .markdown import Alerts, Anchors, Links, SectionIds, TrustedHtml, resolve_links
+from .markdown import Alerts, Anchors, Documents, Links, SectionIds, TrustedHtml, resolve_links
 from .menu import Menu
 
 _SETTINGS = ("docs", "language", "languages", "has_explorer", "downloads", "texts")
@@ -22,7 +22,7 @@ def setup(app: Sphinx) -> Mapping[str, bool]:
     """Called by Sphinx."""
     for name in _SETTINGS:
         app.add_config_value(f"canwright_{name}", None, "")
-    for transform in (TrustedHtml, Anchors, Alerts, Links, SectionIds):
+    for transform in (TrustedHtml, Anchors, Alerts, Links, Documents, SectionIds):
         app.add_transform(transform)
     app.connect("builder-inited", _without_search_of_sphinx)
     app.connect("doctree-read", _collect)

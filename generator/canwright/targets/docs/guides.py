@@ -142,6 +142,7 @@ def words(edition: Edition, labels: Mapping[str, str]) -> Iterator[Word]:
         ("parameter", edition.parameters),
         ("setting", edition.settings),
         ("effect", edition.effects),
+        ("state", edition.states),
         ("mode", edition.bus.modes),
     )
     for kind, items in kinds:

@@ -63,6 +63,7 @@ def _records(edition: Edition) -> Iterator[Record]:
         ("parameter", "parameters", edition.parameters),
         ("setting", "index", edition.settings),
         ("mode", "bus", edition.bus.modes),
+        ("state", "states", edition.states),
         ("table", "index", edition.tables),
     ):
         for item in items:

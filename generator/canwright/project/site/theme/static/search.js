@@ -6,7 +6,7 @@ const SEPARATORS = /[\s_\-‐–—,，、;；:：。()（）[\]【】"'“”`!
 const CHINESE = /[\u3400-\u9fff]/u;
 
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
-const WEIGHTS = { command: 1, entry: 0.97, id: 0.95, page: 0.9, effect: 0.75, field: 0.7, value: 0.65, type: 0.6, table: 0.6, erratum: 0.55, parameter: 0.55, setting: 0.5, mode: 0.5, heading: 0.8 };
+const WEIGHTS = { command: 1, entry: 0.97, id: 0.95, page: 0.9, effect: 0.75, field: 0.7, value: 0.65, type: 0.6, table: 0.6, erratum: 0.55, parameter: 0.55, setting: 0.5, mode: 0.5, state: 0.5, heading: 0.8 };
 const ABOUT = 0.3;
 const EXACT = 10;
 
