@@ -19,6 +19,7 @@ from ...output.writer import Content, refuse_occupied, write
 LANGUAGES = {"en": "English", "zh": "中文"}
 _TARGET = "site"
 NEEDED = {
+    "babel": "babel<3",
     "sphinx": "sphinx<10",
     "myst_parser": "myst-parser<6",
     "linkify_it": "linkify-it-py<3",

@@ -15,7 +15,7 @@ from .build import DATA, EXPLORER
 from .markdown import Alerts, Anchors, Documents, Links, SectionIds, TrustedHtml, resolve_links
 from .menu import Menu
 
-_SETTINGS = ("docs", "language", "languages", "has_explorer", "downloads", "texts")
+_SETTINGS = ("docs", "language", "languages", "has_explorer", "downloads", "texts", "theme")
 
 
 def setup(app: Sphinx) -> Mapping[str, bool]:
@@ -69,6 +69,7 @@ def _add_variables(
     has = {name: (Path(config.canwright_docs) / name / f"{pagename}.md").is_file() for name in others}
     context["site"] = {
         "texts": config.canwright_texts,
+        "theme": config.canwright_theme,
         "page": menu.page(pagename),
         "menu": menu,
         "languages": {name: f"../{name}/{pagename if there else 'index'}.html" for name, there in has.items()},

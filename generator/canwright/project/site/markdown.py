@@ -122,7 +122,7 @@ class Links(SphinxTransform):
             target = posixpath.normpath(posixpath.join(posixpath.dirname(docname), path))
             if ":" in path or path.startswith("/"):
                 continue
-            if target in (f"../{EXPLORER}/index.html", f"../../javascript/{EXPLORER}/index.html"):
+            if target == f"../../javascript/{EXPLORER}/index.html":
                 self._link_or_text(link, f"{EXPLORER}/index.html" if self.config.canwright_has_explorer else "")
             elif _FOLDER.fullmatch(target):
                 self._link_folder(link, target.rpartition("/")[2])
