@@ -38,12 +38,13 @@ def _without_search_of_sphinx(app: Sphinx) -> None:
 
 
 def _collect(app: Sphinx, doctree: nodes.document) -> None:
-    """Notes the links of a page, whose order is that of menus, and its headings, which the search finds."""
+    """Notes the links of a page, whose order is that of menus, and what the search finds: headings, texts of guides."""
     env = app.env
     page = env.metadata[env.docname]
     links = (link["page"] for link in doctree.findall(nodes.reference) if "page" in link)
     page["links"] = list(dict.fromkeys(links))
     sections = list(doctree.findall(nodes.section))
+    page["text"] = doctree.astext() if "/" not in env.docname else ""
     page["headings"] = [(section[0].astext(), section["ids"][0]) for section in sections[1:]]
 
 
