@@ -189,7 +189,7 @@ WORDS = {
     "bus": ("0x141", "141", "波特率", "baud rate", "bitrate", "bit rate"),
     "commands/set_speed": ("deg/s", "转速"),
     "commands/motor_on": ("does not move", "电机不转", "开启电机"),
-    "states": ("节点状态", "states"),
+    "states": ("节点状态",),
     "commands/motor_stop": ("急停", "e-stop", "emergency stop", "estop"),
     "commands/read_multi_turn_angle": ("multi-turn angle", "读取多圈角度", "0x92"),
     "commands/write_encoder_offset_rom": ("wears rom", "encoder zero", "encoder offset", "零点"),

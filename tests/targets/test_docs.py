@@ -18,6 +18,7 @@ from canwright.project.loader import specification
 from canwright.targets import docs
 from canwright.templating.markup import markdown
 
+from ..node import run
 from ..spec_texts import MINIMAL, ROOT
 
 SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
@@ -79,6 +80,30 @@ def test_the_calculator_needs_no_network_and_agrees_with_the_lengths(pages: dict
     assert (command["request"], command["reply"], command["replies"]) == ([111, 135], [111, 135], 4)
     assert (data[0]["replyMs"], data[0]["nodes"], data[0]["rates"][0]) == (0.25, 32, 1000)
     assert "| 11-bit id | 8 | 111 | 135 |" in pages["en/bus-load.md"]
+    usual = data[0]["commands"][data[0]["usual"]]
+    assert (usual["name"], usual["perNode"], command["perNode"]) == ("set_power", True, False)
+
+
+LOADS = """
+import { createRequire } from "node:module";
+const { busLoad } = createRequire(process.cwd() + "/")("./bus_load.js");
+const single = { perNode: true, request: [111, 135], reply: [111, 135], replies: 1 };
+const broadcast = { perNode: false, request: [111, 135], reply: [111, 135], replies: 4 };
+const silent = { perNode: true, request: [44, 52], reply: null, replies: 0 };
+const rows = [[single], [broadcast], [single, silent]];
+const loads = rows.map((commands) => busLoad(commands.map((command) => ({ command, rateHz: 100 })), 4, 1000, 0.25));
+console.log(JSON.stringify(loads.map(({ load, cycleMs, maximumHz }) => [load, cycleMs, Math.round(maximumHz)])));
+"""
+
+
+def test_loads_are_those_of_the_formulas() -> None:
+    """4 nodes at 100 Hz and 1 Mbit/s: 4 x 270 bits, 5 x 135 bits, and 4 x 52 bits more than the first."""
+    found = json.loads(run(LOADS, cwd=ROOT / "generator/canwright/targets/docs/runtime"))
+    assert found == [
+        [pytest.approx(10.8), pytest.approx(2.08), 481],
+        [pytest.approx(6.75), pytest.approx(0.925), 1081],
+        [pytest.approx(12.88), pytest.approx(2.288), 437],
+    ]
 
 
 def test_the_quick_start_shows_a_command_that_only_reads(pages: dict[str, str]) -> None:
@@ -139,7 +164,7 @@ def test_states_have_a_page_if_there_are_any() -> None:
     made = {output.path: output.text for output in docs.generate([mixer], {})}
     page = made["en/v2-2024-02/states.md"]
     assert '| <a id="states.live"></a>Live (`live`) | power-up, [set_lamp](commands/set_lamp.md) |  |  |' in page
-    muted = "| [mute_group](commands/mute_group.md) | Can be loud: [set_volume](commands/set_volume.md) | Silent. |"
+    muted = "| [mute_group](commands/mute_group.md) | Silent. | Can be loud: [set_volume](commands/set_volume.md) |"
     assert f'<a id="states.muted"></a>Muted (`muted`) {muted}' in page
     assert "`writes_rom`" in page and "`loud`" not in page
     command = made["en/v2-2024-02/commands/set_volume.md"]

@@ -221,7 +221,7 @@ def test_a_log_is_listed(page_of_motors: Path, opened: Open, tmp_path: Path) -> 
     assert page.get_by_label("Frame, or a line").input_value() == "141#9C49640000000000"
     log.write_bytes(b"LOGG\x90\x00 no text")
     page.locator("#file").set_input_files(log)
-    page.wait_for_function("document.getElementById('log-summary').textContent.includes('canwright decode')")
+    page.wait_for_selector("#log-summary:has-text('canwright decode')")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -42,6 +42,7 @@ def _collect(app: Sphinx, doctree: nodes.document) -> None:
     env = app.env
     page = env.metadata[env.docname]
     links = (link["page"] for link in doctree.findall(nodes.reference) if "page" in link)
+    page["orphan"] = True  # menus are not made of toctrees
     page["links"] = list(dict.fromkeys(links))
     sections = list(doctree.findall(nodes.section))
     page["text"] = doctree.astext() if "/" not in env.docname else ""

@@ -41,7 +41,6 @@ def run(settings: dict[str, Any]) -> int:
             "myst_gfm_only": True,
             "nitpicky": True,
             "smartquotes": False,
-            "suppress_warnings": ["toc.not_included"],
             "html_theme": "furo",
             "html_title": "canwright",
             "html_favicon": str(THEME / "static" / "favicon.svg"),
