@@ -187,6 +187,9 @@ def test_title_and_code_of_every_item_find_its_page(site: Path, opened: Open, la
 WORDS = {
     "commands/set_torque": ("A1", "0xA1", "a1", "set_torque", "set torque", "力矩控制", "转矩闭环"),
     "bus": ("0x141", "141", "波特率", "baud rate", "bitrate", "bit rate"),
+    "commands/set_speed": ("deg/s", "转速"),
+    "commands/motor_on": ("does not move", "电机不转", "开启电机"),
+    "states": ("节点状态",),
     "commands/motor_stop": ("急停", "e-stop", "emergency stop", "estop"),
     "commands/read_multi_turn_angle": ("multi-turn angle", "读取多圈角度", "0x92"),
     "commands/write_encoder_offset_rom": ("wears rom", "encoder zero", "encoder offset", "零点"),
@@ -204,6 +207,24 @@ def test_words_that_people_search_for(site: Path, opened: Open, language: str) -
         for query in queries:
             assert f"v2.35/{expected}" in [hit["page"] for hit in found[query][:3]], query
             assert found[query][0]["edition"] == "v2.35"
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_words_of_pages_that_are_about_no_edition(site: Path, opened: Open, language: str) -> None:
+    """In both languages; a space between Chinese and Latin text does not matter."""
+    page = opened(f"{folder_of(site)}/{language}/index.html")
+    words = {
+        "downloads": ("wireshark", "下载"),
+        "bus-load": ("bus load", "总线负载"),
+        "quickstart": ("快速入门", "quick start"),
+    }
+    found = hits(
+        page, [query for queries in words.values() for query in queries] + ["修改ID", "修改 ID", "overtemperature"]
+    )
+    for expected, queries in words.items():
+        assert all(expected in [hit["page"] for hit in found[query][:2]] for query in queries), expected
+    assert found["修改ID"][0]["anchor"] == found["修改 ID"][0]["anchor"] == "entries.driver_id"
+    assert "types" in found["overtemperature"][0]["page"]
 
 
 def test_search_with_the_keyboard_only(site: Path, opened: Open) -> None:

@@ -240,6 +240,8 @@ _REASONS = {
     "implemented-changed": "effects",
     "effects-changed": "effects",
     "limits-changed": "effects",
+    "state-entry-changed": "effects",
+    "state-effects-changed": "effects",
     "reply-time-changed": "timing",
 }
 
