@@ -42,8 +42,7 @@ def pages_of(edition: Edition, names: Sequence[str]) -> Mapping[str, str]:
     found: dict[str, str] = {}
     listed = set(names)
     for command in (edition.command(name) for name in names):
-        forms = [one.name for one in edition.commands if one.group == command.group]
-        if command.entry is None or listed >= set(forms):
+        if command.entry is None or listed.issuperset(one.name for one in edition.forms(command.group)):
             found[command.group] = f"{command.group}.md"
         else:
             found[command.name] = command_page(command)
