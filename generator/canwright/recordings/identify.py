@@ -78,6 +78,10 @@ class EditionScore:
     requests: int
     unanswered: Mapping[str, int]
 
+    def is_explained(self, judged: int) -> bool:
+        """Whether the edition explains nearly all of the frames that some edition has."""
+        return self.explained >= EXPLAINED * judged
+
 
 @dataclass(frozen=True)
 class NodeResult:
@@ -110,12 +114,12 @@ class NodeResult:
 class Identification:
     """The results of a log, by bus and node; `foreign` counts the frames whose id belongs to no edition.
 
-    `foreign_ids` counts them by id, for the first ids.
+    `foreign_ids` counts them by id, for the first ids: its number, whether it has 29 bits, and whether a frame is remote.
     """
 
     frames: int
     foreign: int
-    foreign_ids: Mapping[int, int]
+    foreign_ids: Mapping[tuple[int, bool, bool], int]
     nodes: tuple[NodeResult, ...]
 
 
@@ -207,7 +211,7 @@ class Identifier:
         self._nodes: dict[tuple[str, int | None], _Node] = {}
         self._states: dict[tuple[tuple[str, ...], ...], _State] = {}
         self._steps = 0
-        self._foreign: Counter[int] = Counter()
+        self._foreign: Counter[tuple[int, bool, bool]] = Counter()
         self._foreign_count = 0
 
     def add(self, recorded: Recorded) -> None:
@@ -218,8 +222,9 @@ class Identifier:
         node = line.node
         if node is None:
             self._foreign_count += 1
-            if id_ in self._foreign or len(self._foreign) < MAX_FOREIGN:
-                self._foreign[id_] += 1
+            foreign = id_, extended, remote
+            if foreign in self._foreign or len(self._foreign) < MAX_FOREIGN:
+                self._foreign[foreign] += 1
             return
         code = line.codes.get(content[line.first])
         kind = code and (code.kind or code.kinds.get(int.from_bytes(content, "little") & code.key_bits))
@@ -490,7 +495,7 @@ class _Tally:
 def _is_possible(score: EditionScore, judged: int) -> bool:
     """Whether an edition explains nearly all frames of a node, and most of its requests are answered."""
     answered = score.requests - sum(score.unanswered.values())
-    return score.explained >= EXPLAINED * judged and answered >= ANSWERED * score.requests
+    return score.is_explained(judged) and answered >= ANSWERED * score.requests
 
 
 def _distinguishing(fitting: Sequence[Edition], seen: set[str], compared: Compared) -> tuple[str, ...]:
