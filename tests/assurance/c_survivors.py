@@ -13,7 +13,8 @@ import random
 import re
 import resource
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -34,7 +35,7 @@ from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Questions
 from ..conformance.runner import Runner
 from . import floating, integers
-from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, used
+from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, selectable, used
 from .differential import compare
 
 MOST_LINES = 40_000
@@ -48,7 +49,7 @@ QUICK = 2500
 
 ROUNDS = 2
 
-CASES = 10_000
+CASES = 30_000
 """So many cases of exact fractions are asked of the runtime."""
 
 SOONEST = 500
@@ -91,6 +92,8 @@ class Program:
     """A program, the headers that it includes, below `family`, and questions to it."""
 
     level: ClassVar[tuple[str, ...]] = ("-O0",)
+    jobs = 1
+    """So many programs run at the same time."""
 
     def __init__(self, folder: Path, family: str, headers: Mapping[str, str], harness: str) -> None:
         self.folder, self._family = folder, family
@@ -126,15 +129,9 @@ class Program:
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants that answer as the original does."""
-        inside = [mutant for mutant in chosen if mutant.function]
-        for part in self._parts(inside):
+        for part in self._parts([mutant for mutant in chosen if mutant.function]):
             yield from self._survivors(dict(enumerate(part, 1)))
-        for mutant in chosen:
-            if not mutant.function:
-                texts = {**self.headers, mutant.file: changed(self.headers[mutant.file], mutant)}
-                program, _ = self._compile(texts)
-                if program is not None and not self._is_killed(program, 0):
-                    yield mutant
+        yield from self._outside([mutant for mutant in chosen if not mutant.function])
 
     def _parts(self, chosen: Sequence[Mutant]) -> Iterator[list[Mutant]]:
         part: list[Mutant] = []
@@ -164,10 +161,37 @@ class Program:
             chosen = {number: mutant for number, mutant in chosen.items() if number not in wrong}
         else:
             return
-        for number, mutant in chosen.items():
-            if not self._is_killed(program, number):
-                yield mutant
+        yield from (chosen[number] for number in self._alive(program, chosen))
         program.unlink()
+
+    def _outside(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
+        """Survivors of mutants of macros and enumerators: macros in one program first, what survives in a program each."""
+        macros = {number: mutant for number, mutant in enumerate(chosen, 1) if mutant.original.startswith("#")}
+        program, _ = self._compile(
+            {
+                name: selectable(text, {n: m for n, m in macros.items() if m.file == name})
+                for name, text in self.headers.items()
+            }
+        )
+        killed: set[Mutant] = set()
+        if program is not None and self._alive(program, [0]):
+            alive = self._alive(program, macros)
+            killed = {mutant for number, mutant in macros.items() if number not in alive}
+        with ThreadPoolExecutor(self.jobs) as threads:
+            left = [mutant for mutant in chosen if mutant not in killed]
+            yield from itertools.compress(left, threads.map(self._survives_alone, left))
+
+    def _survives_alone(self, mutant: Mutant) -> bool:
+        text = changed(self.headers[mutant.file], mutant.changes)
+        program, _ = self._compile({**self.headers, mutant.file: text})
+        return program is not None and not self._is_killed(program, 0)
+
+    def _alive(self, program: Path, numbers: Iterable[int]) -> list[int]:
+        """The mutants of a program that survive."""
+        with ThreadPoolExecutor(self.jobs) as threads:
+            every = list(numbers)
+            killed = threads.map(functools.partial(self._is_killed, program), every)
+            return [number for number, is_killed in zip(every, killed, strict=True) if not is_killed]
 
     def _compile(self, texts: Mapping[str, str]) -> tuple[Path | None, list[tuple[str, int]]]:
         """The program with these headers; None with the places of errors when it does not compile."""
