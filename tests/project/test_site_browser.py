@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from canwright.project import handover
 from canwright.project.loader import specification
 from canwright.project.site import build
 from playwright.sync_api import Browser, Page, expect
@@ -27,6 +28,7 @@ EDITIONS = ("v2.35", "v2.36-2025-03")
 COMMAND = "en/v2.35/commands/set_torque.html"
 PAGES = (
     *("en/index.html", "zh/index.html", COMMAND, "zh/v2.36-2025-03/commands/set_speed.html"),
+    *("en/bus-load-calculator.html", "zh/v2.35/states.html", "downloads/handover/mwd_motor-v2.35-zh.html"),
     *("en/v2.36-2025-03/index.html", "en/v2.36-2025-03/types.html", "zh/v2.36-2025-03/changes.html"),
 )
 
@@ -36,7 +38,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site of two editions, in a folder whose name has a space."""
     folder = tmp_path_factory.mktemp("two editions")
     specifications = [specification(ROOT / f"spec/mwd_motor/{edition}.yaml") for edition in EDITIONS]
-    build(pages_of(specifications, folder / "docs"), folder / "site")
+    handover.build(specifications[:1], folder / "handover")
+    build(pages_of(specifications, folder / "docs"), folder / "site", folder / "handover")
     return folder / "site"
 
 
@@ -315,7 +318,7 @@ def test_accessibility(address: str, opened: Open, scheme: str) -> None:
     """axe-core finds nothing serious."""
     page = opened("about:blank", color_scheme=scheme)
     found = set()
-    for name in PAGES[:-1]:
+    for name in (*PAGES[:-1], "404.html"):
         page.goto(f"{address}/{name}")
         for violation in Axe().run(page).response["violations"]:
             if violation["impact"] in ("serious", "critical"):

@@ -540,7 +540,10 @@
   });
   at("message").addEventListener("change", compose);
   at("open").addEventListener("click", () => at("file").click());
-  at("file").addEventListener("change", () => at("file").files[0] && openLog(at("file").files[0]));
+  at("file").addEventListener("change", () => {
+    [...at("file").files].forEach(openLog);
+    at("file").value = ""; // so that the same file can be opened again
+  });
   at("node").addEventListener("change", () => enter("", { node: Number(at("node").value || NaN) }));
   at("log-previous").addEventListener("click", () => turn(-1));
   at("log-next").addEventListener("click", () => turn(1));
