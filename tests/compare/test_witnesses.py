@@ -344,6 +344,15 @@ def test_the_byte_order_of_an_edition_is_one_finding_though_a_selector_gets_othe
     assert (change.rule.id, str(change.item)) == ("byte-order-changed", "edition")
 
 
+def test_values_that_only_another_parameter_value_allows_are_tried(tmp_path: Path) -> None:
+    sizes = "scale: {by: size, small: 0.1, big: none}, raw_range: {by: size, small: 0..100, big: none}"
+    text = MINIMAL.replace("scale: 0.1, raw_range: 0..1000", sizes)
+    text += "parameters: {size: {values: [small, big]}}\n"
+    (change,) = found(tmp_path, text, ("{raw: u16,", "{raw: i16,"))
+    assert verdicts([change]) == {"sign-changed type level": {"sending": SILENT, "receiving": SILENT}}
+    assert {witness.condition for witness in change.witnesses} == {"size big"}
+
+
 def test_a_frame_with_unknown_bits_in_its_id_is_loud(tmp_path: Path) -> None:
     press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
     (change,) = found(tmp_path, press, ("host: {raw: u8", "host: {raw: u7"))
