@@ -101,6 +101,7 @@ def cases(count: int, chance: random.Random) -> list[Case]:
         _corrected,
         _corrected,
         _beside_offset,
+        _resolved,
         _beside_limit,
         _beside_coarse,
         _narrowed,
@@ -143,11 +144,22 @@ def _beside_offset(chance: random.Random) -> Case:
     scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
     raw = Fraction(chance.getrandbits(chance.randint(52, 63)) * chance.choice((1, -1)))
     raw += Fraction(chance.randrange(abs(scale.numerator)), scale.numerator)
-    value = _double(chance.getrandbits(1) << 63 | chance.randrange(1023) << 52 | chance.getrandbits(52))
+    exponent = chance.choice((chance.randrange(1023), chance.randint(950, 1022)))  # a shift by 64 bits is at most 1010
+    value = _double(chance.getrandbits(1) << 63 | exponent << 52 | chance.getrandbits(52))
     steps = Fraction(value) / scale + raw
     if abs(steps) > 1 << 63 or abs(steps % 1 - Fraction(1, 2)) < Fraction(scale.denominator, 1 << 45):
         value = 0.0  # so close to a tie that the last bits of the value decide
     return _corrected_value(chance, value, Linear(scale, -raw * scale))
+
+
+def _resolved(chance: random.Random) -> Case:
+    """A value whose last bit decides, as the sum with the offset is beside the middle of two raw integers."""
+    scale = Fraction(abs(any_integer(chance, 45)) or 1, abs(any_integer(chance, 45)) or 1)
+    last = Fraction(1, 1 << max(1, 48 - scale.numerator.bit_length()))  # 2^-47, relative to one raw integer
+    value = last * any_integer(chance, 53)
+    raw = chance.getrandbits(chance.randint(52, 62)) + Fraction(1, 2)
+    addend = math.floor((value - raw * scale) * scale.denominator) + chance.choice((-1, 0, 1))
+    return _corrected_value(chance, float(value), Linear(scale, Fraction(addend, scale.denominator)))
 
 
 def _beside_limit(chance: random.Random) -> Case:

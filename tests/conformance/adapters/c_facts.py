@@ -447,6 +447,22 @@ class Facts:
             is_refused = not any(is_valid)
             yield Single(type_.name, "from", bits, parameters, min(limits), max(limits), reason, is_refused=is_refused)
 
+    def milli_beyond(self) -> Iterator[Fact]:
+        """Thousandths of raw integers that the type in C contains and the type of the spec does not."""
+        for stem, type_ in self._types.items():
+            least, most = _container(type_)
+            low, high = type_.raw_limits
+            raws = {raw for raw in (least, low - 1, high + 1, most) if least <= raw <= most and not low <= raw <= high}
+            if f"{stem}_to_milli" not in self._functions:
+                continue
+            for parameters, raw in itertools.product(
+                self._assignments(*type_.parameters, *type_.numbers), sorted(raws)
+            ):
+                linear = linear_of(type_, Encoder(parameters).assignment)
+                if linear is not None:
+                    answer = _rounded((raw * linear.scale + linear.offset) * 1000)
+                    yield Fact("milli", type_.name, parameters, ("to", str(raw)), str(answer))
+
     def _of_milli(self, type_: Type) -> Iterator[Fact]:
         """Thousandths of the ends of a type, and the raw integers of thousandths around them."""
         field = self._field(type_)
