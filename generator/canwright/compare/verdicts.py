@@ -248,6 +248,8 @@ _REASONS = {
     "implemented-changed": "effects",
     "effects-changed": "effects",
     "limits-changed": "effects",
+    "state-entry-changed": "effects",
+    "state-effects-changed": "effects",
     "reply-time-changed": "timing",
 }
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from ..diagnostics.diagnostic import DocumentPath
 from .layout import Layout
 from .message import Address, Command, Direction, IdRule, Message, Table
-from .metadata import Bus, Effect, Erratum, Setting
+from .metadata import Bus, Effect, Erratum, Setting, State
 from .types import Order, Parameter, Text, Type
 
 
@@ -30,6 +30,7 @@ class Edition:
     parameters: tuple[Parameter, ...]
     settings: tuple[Setting, ...]
     effects: tuple[Effect, ...]
+    states: tuple[State, ...]
     addresses: tuple[Address, ...]
     types: tuple[Type, ...]
     layouts: tuple[Layout, ...]
