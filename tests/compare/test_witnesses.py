@@ -359,6 +359,14 @@ def test_a_constant_of_a_layout_is_reported_at_its_line(tmp_path: Path) -> None:
     assert change.new == ("commands", "read_word", "reply", "layout", "zero", "constant")
 
 
+def test_set_points_that_only_another_parameter_value_allows_can_become_a_marker(tmp_path: Path) -> None:
+    level = "{raw: u16, raw_range: {by: size, small: 0..100, big: none}}"
+    text = MARKERS.replace("level: {at: 0, raw: u16}, speed", "level: {at: 0, type: level}, speed")
+    text += f"types: {{level: {level}}}\nparameters: {{size: {{values: [small, big]}}}}\n"
+    (change,) = found(tmp_path, text, ("0xFFFFFFFE", "0xFFFFFFFB"))
+    assert any(w.condition == "size big" and "sends `dim`" in w.says() for w in change.witnesses)
+
+
 def test_a_frame_with_unknown_bits_in_its_id_is_loud(tmp_path: Path) -> None:
     press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
     (change,) = found(tmp_path, press, ("host: {raw: u8", "host: {raw: u7"))
