@@ -34,6 +34,8 @@ COMMAND, MESSAGE, FIELD, TYPE, VALUE, CASE, FRAME, CODE, ITEM = 12, 35, 10, 16, 
 frame, an accepted code, and any other item."""
 REPEATED = 0.7
 """The size of an element of a field in one message."""
+LISTED_ID = 0.22
+"""The size of a message for one node and one combination of choices."""
 LISTED = 0.08
 """The size of an element of a field in one message, for one node and one combination of choices."""
 NODE = 0.05
@@ -138,8 +140,8 @@ def _elements(layout: Layout) -> float:
 
 
 def _listed(layout: Layout) -> float:
-    return LISTED * (
-        1 + sum(len(field.elements) * (1 + VALUE_OF_LINE * _values(field.type)) for field in layout.fields)
+    return LISTED_ID + LISTED * sum(
+        len(field.elements) * (1 + VALUE_OF_LINE * _values(field.type)) for field in layout.fields
     )
 
 
