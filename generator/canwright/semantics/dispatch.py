@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property, lru_cache, reduce
 from operator import or_
 from typing import NamedTuple
 
@@ -105,6 +105,12 @@ class DispatchPlan:
 
 def dispatch_plan(messages: Iterable[Message]) -> DispatchPlan:
     """The plan for messages of one direction."""
+    return _plan(tuple(messages))
+
+
+@lru_cache(maxsize=16)
+def _plan(messages: tuple[Message, ...]) -> DispatchPlan:
+    """The plan, computed once for all targets of an edition."""
     groups: dict[tuple[IdRule, bool], list[Message]] = {}
     for message in messages:
         groups.setdefault((message.id, message.remote), []).append(message)

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from types import NoneType
 
 from ...diagnostics.unicode_safety import visible
 from ...model.types import Text
@@ -18,6 +19,8 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
 Value = str | int | float | Fraction | Mapping[str, "Value"] | Sequence["Value"] | None
 """What is printed as JavaScript. An entry of a mapping that is None is left out; `null` in a list is None."""
+
+_SCALARS = (str, int, float, Fraction, NoneType)
 
 
 class Code(str):
@@ -64,8 +67,10 @@ def double(number: Fraction | int) -> Code:
 
 def printed(value: Value, indent: int = 0) -> str:
     """A value on one line if it fits, else with one entry per line."""
-    line = _flat(value)
-    if indent + len(line) + 20 <= WIDTH or not isinstance(value, (Mapping, list, tuple)):
+    if isinstance(value, _SCALARS):
+        return _scalar(value)
+    line = _flat(value, WIDTH - 20 - indent)
+    if line is not None:
         return line
     margin = " " * (indent + 2)
     opening, closing = "{}" if isinstance(value, Mapping) else "[]"
@@ -73,13 +78,22 @@ def printed(value: Value, indent: int = 0) -> str:
     return f"{opening}\n{''.join(lines)}{' ' * indent}{closing}"
 
 
-def _flat(value: Value) -> str:
-    if isinstance(value, Mapping):
-        inner = ", ".join(name + _flat(item) for name, item in _entries(value))
-        return f"{{ {inner} }}" if inner else "{}"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(_flat, value))}]"
-    return _scalar(value)
+def _flat(value: Value, room: int) -> str | None:
+    """A value on one line; None if it is longer than `room`, found out before the rest of it is printed."""
+    if isinstance(value, _SCALARS):
+        line = _scalar(value)
+    else:
+        parts = []
+        left = room
+        for name, item in _entries(value):
+            part = _flat(item, left - len(name))
+            if part is None:
+                return None
+            parts.append(name + part)
+            left -= len(parts[-1])
+        inner = ", ".join(parts)
+        line = f"[{inner}]" if not isinstance(value, Mapping) else f"{{ {inner} }}" if inner else "{}"
+    return line if len(line) <= room else None
 
 
 def _scalar(value: object) -> str:

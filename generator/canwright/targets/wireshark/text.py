@@ -64,19 +64,29 @@ def printed(value: Value, indent: int = 0) -> str:
     """A value on one line if it fits, else with one entry per line."""
     if isinstance(value, (str, int, float)) or value is None:
         return _scalar(value)
-    flat = [_entry(name, _flat(item)) for name, item in _entries(value)]
-    line = "{" + ", ".join(flat) + "}"
-    if indent + len(line) + 20 <= WIDTH:
+    line = _flat(value, WIDTH - 20 - indent)
+    if line is not None:
         return line
     margin = " " * (indent + 4)
     lines = (f"{margin}{_entry(name, printed(item, indent + 4))},\n" for name, item in _entries(value))
     return "{\n" + "".join(lines) + " " * indent + "}"
 
 
-def _flat(value: Value) -> str:
+def _flat(value: Value, room: int) -> str | None:
+    """A value on one line; None if it is longer than `room`, found out before the rest of it is printed."""
     if isinstance(value, (str, int, float)) or value is None:
-        return _scalar(value)
-    return "{" + ", ".join(_entry(name, _flat(item)) for name, item in _entries(value)) + "}"
+        line = _scalar(value)
+    else:
+        parts = []
+        left = room
+        for name, item in _entries(value):
+            part = _flat(item, left)
+            if part is None:
+                return None
+            parts.append(_entry(name, part))
+            left -= len(parts[-1])
+        line = "{" + ", ".join(parts) + "}"
+    return line if len(line) <= room else None
 
 
 def _scalar(value: str | float | None) -> str:
