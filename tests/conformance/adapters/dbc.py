@@ -62,7 +62,7 @@ class DbcAdapter(Adapter):
         for traffic in self._traffics.values():
             for frame in traffic.frames({}):
                 self._left_out |= set(frame.hidden)
-        self._routes = {direction: dispatch_plan(self.edition.messages(direction)).routes for direction in Direction}
+        self._routes = {direction: dispatch_plan(self.edition, direction).routes for direction in Direction}
         self._fixed_in_id = {
             m: [f for f in m.layout.fields if f.space is Space.ID and f.fixed is not None]
             for m in self.edition.all_messages()

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from types import NoneType
 
 from ...diagnostics.unicode_safety import visible
 from ...model.types import Text
@@ -19,8 +19,6 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
 Value = str | int | float | Fraction | Mapping[str, "Value"] | Sequence["Value"] | None
 """What is printed as JavaScript. An entry of a mapping that is None is left out; `null` in a list is None."""
-
-_SCALARS = (str, int, float, Fraction, NoneType)
 
 
 class Code(str):
@@ -67,7 +65,7 @@ def double(number: Fraction | int) -> Code:
 
 def printed(value: Value, indent: int = 0) -> str:
     """A value on one line if it fits, else with one entry per line."""
-    if isinstance(value, _SCALARS):
+    if value is None or isinstance(value, (str, int, float, Fraction)):
         return _scalar(value)
     line = _flat(value, WIDTH - 20 - indent)
     if line is not None:
@@ -78,21 +76,21 @@ def printed(value: Value, indent: int = 0) -> str:
     return f"{opening}\n{''.join(lines)}{' ' * indent}{closing}"
 
 
-def _flat(value: Value, room: int) -> str | None:
-    """A value on one line; None if it is longer than `room`, found out before the rest of it is printed."""
-    if isinstance(value, _SCALARS):
-        line = _scalar(value)
-    else:
-        parts = []
-        left = room
-        for name, item in _entries(value):
-            part = _flat(item, left - len(name))
-            if part is None:
-                return None
-            parts.append(name + part)
-            left -= len(parts[-1])
-        inner = ", ".join(parts)
-        line = f"[{inner}]" if not isinstance(value, Mapping) else f"{{ {inner} }}" if inner else "{}"
+def _flat(value: Mapping[str, Value] | Sequence[Value], room: int) -> str | None:
+    """A mapping or a list on one line; None if it has more than `room` characters."""
+    parts: list[str] = []
+    left = room
+    for name, item in _entries(value):
+        if item is None or isinstance(item, (str, int, float, Fraction)):
+            part: str | None = _scalar(item)
+        else:
+            part = _flat(item, left)
+        left -= len(name) + len(part or "")
+        if part is None or left < 0:
+            return None
+        parts.append(name + part)
+    inner = ", ".join(parts)
+    line = f"[{inner}]" if not isinstance(value, Mapping) else f"{{ {inner} }}" if inner else "{}"
     return line if len(line) <= room else None
 
 
@@ -108,12 +106,13 @@ def _scalar(value: object) -> str:
     return "null" if value is None else repr(value)
 
 
-def _entries(value: Mapping[str, Value] | Sequence[Value]) -> list[tuple[str, Value]]:
+def _entries(value: Mapping[str, Value] | Sequence[Value]) -> Iterator[tuple[str, Value]]:
     if isinstance(value, Mapping):
-        return [(f"{key(name)}: ", item) for name, item in value.items() if item is not None]
-    return [("", item) for item in value]
+        return ((f"{key(name)}: ", item) for name, item in value.items() if item is not None)
+    return (("", item) for item in value)
 
 
+@functools.lru_cache(maxsize=1 << 12)
 def key(name: str) -> str:
     """The name of a property, in quotes where it has to be."""
     return name if _NAME.fullmatch(name) else quoted(name)
