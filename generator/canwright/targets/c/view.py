@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -117,13 +118,31 @@ class ContentsView(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DirectionView:
-    """Any message of one direction. `without_node` are the commands whose id contains no node."""
+    """Any message of one direction.
+
+    `without_node` are the commands whose id contains no node. `without_fields` is true if some commands have no fields.
+    """
 
     word: str
     identify: tuple[RouteView, ...]
     decode: tuple[RouteView, ...]
     contents: tuple[ContentsView, ...]
     without_node: tuple[str, ...]
+    without_fields: bool
+
+    @cached_property
+    def cleared(self) -> list[str]:
+        """Fields of the union that cover all its bytes that some commands do not write; those of large structs first."""
+        written = {content: _all_bytes(content.layout) for content in self.shown}
+        everywhere = [*written.values(), *([frozenset[int]()] if self.without_fields else [])]
+        missing = frozenset[int]().union(*everywhere).difference(frozenset.intersection(*everywhere))
+        found = []
+        for content in sorted(written, key=lambda content: len(written[content]), reverse=True):
+            for place in content.layout.places:
+                if missing & place.bytes:
+                    found.append(f"{content.member}.{place.name}")
+                    missing -= place.bytes
+        return found
 
     @cached_property
     def members(self) -> list[tuple[LayoutView, ContentView]]:
@@ -398,7 +417,13 @@ def _direction(
         decode=tuple(routes(names, edition, messages, direction, unpack)),
         contents=tuple(some.values()),
         without_node=tuple(names.command(m.command) for m in edition.messages(direction) if not m.id.nodes),
+        without_fields=any(not views[m.layout].members for m in edition.messages(direction)),
     )
+
+
+def _all_bytes(layout: LayoutView) -> frozenset[int]:
+    """The bytes of a struct without padding."""
+    return frozenset(itertools.chain(*(place.bytes for place in layout.places)))
 
 
 def _unpack(direction: Direction, content: ContentsView) -> UnpackView:
