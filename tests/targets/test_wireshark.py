@@ -20,7 +20,7 @@ from ..conformance.adapters.wireshark import LuaDecoder
 from ..recordings.traffic import MIXES, Loss, Sent, Traffic, with_marks
 from ..spec_texts import ROOT
 
-BARS = {Loss(0.01): 0.1, Loss(0.1, has_retries=True): 2.0}
+BARS = {Loss(0.01): 0.1, Loss(0.1, has_retries=True): 0.3}
 """The allowed share of wrong directions without marks, in percent."""
 SECOND = 1_000_000_000
 MARKS = {Mark.SENT: "sent", Mark.RECEIVED: "received", None: None}
