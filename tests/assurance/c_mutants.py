@@ -12,6 +12,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from .equivalents import is_repeated
+
 _TOKEN = re.compile(
     r"(?P<space>\s+)|(?P<comment>/\*.*?\*/|//[^\n]*)|(?P<directive>^[ \t]*#(?:\\\n|[^\n])*)|(?P<text>\"(?:\\.|[^\"\\])*\")"
     r"|(?P<character>'(?:\\.|[^'\\])+')|(?P<number>\.?\d(?:[eEpP][+-]|[\w.])*)|(?P<word>\w+)"
@@ -144,22 +146,24 @@ def mutants(file: str, text: str) -> list[Mutant]:
     for function in functions(text):
         inside.append((function.start, function.end))
         for changes in _in_function(function, siblings):
-            found.append(_mutant(file, text, function.name, changes))
+            found.append(_mutant(file, text, function.name, text[function.start : function.end], changes))
     for start, end, new in _outside(text):
         if not any(low <= start < high for low, high in inside):
-            found.append(_mutant(file, text, "", ((start, end, new),)))
+            found.append(_mutant(file, text, "", text, ((start, end, new),)))
     return list({(m.function, m.changes): m for m in found}.values())
 
 
 Change = tuple[int, int, str]
 
 
-def _mutant(file: str, text: str, function: str, changes: tuple[Change, ...]) -> Mutant:
+def _mutant(file: str, text: str, function: str, scope: str, changes: tuple[Change, ...]) -> Mutant:
     low, high, new = changes[0]
     start = text.rfind("\n", 0, low) + 1
+    end = text.find("\n", high)
     if text[start:high].strip() == text[low:high]:  # as `break;`, which says little without the line before
         start = text.rfind("\n", 0, start - 1) + 1
-    end = text.find("\n", high)
+    elif is_repeated(text[start:end], scope):
+        end = text.find("\n", end + 1)
     mutated = text[start:low] + new + text[high:end]
     return Mutant(file, function, changes, " ".join(text[start:end].split()), " ".join(mutated.split()))
 
@@ -274,8 +278,8 @@ def _outside(text: str) -> Iterator[Change]:
             if token.kind == "number":
                 for new in list(_numbers(token.text))[:1]:
                     yield match.start(2) + token.start, match.start(2) + token.end, new
-    for match in re.finditer(r"^\s*[A-Z]\w*\s*=\s*(\d+)\b", text, re.MULTILINE):
-        yield match.start(1), match.end(1), str(int(match[1]) + 1)
+    for match in re.finditer(r"^\s*[A-Z]\w*\s*=\s*(0x[0-9a-fA-F]+|\d+)\b", text, re.MULTILINE):
+        yield match.start(1), match.end(1), next(_numbers(match[1]))
 
 
 VARIABLE = "canwright_mutant"
@@ -345,17 +349,27 @@ def merged(text: str, chosen: Mapping[int, Mutant]) -> Merged:
     return Merged("".join(parts), lines)
 
 
+def selectable(text: str, chosen: Mapping[int, Mutant]) -> str:
+    """A header in which the mutant that is selected changes the number of a macro; `chosen` are those of macros."""
+    changes = tuple(
+        (start, end, f"({VARIABLE} == {number} ? {new} : {text[start:end]})")
+        for number, mutant in chosen.items()
+        for start, end, new in mutant.changes
+    )
+    return changed(text, changes)
+
+
 def _copy(text: str, function: Function, mutant: Mutant, number: int) -> str:
     """The text of a function under another name, with the changes of a mutant."""
     head = text[function.start : function.body]
     head = re.sub(rf"\b{function.name}\b", f"{function.name}_{number}", head)
-    return head + changed(text, mutant, function.body, function.end)
+    return head + changed(text, mutant.changes, function.body, function.end)
 
 
-def changed(text: str, mutant: Mutant, start: int = 0, end: int | None = None) -> str:
-    """A part of a text with the changes of a mutant."""
+def changed(text: str, changes: Sequence[Change], start: int = 0, end: int | None = None) -> str:
+    """A part of a text with some changes."""
     result, done = "", start
-    for low, high, new in sorted(mutant.changes):
+    for low, high, new in sorted(changes):
         result += text[done:low] + new
         done = high
     return result + text[done:end]

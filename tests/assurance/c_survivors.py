@@ -13,20 +13,24 @@ import random
 import re
 import resource
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import ClassVar
 
+from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
+from canwright.semantics.decoder import Decoder, Rejection
+from canwright.semantics.encoder import Encoder
 from canwright.targets import c as target
 from canwright.targets.base import Specification
 
 from ..compilers import SANITIZED, ZIG
-from ..conformance.adapter import Adapter, CanFrame, Decoded, Refused, write_files
+from ..conformance.adapter import Adapter, CanFrame, Decoded, Raw, Refused, write_files
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_facts import Facts
 from ..conformance.adapters.c_harness import harness, header_text
@@ -34,7 +38,7 @@ from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Questions
 from ..conformance.runner import Runner
 from . import floating, integers
-from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, used
+from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, selectable, used
 from .differential import compare
 
 MOST_LINES = 40_000
@@ -48,7 +52,7 @@ QUICK = 2500
 
 ROUNDS = 2
 
-CASES = 10_000
+CASES = 30_000
 """So many cases of exact fractions are asked of the runtime."""
 
 SOONEST = 500
@@ -57,6 +61,9 @@ SOONEST = 500
 FRAMES = 4000
 """So many random frames are checked and printed."""
 
+
+PACKED = "#pragma pack(1)"
+"""Structs have no padding, as on an 8-bit machine, so that members of a union have different places."""
 
 LEAST = 200
 """The least limit of the processor time of a mutant, in milliseconds."""
@@ -91,12 +98,14 @@ class Program:
     """A program, the headers that it includes, below `family`, and questions to it."""
 
     level: ClassVar[tuple[str, ...]] = ("-O0",)
+    jobs = 1
+    """So many programs run at the same time."""
 
     def __init__(self, folder: Path, family: str, headers: Mapping[str, str], harness: str) -> None:
         self.folder, self._family = folder, family
         self.headers = headers
         self._harness = self.folder / "harness.c"
-        self._harness.write_text(harness, "utf-8")
+        self._harness.write_text(harness.replace('#include "', f'{PACKED}\n#include "', 1), "utf-8")
         (self.folder / "choice.h").write_text(CHOICE, "utf-8")
         self._programs = itertools.count()
         original, errors = self._compile(self.headers)
@@ -126,15 +135,9 @@ class Program:
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants that answer as the original does."""
-        inside = [mutant for mutant in chosen if mutant.function]
-        for part in self._parts(inside):
+        for part in self._parts([mutant for mutant in chosen if mutant.function]):
             yield from self._survivors(dict(enumerate(part, 1)))
-        for mutant in chosen:
-            if not mutant.function:
-                texts = {**self.headers, mutant.file: changed(self.headers[mutant.file], mutant)}
-                program, _ = self._compile(texts)
-                if program is not None and not self._is_killed(program, 0):
-                    yield mutant
+        yield from self._outside([mutant for mutant in chosen if not mutant.function])
 
     def _parts(self, chosen: Sequence[Mutant]) -> Iterator[list[Mutant]]:
         part: list[Mutant] = []
@@ -164,10 +167,42 @@ class Program:
             chosen = {number: mutant for number, mutant in chosen.items() if number not in wrong}
         else:
             return
-        for number, mutant in chosen.items():
-            if not self._is_killed(program, number):
-                yield mutant
+        yield from (chosen[number] for number in self._alive(program, chosen))
         program.unlink()
+
+    def _outside(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
+        """Survivors of mutants of macros and enumerators: macros in one program first, what survives in a program each."""
+        labels = set(re.findall(r"\bcase (\w+):", "".join(self.headers.values())))  # must be constants
+        macros = {
+            number: mutant
+            for number, mutant in enumerate(chosen, 1)
+            if mutant.original.startswith("#") and mutant.original.split()[1] not in labels
+        }
+        program, _ = self._compile(
+            {
+                name: selectable(text, {n: m for n, m in macros.items() if m.file == name})
+                for name, text in self.headers.items()
+            }
+        )
+        killed: set[Mutant] = set()
+        if program is not None and self._alive(program, [0]):
+            alive = self._alive(program, macros)
+            killed = {mutant for number, mutant in macros.items() if number not in alive}
+        with ThreadPoolExecutor(self.jobs) as threads:
+            left = [mutant for mutant in chosen if mutant not in killed]
+            yield from itertools.compress(left, threads.map(self._survives_alone, left))
+
+    def _survives_alone(self, mutant: Mutant) -> bool:
+        text = changed(self.headers[mutant.file], mutant.changes)
+        program, _ = self._compile({**self.headers, mutant.file: text})
+        return program is not None and not self._is_killed(program, 0)
+
+    def _alive(self, program: Path, numbers: Iterable[int]) -> list[int]:
+        """The mutants of a program that survive."""
+        with ThreadPoolExecutor(self.jobs) as threads:
+            every = list(numbers)
+            killed = threads.map(functools.partial(self._is_killed, program), every)
+            return [number for number, is_killed in zip(every, killed, strict=True) if not is_killed]
 
     def _compile(self, texts: Mapping[str, str]) -> tuple[Path | None, list[tuple[str, int]]]:
         """The program with these headers; None with the places of errors when it does not compile."""
@@ -183,6 +218,7 @@ class Program:
             "-g0",
             "-ferror-limit=0",
             *SANITIZED,
+            "-fno-sanitize=alignment",
             f"-I{include}",
             f"-I{include / self._family}",
             "-include",
@@ -262,6 +298,8 @@ def _ask_everything(item: Specification, adapter: CAdapter) -> None:
     wrong = adapter.wrong_facts()
     assert not wrong, wrong[:10]
     _ask_filters(item, adapter)
+    _ask_absent(item, adapter)
+    _ask_milli(item, adapter)
     _ask_frames(item, adapter)
     _ask_singles(item, adapter)
     every = list(Questions(item.edition).round())
@@ -290,13 +328,42 @@ def _ask_filters(item: Specification, adapter: CAdapter) -> None:
                 assert adapter.accepted(address.name, direction, node, ids) == accepted
 
 
+def _ask_absent(item: Specification, adapter: CAdapter) -> None:
+    """Messages with fields that do not exist under a parameter; they have to be 0 in C."""
+    edition = item.edition
+    for message in (message for message in edition.all_messages() if message.layout.parameter):
+        node = message.id.nodes[0] if message.id.nodes else None
+        for value in edition.parameter(message.layout.parameter or "").values:
+            known = {p.name: p.values[0].name if p.values else "1" for p in edition.parameters}
+            known[message.layout.parameter or ""] = value.name
+            encoder = Encoder(known)
+            fields = encoder.fields(message) or {}
+            raws = {name: _valid(encoder, field) for name, field in fields.items()}
+            for absent in (f for f in message.layout.fields if f.fixed is None and f.name not in fields):
+                wrong = {**raws, absent.name: [1 for _ in absent.elements] if absent.is_array else 1}
+                found = adapter.encode_raw(message.direction, message.command, node, wrong, known)
+                assert found == Refused(Refusal.OUT_OF_RANGE, absent.name), (message.name, absent.name, known, found)
+
+
+def _valid(encoder: Encoder, field: Field) -> Raw:
+    raw = next(raw for raw in (0, 1, *field.type.raw_limits) if encoder.rejects_raw(field, raw) is None)
+    return [raw for _ in field.elements] if field.is_array else raw
+
+
+def _ask_milli(item: Specification, adapter: CAdapter) -> None:
+    """Thousandths of raw integers with more bits than their type; these can be rejected."""
+    for fact in Facts(item.edition, adapter.header).milli_beyond():
+        found = adapter.milli(fact.name, "to", int(fact.rest[1]), fact.parameters)
+        assert found in (int(fact.answer), Refused(Refusal.OUT_OF_RANGE)), (fact, found)
+
+
 def _ask_frames(item: Specification, adapter: CAdapter) -> None:
-    """The check of frames, which must agree with the model, and their texts.
+    """The check and the identification of frames, which must agree with the model, and their texts.
 
     `tests/targets/test_c_print.py` compares texts of golden frames with the model.
     """
     assert item.frames is not None
-    reference = ReferenceAdapter(item.edition)
+    reference, decoder = ReferenceAdapter(item.edition), Decoder(item.edition)
     frames = [(f.direction, CanFrame(f.id, f.data, f.extended, f.remote), f.parameters) for f in item.frames.frames]
     random_ = (q.arguments[:3] for q in Questions(item.edition, 3).round() if q.kind == "decode")
     for place, (direction, frame, known) in enumerate((*frames, *itertools.islice(random_, FRAMES))):
@@ -306,6 +373,12 @@ def _ask_frames(item: Specification, adapter: CAdapter) -> None:
         if place % 20 == 0:
             for size in (0, 1, 2, length // 2, length, length + 1, length + 2):
                 adapter.text(direction, frame, known, size)
+        identified = decoder.identify(direction, frame)
+        if isinstance(identified, Rejection):
+            assert adapter.identify(direction, frame) == Refused(identified.reason), (direction, frame)
+        else:
+            command = identified.message.command, identified.node or 0
+            assert adapter.identify(direction, frame) == command, (direction, frame)
         wanted = reference.decode(direction, frame, known, None)
         found = adapter.check(direction, frame, known)
         if isinstance(wanted, Decoded):

@@ -49,6 +49,11 @@ def _filled(text: str, groups: Sequence[str]) -> str:
     )
 
 
+def is_repeated(line: str, scope: str) -> bool:
+    """Whether a function has a line more than once; the next line then belongs to what identifies a mutant."""
+    return [one.strip() for one in scope.splitlines()].count(line.strip()) > 1
+
+
 def read(file: Path) -> list[Equivalent]:
     """The list of a file."""
     listed = yaml.safe_load(file.read_text("utf-8")) or []

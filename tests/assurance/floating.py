@@ -101,6 +101,8 @@ def cases(count: int, chance: random.Random) -> list[Case]:
         _corrected,
         _corrected,
         _beside_offset,
+        _resolved,
+        _beside_limit,
         _beside_coarse,
         _narrowed,
         _bits,
@@ -138,20 +140,39 @@ def _corrected(chance: random.Random) -> Case:
 
 
 def _beside_offset(chance: random.Random) -> Case:
-    """A value that is so small that its raw integer is next to that of the offset, which has 52 to 64 bits."""
+    """A value that is so small that its raw number is next to that of the offset, of 52 to 64 bits and a fraction."""
     scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
-    raw = chance.getrandbits(chance.randint(52, 63)) * chance.choice((1, -1))
-    value = _double(chance.getrandbits(1) << 63 | chance.randrange(1023) << 52 | chance.getrandbits(52))
-    steps = abs(Fraction(value) / scale)
-    if steps > 1 << 62 or abs(steps % 1 - Fraction(1, 2)) < Fraction(scale.denominator, 1 << 45):
+    raw = Fraction(chance.getrandbits(chance.randint(52, 63)) * chance.choice((1, -1)))
+    raw += Fraction(chance.randrange(abs(scale.numerator)), scale.numerator)
+    exponent = chance.choice((chance.randrange(1023), chance.randint(950, 1022)))  # a shift by 64 bits is at most 1010
+    value = _double(chance.getrandbits(1) << 63 | exponent << 52 | chance.getrandbits(52))
+    steps = Fraction(value) / scale + raw
+    if abs(steps) > 1 << 63 or abs(steps % 1 - Fraction(1, 2)) < Fraction(scale.denominator, 1 << 45):
         value = 0.0  # so close to a tie that the last bits of the value decide
     return _corrected_value(chance, value, Linear(scale, -raw * scale))
 
 
-def _beside_coarse(chance: random.Random) -> Case:
-    """A value whose quotient in floating point is next to 2^51, after three rounded operations."""
+def _resolved(chance: random.Random) -> Case:
+    """A value whose last bit decides, as the sum with the offset is beside the middle of two raw integers."""
+    scale = Fraction(abs(any_integer(chance, 45)) or 1, abs(any_integer(chance, 45)) or 1)
+    last = Fraction(1, 1 << max(1, 48 - scale.numerator.bit_length()))  # 2^-47, relative to one raw integer
+    value = last * any_integer(chance, 53)
+    raw = chance.getrandbits(chance.randint(52, 62)) + Fraction(1, 2)
+    addend = math.floor((value - raw * scale) * scale.denominator) + chance.choice((-1, 0, 1))
+    return _corrected_value(chance, float(value), Linear(scale, Fraction(addend, scale.denominator)))
+
+
+def _beside_limit(chance: random.Random) -> Case:
+    """A value that is added to an offset of about 2^64 raw integers, so that the sum is beside 2^64."""
     scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
-    raw = any_integer(chance, 50)
+    raw = (1 << 64) - chance.getrandbits(16)
+    return _corrected_value(chance, float(chance.getrandbits(18) * scale), Linear(scale, -raw * scale))
+
+
+def _beside_coarse(chance: random.Random) -> Case:
+    """A value whose quotient in floating point is 2^51 or next to it, after three rounded operations."""
+    scale = Fraction(any_integer(chance, 45) or 1, abs(any_integer(chance, 45)) or 1)
+    raw = any_integer(chance, 55)
     value = float(((1 << 51) + raw) * scale)
     for _ in range(chance.randrange(4)):
         value = math.nextafter(value, math.inf if scale > 0 else -math.inf)
@@ -224,7 +245,9 @@ def _nearest(chance: random.Random) -> Case:
     precision, width, is_signed = kinds[operation]
     least, most = (-1 << width - 1, (1 << width - 1) - 1) if is_signed else (0, (1 << width) - 1)
     near = chance.choice((0, least, most, most + 1, any_integer(chance, width)))
-    exact = near + Fraction(chance.choice((-3, -2, -1, 0, 1, 2, 3)), chance.choice((1, 2, 3)))
+    exact = near + chance.choice(
+        (Fraction(chance.randint(-3, 3), chance.choice((1, 3))), Fraction(-1, 2), Fraction(1, 2))
+    )
     steps = bits_of(exact, precision) + (chance.choice((-1, 0, 0, 1)) if exact else 0)
     value = chance.choice((0, 0, 0, _any_bits(chance, precision)))
     if not is_finite(value, precision):

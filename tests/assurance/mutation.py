@@ -21,10 +21,14 @@ from __future__ import annotations
 
 import argparse
 import functools
+import os
 import random
+import re
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +57,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--sample", type=int, help="so many mutants of each edition, and of the runtime (default: all)")
     parser.add_argument("--part", choices=PARTS, help="only the code of the editions, or only the runtime")
+    parser.add_argument("--function", help="only mutants of functions whose names match this expression")
+    parser.add_argument(
+        "--jobs", type=int, default=os.cpu_count() or 1, help="so many at the same time (default: %(default)s)"
+    )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--equivalents", type=Path, help="another list")
     given = parser.parse_args(arguments)
@@ -61,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not chosen:
         parser.error(f"no edition has this name; there are {', '.join(map(called, SPECS))}")
     list_file = given.equivalents or Path(__file__).with_name(f"equivalent_{given.language}.yaml")
-    run = Run(given.language, read(list_file), given.sample, given.seed)
+    run = Run(given.language, read(list_file), Choice(given.function or "", given.sample, given.seed), given.jobs)
     parts = [given.part] if given.part else PARTS
     if "runtime" in parts:
         run.mutate_runtime(chosen)
@@ -70,12 +78,41 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return int(run.failed)
 
 
+Identity = tuple[tuple[str, str, str], int]
+"""The key of a mutant, and which of the mutants with this key it is."""
+
+
+def _identified(mutants: Iterable[Any]) -> dict[Identity, Any]:
+    count: Counter[tuple[str, str, str]] = Counter()
+    found: dict[Identity, Any] = {}
+    for mutant in mutants:
+        count[mutant.key] += 1
+        found[mutant.key, count[mutant.key]] = mutant
+    return found
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which mutants are run: those of functions whose names match an expression, and how many of them."""
+
+    function: str
+    sample: int | None
+    seed: int
+
+    def of(self, mutants: Iterable[Any]) -> list[Any]:
+        """The chosen ones of some mutants."""
+        ours = [mutant for mutant in mutants if re.search(self.function, mutant.function)]
+        if self.sample is None or len(ours) <= self.sample:
+            return ours
+        return random.Random(self.seed).sample(ours, self.sample)
+
+
 class Run:
     """The mutants of several editions, and of the runtime, which survive only if nothing kills them."""
 
-    def __init__(self, language: str, equivalents: Sequence[Equivalent], sample: int | None, seed: int) -> None:
+    def __init__(self, language: str, equivalents: Sequence[Equivalent], choice: Choice, jobs: int) -> None:
         self._language, self._equivalents = language, equivalents
-        self._sample, self._seed = sample, seed
+        self._choice, self._jobs = choice, jobs
         self.failed = False
 
     def mutate_editions(self, specs: Sequence[Path]) -> None:
@@ -83,9 +120,10 @@ class Run:
         for spec in specs:
             with tempfile.TemporaryDirectory() as folder:
                 subject = LANGUAGES[self._language](spec, Path(folder))
-                every = [mutant for mutant in subject.all_mutants() if not mutant.is_runtime]
+                subject.jobs = self._jobs
+                every = self._choice.of(mutant for mutant in subject.all_mutants() if not mutant.is_runtime)
                 reached = set(subject.mutants())
-                chosen = self._sampled([mutant for mutant in every if mutant in reached])
+                chosen = [mutant for mutant in every if mutant in reached]
                 alive = list(subject.survivors(chosen))
             self._report(called(spec), chosen, alive, [mutant for mutant in every if mutant not in reached])
 
@@ -93,29 +131,27 @@ class Run:
         """Runs the mutants of the runtime; each subject sees those that survive the one before."""
         editions: list[Callable[[Path], Any]] = [functools.partial(LANGUAGES[self._language], spec) for spec in specs]
         subjects = [*RUNTIMES[self._language], *editions]
-        mutants: dict[tuple[str, str, str], Any] = {}
-        reached: set[tuple[str, str, str]] = set()
-        left: set[tuple[str, str, str]] = set()
+        mutants: dict[Identity, Any] = {}
+        reached: set[Identity] = set()
+        left: set[Identity] = set()
         for create in subjects:
             with tempfile.TemporaryDirectory() as folder:
                 subject = create(Path(folder))
+                subject.jobs = self._jobs
+                every = _identified(mutant for mutant in subject.all_mutants() if mutant.is_runtime)
                 if not mutants:
-                    every = [mutant for mutant in subject.all_mutants() if mutant.is_runtime]
-                    mutants = {mutant.key: mutant for mutant in self._sampled(every)}
+                    chosen = set(self._choice.of(every.values()))
+                    mutants = {key: mutant for key, mutant in every.items() if mutant in chosen}
                     left = set(mutants)
-                shown = [mutant for mutant in subject.mutants() if mutant.is_runtime and mutant.key in left]
-                reached |= {mutant.key for mutant in shown}
-                left -= {mutant.key for mutant in shown} - {mutant.key for mutant in subject.survivors(shown)}
+                own = set(subject.mutants())
+                shown = {every[key]: key for key in mutants if key in left and every[key] in own}
+                reached |= set(shown.values())
+                left -= set(shown.values()) - {shown[mutant] for mutant in subject.survivors([*shown])}
             if not judge([], [mutants[key] for key in left], self._equivalents).unlisted:
                 break
-        chosen = [mutants[key] for key in mutants if key in reached]
+        run = [mutants[key] for key in mutants if key in reached]
         unreached = [mutants[key] for key in mutants if key not in reached]
-        self._report("runtime", chosen, [mutants[key] for key in left & reached], unreached)
-
-    def _sampled(self, mutants: list[Any]) -> list[Any]:
-        if self._sample is None or len(mutants) <= self._sample:
-            return mutants
-        return random.Random(self._seed).sample(mutants, self._sample)
+        self._report("runtime", run, [mutants[key] for key in left & reached], unreached)
 
     def _report(self, name: str, mutants: Sequence[Any], survivors: Sequence[Any], unreached: Sequence[Any]) -> None:
         verdict = judge(mutants, survivors, self._equivalents)

@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from .equivalents import is_repeated
+
 _ORDER = ((ast.Lt, ast.LtE), (ast.Gt, ast.GtE), (ast.Eq, ast.NotEq), (ast.Is, ast.IsNot), (ast.In, ast.NotIn))
 COMPARISONS: dict[type[ast.cmpop], ast.cmpop] = {
     one: other() for pair in _ORDER for one, other in itertools.permutations(pair)
@@ -62,6 +64,7 @@ def mutants(file: str, text: str) -> list[Mutant]:
 class _Finder:
     def __init__(self, file: str, text: str) -> None:
         self._file, self._text = file, text
+        self._scope = text
         self._lines = [0]
         for line in text.splitlines(keepends=True):
             self._lines.append(self._lines[-1] + len(line))
@@ -78,12 +81,17 @@ class _Finder:
                 for default in (*node.args.defaults, *(d for d in node.args.kw_defaults if d)):
                     yield from self._expressions(default, function, line)
                 first = min((node.lineno, *(d.lineno for d in node.decorator_list)))
-                yield from self._in(node.body, f"{function}.{node.name}".lstrip("."), first)
+                yield from self._in_scope(node, function, first)
             elif isinstance(node, ast.ClassDef):
-                yield from self._in(node.body, f"{function}.{node.name}".lstrip("."), line)
+                yield from self._in_scope(node, function, line)
             elif not _is_listing(node):
                 yield from self._statement(node, function, line)
                 yield from self._parts(node, function, line)
+
+    def _in_scope(self, node: ast.FunctionDef | ast.ClassDef, function: str, line: int) -> Iterator[Mutant]:
+        around, self._scope = self._scope, ast.get_source_segment(self._text, node) or ""
+        yield from self._in(node.body, f"{function}.{node.name}".lstrip("."), line)
+        self._scope = around
 
     def _parts(self, node: ast.stmt | ast.excepthandler, function: str, line: int) -> Iterator[Mutant]:
         """The mutants of the expressions and statements of a statement."""
@@ -128,6 +136,8 @@ class _Finder:
         end = self._offset(node.end_lineno, node.end_col_offset)
         low = self._lines[node.lineno - 1]
         high = self._text.find("\n", end)
+        if is_repeated(self._text[low:high], self._scope):
+            high = self._text.find("\n", high + 1)
         original = " ".join(self._text[low:high].split())
         mutated = " ".join((self._text[low:start] + new + self._text[end:high]).split())
         return Mutant(self._file, function, line, start, end, new, original, mutated)

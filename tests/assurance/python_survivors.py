@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib.abc
 import importlib.machinery
 import importlib.util
@@ -11,13 +12,14 @@ import os
 import random
 import signal
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import CodeType, FrameType, ModuleType
 
 from canwright.project.loader import specification
 from canwright.targets import python as target
-from canwright.targets.base import Specification
 
 from ..conformance.adapter import Cannot
 from ..conformance.adapters import modules
@@ -29,7 +31,7 @@ from .python_facts import check_package
 from .python_mutants import RUNTIME, Mutant, changed, mutants
 
 SECONDS = 60
-"""A mutant that takes longer is killed."""
+"""A mutant that uses more processor time is killed."""
 
 QUICK, THOROUGH = 1500, 20_000
 """So many random questions are asked of each mutant, and so many of one that survives these."""
@@ -52,8 +54,19 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(self._codes[module.__name__], module.__dict__)
 
 
+@dataclass
+class _Check:
+    """Something to ask a package, and the functions that it calls, by file and line."""
+
+    ask: Callable[[PythonAdapter, ModuleType], None]
+    calls: frozenset[tuple[str, int]] = frozenset()
+
+
 class Subject:
     """One edition: its package, and the questions to it with the answers of the reference."""
+
+    jobs = 1
+    """So many mutants are asked at the same time."""
 
     def __init__(self, spec: Path, folder: Path) -> None:
         self.item = specification(spec)
@@ -67,31 +80,48 @@ class Subject:
         self._codes = {
             self._name(file): compile(text, file, "exec") for file, text in self._texts.items() if _is_code(file)
         }
-        reference = ReferenceAdapter(edition)
-        every = list(itertools.islice(Questions(edition, fractions=True).forever(), THOROUGH))
-        random.Random(1).shuffle(every)
-        self._asked: list[tuple[Question, Answer]] = [(question, question.ask(reference)) for question in every]
-        self._called = self._run_original()
+        self._checks = list(self._all_checks())
+        self._of_import = self._run_original()
 
     def _name(self, file: str) -> str:
         family = self.item.edition.family
         return family if file == "__init__.py" else f"{family}.{file.removesuffix('.py')}"
 
+    def _all_checks(self) -> Iterator[_Check]:
+        """Everything, what fails soonest first."""
+        edition, frames = self.item.edition, self.item.frames
+        assert frames is not None
+        reference = ReferenceAdapter(edition)
+        every = list(itertools.islice(Questions(edition, fractions=True).forever(), THOROUGH))
+        random.Random(1).shuffle(every)
+        asked = [_Check(functools.partial(_compare, question, question.ask(reference))) for question in every]
+        yield from asked[:QUICK]
+        yield _Check(lambda adapter, module: check_package(self.item, module))
+        yield _Check(lambda adapter, module: _replay(Runner(edition, frames, adapter, stop_at_first=True)))
+        yield from asked[QUICK:]
+
     def _run_original(self) -> set[tuple[str, int]]:
-        """The functions that are called, by file and line. Raises AssertionError for a wrong answer."""
+        """The functions that the import calls; those of each check are noted. Raises AssertionError for a wrong answer."""
         called: set[tuple[str, int]] = set()
 
         def note(frame: FrameType, event: str, argument: object) -> None:
-            if event == "call":
+            if event == "call" and frame.f_code.co_filename in self._texts:
                 called.add((frame.f_code.co_filename, frame.f_code.co_firstlineno))
 
         sys.setprofile(note)
         try:
             with self._imported(self._codes) as module:
-                _ask(self.item, module, self._asked)
+                of_import = set(called)
+                same: dict[frozenset[tuple[str, int]], frozenset[tuple[str, int]]] = {}
+                adapter = PythonAdapter(self.item.edition, module)
+                for check in self._checks:
+                    called.clear()
+                    check.ask(adapter, module)
+                    calls = frozenset(called)
+                    check.calls = same.setdefault(calls, calls)
         finally:
             sys.setprofile(None)
-        return called
+        return of_import
 
     @contextlib.contextmanager
     def _imported(self, codes: Mapping[str, CodeType]) -> Iterator[ModuleType]:
@@ -108,7 +138,8 @@ class Subject:
 
     def mutants(self) -> list[Mutant]:
         """The mutants of the edition and the runtime, without those of functions that are not called."""
-        return [m for m in self.all_mutants() if not m.line or (m.file, m.line) in self._called]
+        called = self._of_import.union(*(check.calls for check in self._checks))
+        return [m for m in self.all_mutants() if not m.line or (m.file, m.line) in called]
 
     def all_mutants(self) -> list[Mutant]:
         """All mutants of the edition and the runtime."""
@@ -117,51 +148,57 @@ class Subject:
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants with which every answer is right."""
-        return (mutant for mutant in chosen if not self._is_killed(mutant))
-
-    def _is_killed(self, mutant: Mutant) -> bool:
-        child = os.fork()
-        if not child:
-            self._ask_mutant(mutant)
-        return os.waitpid(child, 0)[1] != 0
+        running: deque[tuple[int, Mutant]] = deque()
+        for mutant in (*chosen, *[None] * self.jobs):
+            if running and (mutant is None or len(running) == self.jobs):
+                child, first = running.popleft()
+                if not os.waitpid(child, 0)[1]:
+                    yield first
+            if mutant is not None:
+                child = os.fork()
+                if not child:
+                    self._ask_mutant(mutant)
+                running.append((child, mutant))
 
     def _ask_mutant(self, mutant: Mutant) -> None:
         """Ends the process: with 0 if every answer is right."""
         status = 1
         try:
-            signal.alarm(SECONDS)
+            signal.setitimer(signal.ITIMER_PROF, SECONDS)
             null = os.open(os.devnull, os.O_WRONLY)
             os.dup2(null, 1)
             os.dup2(null, 2)
             code = compile(changed(self._texts[mutant.file], mutant), mutant.file, "exec")
             with self._imported({**self._codes, self._name(mutant.file): code}) as module:
-                _ask(self.item, module, self._asked)
+                adapter = PythonAdapter(self.item.edition, module)
+                for check in self._checks_of(mutant):
+                    check.ask(adapter, module)
             status = 0
         except BaseException:
             status = 1
         finally:
             os._exit(status)
 
+    def _checks_of(self, mutant: Mutant) -> Iterator[_Check]:
+        """The checks that call the function of a mutant; all for one that has an effect when the package is imported."""
+        function = mutant.file, mutant.line
+        is_of_import = not mutant.line or function in self._of_import
+        return (check for check in self._checks if is_of_import or function in check.calls)
+
 
 def _is_code(file: str) -> bool:
     return file.endswith(".py") and file != "python_can.py"
 
 
-def _ask(item: Specification, module: ModuleType, asked: Sequence[tuple[Question, Answer]]) -> None:
-    """Asks everything, what fails soonest first. Raises AssertionError for a wrong answer, or what the package raises."""
-    adapter = PythonAdapter(item.edition, module)
-    _compare(adapter, asked[:QUICK])
-    check_package(item, module)
-    assert item.frames is not None
-    assert not Runner(item.edition, item.frames, adapter, stop_at_first=True).run().failures
-    _compare(adapter, asked[QUICK:])
+def _replay(runner: Runner) -> None:
+    failures = runner.run().failures
+    assert not failures, failures[:10]
 
 
-def _compare(adapter: PythonAdapter, asked: Sequence[tuple[Question, Answer]]) -> None:
-    for question, wanted in asked:
-        try:
-            found = question.ask(adapter)
-        except Cannot:
-            continue
-        wrong = disagreement(wanted, found)
-        assert not wrong, f"{question}: {wrong}"
+def _compare(question: Question, wanted: Answer, adapter: PythonAdapter, module: ModuleType) -> None:
+    try:
+        found = question.ask(adapter)
+    except Cannot:
+        return
+    wrong = disagreement(wanted, found)
+    assert not wrong, f"{question}: {wrong}"

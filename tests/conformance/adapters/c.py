@@ -112,6 +112,11 @@ class CAdapter(Adapter):
         answer = self._ask("answers", *_frame(request), *_frame(reply))
         return answer if isinstance(answer, Refused) else None
 
+    def identify(self, direction: Direction, frame: CanFrame) -> tuple[str, int] | Refused:
+        """The command and the node of a frame, 0 without a node."""
+        answer = self._ask("identify", direction.value, *self._known({}), *_frame(frame))
+        return answer if isinstance(answer, Refused) else (answer[0], int(answer[1]))
+
     def text(self, direction: Direction, frame: CanFrame, parameters: Parameters, size: int = 1000) -> tuple[int, str]:
         """A frame as text in a buffer of `size` bytes, and the length of the complete text."""
         answer = self._ask("print", direction.value, *self._known(parameters), *_frame(frame), str(size))
@@ -158,7 +163,7 @@ class CAdapter(Adapter):
         wrong = []
         for fact in Facts(self.edition, self.header).all():
             found = self._ask(fact.kind, fact.name, *self._known(fact.parameters), *fact.rest)
-            words = found.says.value if isinstance(found, Refused) else " ".join(found)
+            words = " ".join(filter(None, (found.says.value, found.field)) if isinstance(found, Refused) else found)
             if words != fact.answer:
                 wrong.append(f"{fact.kind} {fact.name} {dict(fact.parameters)} {fact.rest}: {words}, not {fact.answer}")
         return wrong

@@ -9,6 +9,7 @@ import itertools
 import math
 import random
 import re
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -97,12 +98,12 @@ class Facts:
         }
         self._macros = [match[1] for match in _MACRO.finditer(header) if not match[1].endswith(("_SPEC", "_VERSION"))]
         names = self._names = Names(edition)
-        self._macros += [names.upper(p.name, "unknown") for p in edition.parameters if p.is_choice]
         fields = dict.fromkeys(f.name for layout in layouts(edition) for f in layout.fields if f.fixed is None)
         self._commands = {"": names.command("none"), **{c.name: names.command(c.name) for c in edition.commands}}
         self._fields = {"": names.upper("field", "none"), **{name: names.upper("field", name) for name in fields}}
         if names.lower("field_name") not in functions(header):
             self._fields = {}
+        self._macros += [*self._enumerators()]
         self._types = {names.type_stem(type_): type_ for type_ in edition.types}
         self._chance = random.Random(1)
 
@@ -224,9 +225,8 @@ class Facts:
                 yield Fact("macro", name, {}, (), str(values[name]))
 
     def _constants(self) -> dict[str, int]:
-        found: dict[str, int] = {}
         names = self._names
-        found |= {names.upper(p.name, "unknown"): 0 for p in self._edition.parameters if p.is_choice}
+        found = self._enumerators()
         for place, name in enumerate(self._effects()):
             found[names.upper("effect", name)] = 1 << place
         for address in self._edition.addresses:
@@ -253,6 +253,21 @@ class Facts:
                 found[names.upper(stem, "offset_num")] = linear.offset.numerator
                 found[names.upper(stem, "offset_den")] = linear.offset.denominator
             found |= self._ranges(stem, type_)
+        return found
+
+    def _enumerators(self) -> dict[str, int]:
+        """Enumerators: 0 for none and unknown, codes of commands, values of parameters."""
+        found = {self._commands[""]: 0} | ({self._fields[""]: 0} if self._fields else {})
+        times = Counter(command.code for command in self._edition.commands)
+        for command in self._edition.commands:
+            if command.code and times[command.code] == 1 and command.code < 1 << 15:
+                found[self._commands[command.name]] = command.code
+        for parameter in (p for p in self._edition.parameters if p.is_choice):
+            found[self._names.upper(parameter.name, "unknown")] = 0
+            own = [value.number for value in parameter.values if value.number and 0 < value.number < 1 << 15]
+            numbers = own if len(own) == len(parameter.values) else range(1, len(parameter.values) + 1)
+            for value, number in zip(parameter.values, numbers, strict=True):
+                found[self._names.upper(parameter.name, value.name)] = int(number)
         return found
 
     def _ranges(self, stem: str, type_: Type) -> dict[str, int]:
@@ -431,6 +446,22 @@ class Facts:
             limits = Fraction(ends[0]), Fraction(ends[1])
             is_refused = not any(is_valid)
             yield Single(type_.name, "from", bits, parameters, min(limits), max(limits), reason, is_refused=is_refused)
+
+    def milli_beyond(self) -> Iterator[Fact]:
+        """Thousandths of raw integers that the type in C contains and the type of the spec does not."""
+        for stem, type_ in self._types.items():
+            least, most = _container(type_)
+            low, high = type_.raw_limits
+            raws = {raw for raw in (least, low - 1, high + 1, most) if least <= raw <= most and not low <= raw <= high}
+            if f"{stem}_to_milli" not in self._functions:
+                continue
+            for parameters, raw in itertools.product(
+                self._assignments(*type_.parameters, *type_.numbers), sorted(raws)
+            ):
+                linear = linear_of(type_, Encoder(parameters).assignment)
+                if linear is not None:
+                    answer = _rounded((raw * linear.scale + linear.offset) * 1000)
+                    yield Fact("milli", type_.name, parameters, ("to", str(raw)), str(answer))
 
     def _of_milli(self, type_: Type) -> Iterator[Fact]:
         """Thousandths of the ends of a type, and the raw integers of thousandths around them."""

@@ -82,17 +82,20 @@ class _Harness:
             return None
         check = self._functions.get(f"{self._prefix}any_{direction.value}_check")
         messages = [m for m in self._edition.messages(direction) if _has_members(m.layout)]
+        identify = self._functions.get(f"{self._prefix}identify_{direction.value}")
         print_ = self._functions[f"{self._prefix}print_{direction.value}"]
         names = {**ARGUMENTS, "text": "text", "size": "size"}
         return {
             "word": direction.value,
             "decode": decode.call({**ARGUMENTS, direction.value: "any"}),
+            "identify": identify.call({**ARGUMENTS, "command": "command"}) if identify else "",
             "print": print_.call(names).replace("&text", "text"),
             "check": check.call({**ARGUMENTS, direction.value: "any"}) if check else "",
             "messages": [
                 {
                     "enumerator": self._in_c.command(m.command),
                     "layout": self._names(m.layout),
+                    "fields": [self._field(field) for field in m.layout.fields if field.fixed is None],
                     "member": member(self._in_c.short(m.command)),
                 }
                 for m in messages

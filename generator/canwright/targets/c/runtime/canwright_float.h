@@ -365,13 +365,13 @@ static inline canwright_status_t canwright_bits32_from_double(uint32_t *bits, do
 static inline bool canwright_is_coarse(double steps)
 {
     const double size = (steps < 0.0) ? -steps : steps;
-    return (size >= 2251799813685248.0) && (size < 18446744073709617152.0); /* 2^51; 2^64 and the error of a quotient */
+    return (size >= 2251799813685248.0) && (size < 18446744073709568000.0); /* 2^51; 2^64 and the error of a quotient */
 }
 
 /**
  * The magnitude of the integer nearest to (value * divisor - addend) / factor; false if it exceeds 64 bits. `steps` is
  * this quotient in floating point, and coarse; divisor and addend are modulo 2^64; the magnitudes of divisor and factor are
- * at most 2^45. The error of `steps` is less than 2^15, so that arithmetic modulo 2^64 determines it. The result is exact,
+ * at most 2^45. The error of `steps` is less than 2^14, so that arithmetic modulo 2^64 determines it. The result is exact,
  * but for a value that is so much smaller than the offset that 2^-47 does not resolve its last bits: it is within one then.
  */
 CANWRIGHT_NONNULL
