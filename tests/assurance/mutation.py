@@ -129,7 +129,10 @@ class Run:
 
     def mutate_runtime(self, specs: Sequence[Path]) -> None:
         """Runs the mutants of the runtime; each subject sees those that survive the one before."""
-        editions: list[Callable[[Path], Any]] = [functools.partial(LANGUAGES[self._language], spec) for spec in specs]
+        small_first = sorted(specs, key=lambda spec: spec.stat().st_size)
+        editions: list[Callable[[Path], Any]] = [
+            functools.partial(LANGUAGES[self._language], one) for one in small_first
+        ]
         subjects = [*RUNTIMES[self._language], *editions]
         mutants: dict[Identity, Any] = {}
         reached: set[Identity] = set()
