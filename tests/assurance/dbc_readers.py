@@ -32,10 +32,10 @@ from canwright.targets.dbc.view import EXTENDED, File, Message, Signal
 
 from ..spec_texts import SPECS, called
 from .readers import Case, Reader, UnsupportedFileError
-from .readers.compiled import COMPILED
+from .readers.programs import PROGRAMS
 from .readers.python import PYTHON
 
-READERS: Sequence[Reader] = (*PYTHON, *COMPILED)
+READERS: Sequence[Reader] = (*PYTHON, *PROGRAMS)
 
 
 def violations(text: str) -> Iterator[str]:

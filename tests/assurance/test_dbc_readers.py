@@ -12,13 +12,13 @@ from canwright.targets.dbc.printer import printed
 from ..spec_texts import ROOT
 from .dbc_readers import differences, samples, violations
 from .readers import Case, Reader
-from .readers.python import PYTHON, Qt
+from .readers.programs import Qt
+from .readers.python import PYTHON
 
 EDITIONS = {
     "v2.35": ["mwd_motor-v2.35-MG-reply-node1", "mwd_motor-v2.35-MG-command-node1"],
     "v2.36-2025-03": ["mwd_motor-v2.36-2025-03-MG-node1", "mwd_motor-v2.36-2025-03-stored-settings-pid-node1"],
 }
-SMALL = [reader for reader in PYTHON if not isinstance(reader, Qt)]
 
 
 @functools.cache
@@ -31,11 +31,11 @@ def sample(name: str) -> tuple[str, list[Case]]:
 
 
 def is_noticed(text: str, cases: list[Case]) -> bool:
-    return any(violations(text)) or any(line for reader in SMALL for line in differences(reader, text, cases))
+    return any(violations(text)) or any(line for reader in PYTHON for line in differences(reader, text, cases))
 
 
 @pytest.mark.parametrize("name", [name for names in EDITIONS.values() for name in names])
-@pytest.mark.parametrize("reader", SMALL, ids=lambda reader: reader.name)
+@pytest.mark.parametrize("reader", PYTHON, ids=lambda reader: reader.name)
 def test_golden_frames_have_their_values_in_a_reader(reader: Reader, name: str) -> None:
     text, cases = sample(name)
     assert len(cases) > 10

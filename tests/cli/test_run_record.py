@@ -400,7 +400,7 @@ def test_help_imports_no_library(option: str) -> None:
 
 
 def test_the_list_of_commands_is_that_of_their_help() -> None:
-    for name, summary in COMMANDS.items():
+    for name, (_, text) in COMMANDS.items():
         command = main.get_command(Context(main), name)
-        assert command and command.help and command.help.split("\n\n")[0] == summary.text
+        assert command and command.help and command.help.split("\n\n")[0] == text
     assert list(COMMANDS) == sorted(COMMANDS)

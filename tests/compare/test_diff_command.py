@@ -117,7 +117,7 @@ def test_json() -> None:
 def test_github() -> None:
     first, second = diff("v1", "v2", "--format", "github").output.splitlines()
     assert first.startswith(
-        "::warning file=spec/lamp/v2.yaml,line=8,col=32,title=scale-changed::silent, host sending and receiving: "
+        "::error file=spec/lamp/v2.yaml,line=8,col=32,title=scale-changed::silent, host sending and receiving: "
     )
     assert second.startswith("::notice file=spec/lamp/v2.yaml,line=10,col=3,title=command-renamed::")
 
@@ -240,10 +240,12 @@ def test_reports_for_build_servers(specs: Path) -> None:
     suite = ElementTree.fromstring(junit)[0]
     assert any("##vso[x]" in case.get("name", "") for case in suite)
     assert (suite.get("tests"), suite.get("failures")) == ("3", "1")
-    assert [case[0].get("type") for case in suite if len(case)] == ["scale-changed"]
+    (failure,) = (case[0] for case in suite if len(case))
+    assert failure.get("type") == "scale-changed" and "silent: 101#" in str(failure.text)
     summary = diff("v1", "v2", "--format", "summary").output
     assert summary.startswith("### lamp v1 -> v2\n\n**Existing programs break: 1 change, 1 silent.**\n\n| impact |")
     assert summary.count("</details>") == 1 and summary.count("\n| silent | type level |") == 1
+    assert "| silent: 101#" in summary
     assert "title-changed" not in diff("v1", "v2", "--no-doc").output
 
 

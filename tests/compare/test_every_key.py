@@ -49,6 +49,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "EditionSpec.parameters": {"parameters.more": {"values": ["a", "b"]}},
     "EditionSpec.settings": {"settings.more": {}},
     "EditionSpec.effects": {"effects.more": {}, "commands.dim.effects": ["more"]},
+    "EditionSpec.states": {"states.more": {}},
     "EditionSpec.types": {"types.more": {"raw": "u24"}, "commands.turn.request.angle.type": "more"},
     "EditionSpec.layouts": {"layouts.more": {"fields": {"x": {"at": 3, "raw": "u8"}}}, "commands.read.reply": "more"},
     "EditionSpec.tables": {
@@ -182,6 +183,10 @@ CHANGES: dict[str, dict[str, Any]] = {
     "SettingSpec.title": {"settings.limit.title": TEXT},
     "SettingSpec.about": {"settings.limit.about": TEXT},
     "SettingSpec.only": {"settings.limit.only": {"size": ["big"]}},
+    "StateSpec.title": {"states.dark.title": TEXT},
+    "StateSpec.about": {"states.dark.about": TEXT},
+    "StateSpec.entered_by": {"states.dark.entered_by": ["dim"]},
+    "StateSpec.prevents": {"states.dark.prevents": ["heats"]},
     "TableSpec.title": {"tables.store.title": TEXT},
     "TableSpec.about": {"tables.store.about": TEXT},
     "TableSpec.manual": {"tables.store.manual": "9"},

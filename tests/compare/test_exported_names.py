@@ -18,9 +18,10 @@ family: lamp
 edition: v1
 addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
 selector: {at: 0, raw: u8}
-parameters: {size: {values: {small: {}, big: {}}}}
+parameters: {size: {values: {small: {title: Small}, big: {title: Big}}}}
 types:
   level: {raw: u16, unit: "%", scale: 0.1}
+  glare: {raw: u8, raw_range: {by: size, small: 0..9, big: 0..99}}
   faults: {raw: u8, flags: {hot: {bit: 0, title: Hot}}}
   state: {raw: u8, enum: {idle: {value: 0, title: Idle}}}
   spare: {raw: u8, enum: {up: 1}}
@@ -30,6 +31,7 @@ commands:
   dim: {short_name: dm, code: 0x10, request: light, reply: echo}
   read: {code: 0x11, reply: {faults: {at: 1, type: faults}, state: {at: 2, type: state}}}
   glow: {code: 0x12, request: light, reply: none}
+  blind: {code: 0x20, request: {glare: {at: 2, type: glare}}, reply: none}
 """
 INLINE = {"request: light, reply: none": "request: {level: {at: 2, type: level}}, reply: none"}
 EDITS: list[tuple[str, dict[str, str], list[str]]] = [
@@ -39,6 +41,7 @@ EDITS: list[tuple[str, dict[str, str], list[str]]] = [
     ("layout-of-command-changed", INLINE, ["…_light_t` → `…_glow_request_t", "`Light` → `GlowRequest`"]),
     ("layout-renamed", {"light": "lamp_light"}, ["`…_light_t` → `…_lamp_light_t`", "Python `Light` → `LampLight`"]),
     ("short-name-changed", {"short_name: dm": "short_name: dx"}, ["C `…_COMMAND_DM` → `…_COMMAND_DX` (+1)"]),
+    ("parameter-value-renamed", {"{small: {title": "{little: {title", "small: 0": "little: 0"}, ["`…_SIZE_SMALL` → `…_SIZE_LITTLE`"]),
     ("names-changed", {"  spare: {raw: u8, enum: {up: 1}}\n": ""}, ["Python `Spare`, `UP`"]),
 ]  # fmt: skip
 
@@ -105,4 +108,4 @@ def test_removals_explain_their_names(tmp_path: Path) -> None:
 def test_targets_of_other_packages(tmp_path: Path) -> None:
     old, new = edition(tmp_path, SPEC), edition(tmp_path, f"{SPEC}  more: {{code: 0x13, reply: none}}\n")
     found = {change.rule.id: change for change in compare(old, new, [FirstLetters()])}
-    assert found["names-changed"].says() == "names in the bindings disappear: Letters `l3` → `l4`"
+    assert found["names-changed"].says() == "names in the bindings disappear: Letters `l4` → `l5`"

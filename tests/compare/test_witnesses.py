@@ -16,6 +16,7 @@ V2_35 = (ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8")
 V2_36 = (ROOT / "spec/mwd_motor/v2.36-2025-03.yaml").read_text("utf-8")
 JOINT = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
 PUMP = (ROOT / "tests/specs/pump/v1.yaml").read_text("utf-8")
+WINCH = (ROOT / "tests/assurance/specs/winch/v1.yaml").read_text("utf-8")
 MIXER = (ROOT / "tests/specs/mixer/v2-2024-02.yaml").read_text("utf-8")
 
 
@@ -109,6 +110,23 @@ def test_swapped_constants_are_silent(tmp_path: Path) -> None:
     swapped = [("0xFFFFFFFE", "0xFFFFFFFB"), ("0xFFFFFFFD", "0xFFFFFFFE"), ("0xFFFFFFFB", "0xFFFFFFFD")]
     result = verdicts(found(tmp_path, MARKERS, *swapped))
     assert result == {f"constant-changed command {one}": {"sending": SILENT} for one in ("start", "stop")}
+
+
+def test_swapped_constants_show_their_own_frames_and_replies_that_stay_are_safe(tmp_path: Path) -> None:
+    swapped = [("FFFC}", "FFF0}"), ("FFFD}", "FFFC}"), ("FFF0}", "FFFD}")]
+    enable, disable = found(tmp_path, JOINT, *swapped)
+    for change, name in ((enable, "enable"), (disable, "disable")):
+        assert {side.value: impact.value for side, impact in change.verdicts.items()} == {"sending": SILENT}
+        assert f"the old host sends `{name}`" in change.witnesses[0].says()
+
+
+def test_another_reply_form_is_one_finding_with_its_code_and_length(tmp_path: Path) -> None:
+    form = "reply: {code: 0x45, accept: [0x05], layout: {length: {at: 0, type: length}, pull: {at: 4, type: pull}}}"
+    (change,) = found(tmp_path, WINCH, (form, "reply: state"))
+    assert (change.rule.id, verdicts([change])) == (
+        "reply-form-changed",
+        {"reply-form-changed command measure": {"receiving": SILENT}},
+    )
 
 
 def test_a_renamed_constant_is_a_name(tmp_path: Path) -> None:
@@ -318,6 +336,21 @@ def test_the_byte_order_of_an_index_is_one_finding(tmp_path: Path) -> None:
     press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
     (change,) = found(tmp_path, press, ("index: {at: 0, raw: u16}", "index: {at: 0, raw: u16, byte_order: big}"))
     assert verdicts([change]) == {"byte-order-changed table settings": {"sending": LOUD, "receiving": LOUD}}
+
+
+def test_the_byte_order_of_an_edition_is_one_finding_though_a_selector_gets_other_bits(tmp_path: Path) -> None:
+    text = MINIMAL.replace("selector: {at: 0, raw: u8}", "selector: {at: 0, raw: u5}")
+    (change,) = found(tmp_path, text, ("edition: v1", "edition: v1\nbyte_order: big"))
+    assert (change.rule.id, str(change.item)) == ("byte-order-changed", "edition")
+
+
+def test_values_that_only_another_parameter_value_allows_are_tried(tmp_path: Path) -> None:
+    sizes = "scale: {by: size, small: 0.1, big: none}, raw_range: {by: size, small: 0..100, big: none}"
+    text = MINIMAL.replace("scale: 0.1, raw_range: 0..1000", sizes)
+    text += "parameters: {size: {values: [small, big]}}\n"
+    (change,) = found(tmp_path, text, ("{raw: u16,", "{raw: i16,"))
+    assert verdicts([change]) == {"sign-changed type level": {"sending": SILENT, "receiving": SILENT}}
+    assert {witness.condition for witness in change.witnesses} == {"size big"}
 
 
 def test_a_frame_with_unknown_bits_in_its_id_is_loud(tmp_path: Path) -> None:

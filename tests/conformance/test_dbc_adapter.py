@@ -113,6 +113,12 @@ def test_nodes_and_parameters_that_are_missing() -> None:
                 Direction.REPLY, CanFrame(0x1D05FF41, bytes(8), extended=True), {}, None
             ),
         ),
+        (
+            "unknown_range",
+            lambda: DbcAdapter(specification(ROOT / "spec/mwd_motor/v2.36-2025-03.yaml")).encode_raw(
+                Direction.REQUEST, "stage_stored_setting_max_power", 1, {"max_power": -1}, {}
+            ),
+        ),
         ("reply_limits", lambda: write_raw(Direction.REPLY, "gauge", {"dim": 1001}, {"size": "small"})),
         ("lengths", lambda: write("short", {}, {})),
         ("left_out", lambda: adapter("packed").encode_raw(Direction.REQUEST, "read_precise", 1, {}, {})),

@@ -19,9 +19,9 @@ from ..bench.generate import multiplied
 
 P = ParamSpec("P")
 
-TIMES = (5, 10, 15)
+TIMES = (3, 6, 9)
 MOST = 1.05
-"""How much more the third five times the commands may take than the second five."""
+"""How much more the third three times the commands may take than the second three."""
 
 
 def calls(work: Callable[P, object], *arguments: P.args, **named: P.kwargs) -> int:

@@ -107,6 +107,14 @@ def test_title_description_and_switches_of_a_page(site: Path) -> None:
     assert switch == "../../../zh/v3/commands/set_volume.html"
 
 
+def test_pages_have_no_label_in_another_language(site: Path) -> None:
+    chinese = page(site / "zh" / NEW / "commands/set_volume.html")
+    labels = [a["aria-label"] for _, a in chinese.elements if a.get("aria-label")]
+    titles = re.findall(r"<symbol.*?<title>(.*?)</title>", (site / "zh/index.html").read_text("utf-8"), re.DOTALL)
+    assert len(titles) > 5
+    assert [text for text in [*labels, *titles] if text and not re.search("[\u4e00-\u9fff]", text)] == []
+
+
 def test_the_switch_of_editions_leads_to_the_same_page_or_to_the_first(site: Path) -> None:
     for command, target in (("set_volume", "commands/set_volume.html"), ("read_drift", "index.html")):
         text = (site / "en" / OLD / f"commands/{command}.html").read_text("utf-8")
@@ -247,7 +255,7 @@ def test_markdown_of_a_code_host(small: Path) -> None:
     (small / "docs/en/index.md").write_text(
         "# A `b`: [c](new-edition.md) &amp; d\n\n> [!CAUTION]\n> The motor *moves*\n\n> [!NOTE]\n> - one\n> - two\n\n"
         "> \\[!TIP\\]\n> quoted\n\n"
-        '## <a id="things.one"></a>One\n\n[to two](#things.two) [by heading](#two-1) [d](../explorer/index.html#frame=1)\n\n'
+        '## <a id="things.one"></a>One\n\n[to two](#things.two) [by heading](#two-1) [d](../../javascript/explorer/index.html#frame=1)\n\n'
         '## Two\n\n### <a id="things.two"></a>Two\n\n{math}`x` {{ y }} (z)=\n'
     )
     text = made(small)

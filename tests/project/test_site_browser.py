@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from canwright.project import handover
 from canwright.project.loader import specification
 from canwright.project.site import build
 from playwright.sync_api import Browser, Page, expect
@@ -27,6 +28,7 @@ EDITIONS = ("v2.35", "v2.36-2025-03")
 COMMAND = "en/v2.35/commands/set_torque.html"
 PAGES = (
     *("en/index.html", "zh/index.html", COMMAND, "zh/v2.36-2025-03/commands/set_speed.html"),
+    *("en/bus-load-calculator.html", "zh/v2.35/states.html", "downloads/handover/mwd_motor-v2.35-zh.html"),
     *("en/v2.36-2025-03/index.html", "en/v2.36-2025-03/types.html", "zh/v2.36-2025-03/changes.html"),
 )
 
@@ -36,7 +38,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site of two editions, in a folder whose name has a space."""
     folder = tmp_path_factory.mktemp("two editions")
     specifications = [specification(ROOT / f"spec/mwd_motor/{edition}.yaml") for edition in EDITIONS]
-    build(pages_of(specifications, folder / "docs"), folder / "site")
+    handover.build(specifications[:1], folder / "handover")
+    build(pages_of(specifications, folder / "docs"), folder / "site", folder / "handover")
     return folder / "site"
 
 
@@ -187,6 +190,9 @@ def test_title_and_code_of_every_item_find_its_page(site: Path, opened: Open, la
 WORDS = {
     "commands/set_torque": ("A1", "0xA1", "a1", "set_torque", "set torque", "力矩控制", "转矩闭环"),
     "bus": ("0x141", "141", "波特率", "baud rate", "bitrate", "bit rate"),
+    "commands/set_speed": ("deg/s", "转速"),
+    "commands/motor_on": ("does not move", "电机不转", "开启电机"),
+    "states": ("节点状态",),
     "commands/motor_stop": ("急停", "e-stop", "emergency stop", "estop"),
     "commands/read_multi_turn_angle": ("multi-turn angle", "读取多圈角度", "0x92"),
     "commands/write_encoder_offset_rom": ("wears rom", "encoder zero", "encoder offset", "零点"),
@@ -204,6 +210,24 @@ def test_words_that_people_search_for(site: Path, opened: Open, language: str) -
         for query in queries:
             assert f"v2.35/{expected}" in [hit["page"] for hit in found[query][:3]], query
             assert found[query][0]["edition"] == "v2.35"
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_words_of_pages_that_are_about_no_edition(site: Path, opened: Open, language: str) -> None:
+    """In both languages; a space between Chinese and Latin text does not matter."""
+    page = opened(f"{folder_of(site)}/{language}/index.html")
+    words = {
+        "downloads": ("wireshark", "下载"),
+        "bus-load": ("bus load", "总线负载"),
+        "quickstart": ("快速入门", "quick start"),
+    }
+    found = hits(
+        page, [query for queries in words.values() for query in queries] + ["修改ID", "修改 ID", "overtemperature"]
+    )
+    for expected, queries in words.items():
+        assert all(expected in [hit["page"] for hit in found[query][:2]] for query in queries), expected
+    assert found["修改ID"][0]["anchor"] == found["修改 ID"][0]["anchor"] == "entries.driver_id"
+    assert "types" in found["overtemperature"][0]["page"]
 
 
 def test_search_with_the_keyboard_only(site: Path, opened: Open) -> None:
@@ -294,7 +318,7 @@ def test_accessibility(address: str, opened: Open, scheme: str) -> None:
     """axe-core finds nothing serious."""
     page = opened("about:blank", color_scheme=scheme)
     found = set()
-    for name in PAGES[:-1]:
+    for name in (*PAGES[:-1], "404.html"):
         page.goto(f"{address}/{name}")
         for violation in Axe().run(page).response["violations"]:
             if violation["impact"] in ("serious", "critical"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from pathlib import Path
 
@@ -13,7 +14,8 @@ GENERATED = {
     "docs/site.json": '{"synonyms": [], "editions": []}',
     "docs/en/index.md": "# Home\n\n| [packed](../../dbc/) | [gone](../../c/) |\n| --- | --- |\n\n- [single](../../dbc/)\n\n"
     "[tool](tool.html) [explorer](../../javascript/explorer/index.html)\n\n"
-    "<!-- Not on the site, which has a switch. -->\nfor code hosts\n\nfor all\n",
+    "<!-- Not on the site, which has a switch. -->\nfor code hosts\n\nfor all\n\n"
+    "<!-- On the site: the documents to hand over. -->\n",
     "docs/en/tool.html": "<title>Tool</title>",
     "dbc/a & b.dbc": "VERSION",
     "dbc/README.md": "# Read",
@@ -27,7 +29,10 @@ def site(tmp_path: Path) -> Path:
     files = {path: text.encode() for path, text in GENERATED.items()}
     write(tmp_path / "generated", Content((), ("docs", "dbc", "javascript"), files))
     (tmp_path / "generated/dbc/mine.dbc").write_text("mine")
-    build(tmp_path / "generated/docs", tmp_path / "site")
+    documents = {f"lamp-v1-{language}.{suffix}": b"one" for language in ("en", "zh") for suffix in ("csv", "html")}
+    write(tmp_path / "handover", Content((), ("handover",), documents, alone=True))
+    (tmp_path / "handover/mine.html").write_text("mine")
+    build(tmp_path / "generated/docs", tmp_path / "site", tmp_path / "handover")
     return tmp_path / "site"
 
 
@@ -36,7 +41,8 @@ def test_generated_folders_are_packed_and_no_file_of_the_user(site: Path) -> Non
         assert archive.namelist() == ["dbc/README.md", "dbc/a & b.dbc"]
         assert {info.date_time for info in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
     found = sorted(file.relative_to(site).as_posix() for file in (site / "downloads").rglob("*.*"))
-    assert found == ["downloads/dbc.zip", "downloads/dbc/a & b.dbc", "downloads/javascript.zip"]
+    documents = [f"downloads/handover/lamp-v1-{name}" for name in ("en.csv", "en.html", "zh.csv", "zh.html")]
+    assert found == ["downloads/dbc.zip", "downloads/dbc/a & b.dbc", *documents, "downloads/javascript.zip"]
 
 
 def test_links_lead_to_the_files_of_the_site(site: Path) -> None:
@@ -46,6 +52,16 @@ def test_links_lead_to_the_files_of_the_site(site: Path) -> None:
     assert (site / "en/tool.html").read_text() == "<title>Tool</title>"
     assert "gone" in text
     assert "/c.zip" not in text
+
+
+def test_the_documents_in_the_language_of_a_page_are_listed(site: Path, tmp_path: Path) -> None:
+    links = re.findall(
+        r'<a [^>]*href="../downloads/handover/([^"]+)">(\w+)</a>', (site / "en/index.html").read_text("utf-8")
+    )
+    assert links == [("lamp-v1-en.csv", "CSV"), ("lamp-v1-en.html", "HTML")]
+    build(tmp_path / "generated/docs", tmp_path / "without", tmp_path / "none")
+    assert not (tmp_path / "without/downloads/handover").exists()
+    assert "handover" not in (tmp_path / "without/en/index.html").read_text("utf-8")
 
 
 def test_the_site_leaves_out_lines_for_code_hosts(site: Path) -> None:

@@ -107,8 +107,16 @@ def test_the_edition_is_identified_for_each_node() -> None:
     assert editions[("can0", "2")] == "v2.35"
     assert editions[("can1", "3")] == "v2.36-2025-03"
     assert "can0, node 2, v2.35 (identified): 1 request, 1 reply after 0.200 ms on average" in result.stderr
-    unknown = decode("(1.0) can0 141#EE00000000000000\n", status=1).output
-    assert "can0, node 1: no edition fits" in unknown and "--set 1:edition=NAME" in unknown
+    unknown = "".join(f"(1.0) can0 {id_}#EE00000000000000\n" for id_ in (141, 142, 143, 145))
+    text = decode(unknown, status=1).output
+    assert "can0, nodes 1..3, 5: no edition fits" in text and "--set 1:edition=NAME" in text
+
+
+def test_a_node_that_does_not_reply_has_the_edition_of_others_of_its_bus() -> None:
+    silent = "".join(f"({second}.000000) {bus} 145#9A00000000000000\n" for second in (1, 2) for bus in ("can0", "can1"))
+    text = decode(MIXED + silent).stdout
+    assert "can0, node 5, v2.35 (assumed, as of other nodes of the bus, since most requests have no reply)" in text
+    assert "  2 missing: 2 requests without an answer" in text
 
 
 def test_csv_has_one_line_for_each_value() -> None:
@@ -132,7 +140,8 @@ def test_a_table_with_a_summary() -> None:
     assert first.endswith("set_torque     iq 2.49755859375 A")
     assert "encoder 180.0 °; answers #0 after 0.200 ms" in text
     assert "values depend on `encoder_bits`" not in text
-    assert "values depend on `encoder_bits`: --set encoder_bits=14|15|18" in decode(MIXED, *SETTINGS).stdout
+    without = decode(MIXED, *SETTINGS).stdout
+    assert "values depend on `encoder_bits` (can0, node 1): --set encoder_bits=14|15|18" in without
 
 
 @pytest.mark.parametrize("suffix", ["asc", "blf", "trc", "csv", "mf4", "log"])
@@ -162,7 +171,7 @@ def test_everything_that_is_not_decoded_is_reported() -> None:
     text = decode(log, *SETTINGS, status=1).stdout
     assert "rejected: no request on 0x141 has DATA[0] 0xEE (141#EE00000000000000)" in text
     assert "  1 rejected, unknown_code: no request on 0x141 has DATA[0] 0xEE, as in 141#EE00000000000000" in text
-    assert "2 frames with foreign ids: 0x7FF (1), 0x141 (1)" in text
+    assert "2 frames with foreign ids: 0x7FF (1), 0x141 remote (1)" in text
     assert "1 remote frame among all frames" in text
     assert "skipped, malformed: 1 (line 8: `garbage`)" in text
     assert "skipped, CAN FD or XL frames: 1 (line 9: `(1.0) can0 141##0A1`)" in text

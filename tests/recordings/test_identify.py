@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import shutil
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ from canwright.recordings.scoring import Kinds
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
-from ..spec_texts import MINIMAL, ROOT, edition
+from ..spec_texts import MINIMAL, ROOT, SPECS, called, edition
 
 EDITIONS = [specification(file).edition for file in spec_files(ROOT / "spec")]
 
@@ -191,5 +192,20 @@ def test_golden_frames_speak_for_their_own_edition(file: Path) -> None:
     kinds, rule = Kinds([item.edition]), item.edition.commands[0].replies[0].message.id
     for golden in checked:
         frame = CanFrame(golden.id, golden.data)
-        (found,) = kinds.kind(frame, rule).observation(frame.id, int.from_bytes(frame.data, "little")).by_edition
+        (found,) = kinds.kind(frame, rule).observation(frame.id, frame.data).by_edition
         assert any(one.message and not one.reasons for one in found), golden
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_remembered_observations_have_the_interpretations_of_the_frame(spec: Path) -> None:
+    """Golden frames in which one or two bytes are changed."""
+    item = specification(spec)
+    assert item.frames is not None
+    kinds, rule = Kinds([item.edition]), item.edition.all_messages()[0].id
+    for golden in {(g.command, g.direction): g for g in item.frames.frames}.values():
+        for at in range(1, len(golden.data)):
+            for pair in itertools.product((0, 1, 0x7F, 0xFF), repeat=2):
+                data = (golden.data[:at] + bytes(pair))[: len(golden.data)].ljust(len(golden.data), b"\0")
+                kind = kinds.kind(CanFrame(golden.id, data, golden.extended, golden.remote), rule)
+                found, wanted = kind.observation(golden.id, data).by_edition, kind.interpretations(golden.id, data)
+                assert [[i.reasons for i in own] for own in found] == [[i.reasons for i in own] for own in wanted], data

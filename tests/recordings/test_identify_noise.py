@@ -197,7 +197,27 @@ def test_equal_motors_are_one_result(folder: str) -> None:
     result = CliRunner().invoke(main, options, input=log)
     assert result.exit_code == 0, result.output
     assert "mwd_motor, nodes 1..32, 384 frames: fits v2.35\n" in result.output
-    assert len(result.output.splitlines()) < 25
+    assert "\n  v2.36-2024-11, v2.36-2025-03 explain 192 of 384 frames; " in result.output
+    assert len(result.output.splitlines()) < 15
+
+
+def test_what_is_identified_is_printed_first() -> None:
+    log = "".join(
+        f"(1.000000) {bus} {frame.id:03X}#{frame.data.hex().upper()}\n"
+        for bus, frames in (
+            ("can0", canopen()),
+            ("can1", dead_motor()),
+            ("can2", traffic("v2.35", rounds=2, nodes=[3])),
+        )
+        for frame in frames
+    )
+    result = CliRunner().invoke(main, ["identify", "-", "--spec", str(ROOT / "spec")], input=log)
+    assert result.exit_code == 1
+    assert [line for line in result.output.splitlines() if line.startswith("mwd_motor")] == [
+        "mwd_motor, can2, node 3, 12 frames: fits v2.35",
+        "mwd_motor, can1, node 1, 50 frames: no edition fits, since 50 of 50 requests have no reply",
+        "mwd_motor, can0, nodes 1..8, 400 frames: no edition fits, since only 0 of 400 are of one",
+    ]
 
 
 def test_one_edition_among_others_in_a_log_of_a_fast_loop() -> None:

@@ -187,6 +187,18 @@ def test_a_truncated_file_gives_what_it_has(suffix: str, tmp_path: Path) -> None
     assert read.counts.skipped[Part.TRUNCATED] == 1
 
 
+def test_events_of_a_vector_log_are_no_frames() -> None:
+    header = "date Tue Nov 14 10:13:20.000 pm 2023\nbase hex  timestamps absolute\ninternal events logged\n"
+    frame = "   0.000100 1  141             Tx   d 8 9A 00 00 00 00 00 00 00  Length = 225910 BitCount = 116 ID = 321\n"
+    statistic = "   0.000200 1  Statistic: D 0 R 0 XD 0 XR 0 E 0 O 0 B 0.00%\n"
+    found, read = of(header + frame + statistic + frame)
+    assert [r.frame.data for r in found] == [bytes.fromhex("9A00000000000000")] * 2
+    assert read.counts.skipped == {Part.OTHER: 1}
+    damaged = "   0.000200 1  1:1             Rx   d 8 9A 00 00 00 00 00 00 00\n"
+    _, read = of(header + frame + damaged + frame)
+    assert read.counts.skipped == {Part.MALFORMED: 1}
+
+
 def test_a_log_without_frames_names_its_first_line() -> None:
     with pytest.raises(LogError, match=r"the log has no frames \(line 1: `hello`\); record it with `candump -l`"):
         of("hello\n")

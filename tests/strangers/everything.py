@@ -38,6 +38,7 @@ parameters:
   bits: {values: [14, 15]}
 settings: {limit: {only: {size: [small]}}}
 effects: {glows: {level: note}, heats: {level: warning}, burns: {level: danger}}
+states: {bright: {entered_by: [dim]}, dark: {entered_by: [turn], prevents: [glows]}}
 types:
   level: {raw: u16, unit: "%", scale: {by: size, small: 0.1, big: none}, raw_range: 0..1000}
   angle: {raw: i24, unit: deg, scale: 0.01, offset: 1, range: "-90..90"}

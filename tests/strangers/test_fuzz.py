@@ -229,7 +229,7 @@ def test_bytes(tmp_path: Path, content: bytes) -> None:
         outcome(file)
 
 
-@bounded(400)
+@bounded(250)
 @given(CHANCES)
 def test_a_small_spec_with_mistakes(tmp_path: Path, chance: random.Random) -> None:
     try_out(tmp_path, mutated(yaml.load(MINIMAL, yaml.CSafeLoader), chance), None)
@@ -242,7 +242,7 @@ def test_a_value_may_have_no_fields(values: str, tmp_path: Path) -> None:
     assert outcome(tmp_path / "x.yaml") == "made"
 
 
-@bounded(150)
+@bounded(90)
 @given(CHANCES, st.booleans())
 def test_a_spec_of_everything_with_mistakes(
     everything: tuple[Data, Data], tmp_path: Path, chance: random.Random, in_frames: bool
@@ -251,7 +251,7 @@ def test_a_spec_of_everything_with_mistakes(
     try_out(tmp_path, spec if in_frames else mutated(spec, chance), mutated(frames, chance) if in_frames else frames)
 
 
-@bounded(40)
+@bounded(24)
 @given(CHANCES)
 def test_a_large_spec_with_mistakes(large: tuple[Data, Data], tmp_path: Path, chance: random.Random) -> None:
     spec, frames = large

@@ -122,7 +122,19 @@ LINES = {
     "can0 141 [0] remote request": ("141#R", None, ""),
     "141#": ("141#", None, ""),
     "": None,
+    "0x141#9C": ("141#9C", None, ""),
+    "141 9C 00 0A": ("141#9C000A", None, ""),
+    "0x141: 0x9C, 0x00": ("141#9C00", None, ""),
+    "00000141 9C00": ("00000141#9C00", None, ""),
+    "   0.001000 1  141             Rx   d 2 9C 00  Length = 0 BitCount = 0 ID = 321": ("141#9C00", False, "0.001000"),
+    "0.5 1 141x Tx d 1 9C": ("00000141#9C", True, "0.5"),
+    "0.5 1 141 Rx r": ("141#R", False, "0.5"),
+    "0.5 1 141 Rx d 2 9C": None,
+    "0.5 1 8141 Rx d 0": None,
     "141": None,
+    "FFF 00": None,
+    "141 9C 0": None,
+    "141 000000000000000000": None,
     "141#9C0": None,
     "FFF#00": None,
     "141#000000000000000000": None,
@@ -142,11 +154,13 @@ def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
     """A request with its reserved bits, a reply with them set, all editions, and both layouts of a series."""
     folder = write_files(explorer([specification(spec) for spec in SPECS[:4]]), tmp_path)
     lines = ["141#9C00000000000000", "141#9C33640000000100", "141#A1329B00F4010080", "141#9C33640000000100"]
-    parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}]
+    lines += ["(1.0) can0 141#8000000000000000 R", "(1.0) can0 141#8000000000000000 T"]
+    parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}, {}, {}]
     answers = interpret(folder, [{"line": a, "parameters": b} for a, b in zip(lines, parameters, strict=True)])
     firsts = [(one["found"][0]["direction"], one["found"][0]["command"]) for one in answers]
     status = ("reply", "read_status_2")
-    assert firsts == [("request", "read_status_2"), status, ("reply", "set_torque"), status]
+    marked = [("reply", "motor_off"), ("request", "motor_off")]
+    assert firsts == [("request", "read_status_2"), status, ("reply", "set_torque"), status, *marked]
     assert {one["edition"] for one in answers[0]["found"]} == {specification(spec).edition.name for spec in SPECS[:4]}
     assert [one["series"] for one in answers[1]["found"]][:2] == [["MS"], ["MF", "MH", "MG"]]
     assert {tuple(one["series"] or ()) for one in answers[3]["found"] if one["direction"] == "reply"} == {("MS",)}

@@ -151,6 +151,13 @@ def test_a_message_is_composed(page_of_motors: Path, opened: Open) -> None:
     page.get_by_label("Value of angle", exact=True).fill("90")
     page.get_by_label("Value of angle", exact=True).press("Enter")
     assert page.locator("#cansend").inner_text() == "cansend can0 141#A501000028230000"
+    page.get_by_label("Node", exact=True).fill("7")
+    page.get_by_label("Node", exact=True).press("Enter")
+    assert page.locator("#cansend").inner_text() == "cansend can0 147#A501000028230000"
+    assert "_encode(&frame, 7u, &message)" in page.locator("#c").inner_text()
+    page.get_by_label("Node", exact=True).fill("33")
+    page.get_by_label("Node", exact=True).press("Enter")
+    assert page.locator("#field-problem").inner_text() == "node: no such node"
 
 
 def test_it_works_below_a_sub_path(page_of_motors: Path, opened: Open) -> None:
@@ -212,6 +219,9 @@ def test_a_log_is_listed(page_of_motors: Path, opened: Open, tmp_path: Path) -> 
     assert page.locator("#log-rows tr").count() == 51
     page.locator("#log-rows button").last.click()
     assert page.get_by_label("Frame, or a line").input_value() == "141#9C49640000000000"
+    log.write_bytes(b"LOGG\x90\x00 no text")
+    page.locator("#file").set_input_files(log)
+    page.wait_for_selector("#log-summary:has-text('canwright decode')")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

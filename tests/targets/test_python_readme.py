@@ -11,6 +11,7 @@ import pytest
 from canwright.project.loader import specification
 from canwright.targets.python.examples import Example, example
 
+from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
 from .test_python import write
 
@@ -47,7 +48,7 @@ def run(folder: Path, *parts: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("spec", SPECS, ids=called)
+@pytest.mark.parametrize("spec", sampled(SPECS, 2), ids=called)
 def test_all_programs(spec: Path, tmp_path: Path) -> None:
     """They send what a golden frame has, read the reply of the node, and print no value that is only raw."""
     folder, item = write(tmp_path, spec), specification(spec)

@@ -6,7 +6,7 @@ The text of `canwright --help` is here, and `main` is imported when it is first 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .group import main
@@ -16,28 +16,21 @@ __all__ = ["COMMANDS", "COULD_NOT_RUN", "HELP", "main"]
 COULD_NOT_RUN = 2
 
 
-class Summary(NamedTuple):
-    """The module of a command, and the first line of its help."""
-
-    module: str
-    text: str
-
-
 COMMANDS = {
-    "check": Summary("generate", "Check the specs, and compare the output with them."),
-    "copy": Summary("copy", "Start the edition NEW as a copy of OLD, with its golden frames."),
-    "decode": Summary("decode", "Decode a log, or explain one frame."),
-    "diff": Summary("diff", "Show what changed from OLD to NEW, and who is affected."),
-    "editions": Summary("diff", "List the editions: family, name, date, commands, title."),
-    "explain": Summary("explain", "Explain a RULE by example, or the meaning of a KEY."),
-    "generate": Summary("generate", "Write the bindings and documents of the specs."),
-    "handover": Summary("handover", "Write documents to hand over: HTML, and the command matrix as CSV and Excel."),
-    "identify": Summary("identify", "Show which editions a recorded exchange fits, and why."),
-    "schema": Summary("schema", "Print the JSON Schema of the language, for editors."),
-    "show": Summary("show", "Show one COMMAND, by name or by code (0x10)."),
-    "site": Summary("site", "Build the pages into a website with search, in every language."),
+    "check": ("generate", "Check the specs, and compare the output with them."),
+    "copy": ("copy", "Start the edition NEW as a copy of OLD, with its golden frames."),
+    "decode": ("decode", "Decode a log, or explain one frame."),
+    "diff": ("diff", "Show what changed from OLD to NEW, and who is affected."),
+    "editions": ("diff", "List the editions: family, name, date, commands, title."),
+    "explain": ("explain", "Explain a RULE by example, or the meaning of a KEY."),
+    "generate": ("generate", "Write the bindings and documents of the specs."),
+    "handover": ("handover", "Write documents to hand over: HTML, and the command matrix as CSV and Excel."),
+    "identify": ("identify", "Show which editions a recorded exchange fits, and why."),
+    "schema": ("schema", "Print the JSON Schema of the language, for editors."),
+    "show": ("show", "Show one COMMAND, by name or by code (0x10)."),
+    "site": ("site", "Build the pages into a website with search, in every language."),
 }
-"""Only the module of the command that runs is imported."""
+"""The module of each command, and the first line of its help. Only the module of the command that runs is imported."""
 
 HELP = """Usage: canwright [OPTIONS] COMMAND [ARGS]...
 
@@ -65,7 +58,7 @@ Options:
   -h, --help     Show this message and exit.
 
 Commands:
-""" + "".join(f"  {name:<8}  {summary.text}\n" for name, summary in COMMANDS.items())
+""" + "".join(f"  {name:<8}  {text}\n" for name, (_, text) in COMMANDS.items())
 
 
 def __getattr__(name: str) -> object:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from ..diagnostics.unicode_safety import visible
-from ..model.formatting import counted, sent
+from ..model.formatting import bus_id, counted, numbers, sent
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.nodes import Choice, Nodes
 from ..recordings.recorded import Counts, Part
@@ -76,31 +76,67 @@ def value_text(value: CellValue, raw: int, unit: str) -> str:
 
 def summary_text(summary: Summary, nodes: Nodes, counts: Counts) -> str:
     """The summary of each node, and everything that was not decoded."""
-    return "\n" + "".join(f"{line}\n" for line in (*_nodes(summary, nodes), *_skipped(summary, counts)))
+    return "\n" + "".join(
+        f"{line}\n"
+        for line in (
+            *_nodes(summary, nodes),
+            *_missing_settings(summary),
+            *_unidentified(nodes),
+            *_skipped(summary, counts),
+        )
+    )
 
 
 def _nodes(summary: Summary, nodes: Nodes) -> Iterator[str]:
     for (bus, node), one in sorted(summary.nodes.items(), key=lambda item: (item[0][0], item[0][1] or -1)):
         editions = ", ".join(edition.name for edition in one.editions)
         place = ", ".join(filter(None, (bus_name(bus), "no node" if node is None else f"node {node}")))
-        how = _origin(nodes.identified.get((bus, node)))
+        how = _origin(nodes.identified.get((bus, node)), node)
         yield f"{place}, {editions}{how}: {counted(one.requests, 'request')}, {_replies(one)}"
         yield from _findings(one)
-    for (bus, node), choice in nodes.identified.items():
-        if choice.edition is None:
-            where = "frames without a node" if node is None else f"node {node}"
-            yield (
-                f"{bus_name(bus) + ', ' if bus else ''}{where}: no edition fits, so its frames count as foreign;"
-                f" `canwright identify` shows why, --set {'' if node is None else f'{node}:'}edition=NAME selects one"
-            )
 
 
-def _origin(choice: Choice | None) -> str:
+def _missing_settings(summary: Summary) -> Iterator[str]:
+    """The parameters without which values are missing."""
+    for name in dict.fromkeys(name for node in summary.nodes.values() for name in node.without):
+        having = {place: node for place, node in summary.nodes.items() if name in node.without}
+        editions = [edition for node in having.values() for edition in node.editions]
+        yield f"values depend on `{name}` ({_places(having)}): --set {known_values(editions, name)}"
+
+
+def _unidentified(nodes: Nodes) -> Iterator[str]:
+    unknown = [place for place, choice in nodes.identified.items() if choice.edition is None]
+    if unknown:
+        scope = next((f"{node}:" for _, node in unknown if node is not None), "")
+        yield (
+            f"{_places(unknown)}: no edition fits, so these frames count as foreign; `canwright identify` shows why,"
+            f" --set {scope}edition=NAME selects one"
+        )
+
+
+def _places(listed: Iterable[tuple[str, int | None]]) -> str:
+    """`can0, node 1`, `can0, nodes 1..4; can1, no node`."""
+    by_bus: dict[str, list[int | None]] = {}
+    for bus, node in listed:
+        by_bus.setdefault(bus, []).append(node)
+    return "; ".join(", ".join(filter(None, (bus_name(bus), node_names(own)))) for bus, own in by_bus.items())
+
+
+def node_names(listed: Iterable[int | None]) -> str:
+    """`node 1`, `nodes 1..3, 7`, `no node`."""
+    own = sorted({node for node in listed if node is not None})
+    return f"node{'s' if len(own) > 1 else ''} {numbers(own)}" if own else "no node"
+
+
+def _origin(choice: Choice | None, node: int | None) -> str:
     if choice is None:
         return ""
+    if choice.is_assumed:
+        return " (assumed, as of other nodes of the bus, since most requests have no reply)"
     if not choice.others:
         return " (identified)"
-    return f" ({', '.join(one.name for one in choice.others)} fit as well; --set edition=NAME decides)"
+    fitting = ", ".join(one.name for one in choice.others)
+    return f" ({fitting} fit{'' if len(choice.others) > 1 else 's'} as well; --set {node or ''}:edition=NAME decides)"
 
 
 def _replies(one: NodeSummary) -> str:
@@ -122,14 +158,12 @@ def _findings(one: NodeSummary) -> Iterator[str]:
         yield f"  {one.unexpected} unexpected: without a request"
     for reason, rejected in one.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
-    for name in one.without:
-        yield f"  values depend on `{name}`: --set {known_values(one.editions, name)}"
 
 
 def _skipped(summary: Summary, counts: Counts) -> Iterator[str]:
     foreign = summary.foreign.total() + summary.other_foreign
     if foreign:
-        ids = ", ".join(f"0x{id_:X} ({count})" for id_, count in summary.foreign.most_common(SHOWN))
+        ids = ", ".join(f"{bus_id(*id_)} ({count})" for id_, count in summary.foreign.most_common(SHOWN))
         more = ", ..." if len(summary.foreign) > SHOWN else ""
         yield f"{counted(foreign, 'frame')} with foreign ids: {ids}{more}"
     if counts.remote:

@@ -300,11 +300,13 @@ def _witness(witness: Witness) -> dict[str, object]:
 
 
 def _github(comparison: Comparison) -> str:
-    """Workflow commands that GitHub shows at the lines of the new spec."""
+    """Workflow commands that GitHub shows at the lines of the new spec; what fails `diff` is an error."""
+    failing = set(map(id, comparison.failing))
 
     def line(change: Change) -> str:
         old, new = comparison.positions(change)
-        level = "warning" if change.impact in (Impact.SILENT, Impact.LOUD) else "notice"
+        is_broken = change.impact in (Impact.SILENT, Impact.LOUD)
+        level = "error" if id(change) in failing else "warning" if is_broken else "notice"
         affected = f"{change.impact.value}, {_affected(change)}: " if change.sides else ""
         return annotation(
             level, new, change.rule.id, f"{affected}{change.item}: {change.says()} (was {_location(old)})"
@@ -326,11 +328,11 @@ def _pull_request(comparison: Comparison) -> str:
     lines = [f"### {comparison.title}", "", _verdict(comparison.changes), ""]
     broken = [change for change in comparison.changes if change.impact in (Impact.SILENT, Impact.LOUD)]
     if broken:
-        lines += ["| impact | item | change | host | where |", "| --- | --- | --- | --- | --- |"]
+        lines += ["| impact | item | change | frame | host | where |", "| --- | --- | --- | --- | --- | --- |"]
         for change in broken:
             new = comparison.positions(change)[1]
             cells = [change.impact.value, str(change.item), change.says(escape=markdown_text)]
-            cells += [_host(change), markdown_text(f"{new.file}:{new.line}")]
+            cells += ["<br>".join(_examples(change)[:1]), _host(change), markdown_text(f"{new.file}:{new.line}")]
             lines.append(f"| {' | '.join(cells)} |")
         lines.append("")
     others = [_bullet(change) for change in comparison.changes if change not in broken]
@@ -407,7 +409,7 @@ def junit(report: Report) -> str:
             if id(change) in failing:
                 says = visible(f"{change.impact.value}, {_affected(change)}: {change.says()}")
                 failure = ElementTree.SubElement(case, "failure", message=says, type=change.rule.id)
-                failure.text = visible(f"{old} -> {new}")
+                failure.text = "\n".join(map(visible, (f"{old} -> {new}", *_examples(change))))
     ElementTree.indent(suites)
     text = str(ElementTree.tostring(suites, "us-ascii", xml_declaration=True), "ascii")
     return text.replace("##", "#&#35;")  # texts are not executed by a CI system

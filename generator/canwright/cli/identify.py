@@ -10,12 +10,14 @@ from pathlib import Path
 import click
 
 from ..model.edition import Edition
-from ..model.formatting import counted, sent
+from ..model.formatting import bus_id, counted, sent
+from ..recordings.exports import bus_name
 from ..recordings.grouping import groups
 from ..recordings.identify import EditionScore, Evidence, Identification, Identifier, NodeResult
 from ..recordings.readers import LogError, open_log
 from ..recordings.recorded import Counts
 from .common import FINDINGS, read, spec_option, stop
+from .decode_view import node_names
 from .terminal import print_json, print_text
 
 SHOWN = 4
@@ -61,22 +63,26 @@ def _text(family: str, found: Identification, counts: Counts) -> None:
         parts = ", ".join(f"{part.value} ({count})" for part, count in counts.skipped.items())
         print_text(f"skipped: {parts}\n\n")
     if found.foreign:
-        ids = _some([f"0x{id_:X}" for id_ in found.foreign_ids])
+        ids = _some([bus_id(*id_) for id_ in found.foreign_ids])
         print_text(
             f"{found.foreign} of {found.frames} frames are ignored, since their ids do not belong to {family}: {ids}\n\n"
         )
     has_buses = len({result.bus for result in found.nodes}) > 1
-    for group in groups(found.nodes):
+    for group in sorted(groups(found.nodes), key=lambda group: _rank(group.result)):
         result = group.result
-        where = ", ".join([family, *([result.bus] if has_buses else []), _nodes(group.nodes)])
+        where = ", ".join([family, *([bus_name(result.bus)] if has_buses else []), node_names(group.nodes)])
         print_text(f"{where}, {counted(result.frames, 'frame')}: {_outcome(result)}\n")
         if result.unexplained:
             ignored = _some([f"{sent(frame)} ({n})" for frame, n in result.unexplained])
             print_text(f"  {counted(result.frames - result.judged, 'frame')} of no edition, ignored: {ignored}\n")
+        equal: dict[tuple[str, ...], list[str]] = {}
         for score in result.scores if result.judged else ():
-            print_text(f"  {score.edition.name:<16} {_summary(score, result.judged)}\n")
-            for evidence in score.against[:SHOWN]:
-                print_text(f"    {_evidence(evidence)}\n")
+            lines = (_summary(score, result.judged), *map(_evidence, score.against[:SHOWN]))
+            equal.setdefault(lines, []).append(score.edition.name)
+        for (summary, *against), names in equal.items():
+            print_text(f"  {', '.join(names):<16} explain{'s' if len(names) == 1 else ''} {summary}\n")
+            for line in against:
+                print_text(f"    {line}\n")
         if result.distinguishing:
             print_text(f"  to decide, record the reply to {_some(list(result.distinguishing))}\n")
         print_text("\n")
@@ -88,19 +94,9 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
 
 
-def _nodes(nodes: Sequence[int | None]) -> str:
-    """`node 1`, `nodes 1..3, 7`."""
-    numbers = [node for node in nodes if node is not None]
-    if not numbers:
-        return "no node"
-    runs: list[list[int]] = []
-    for number in numbers:
-        if runs and runs[-1][-1] == number - 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    listed = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}..{run[-1]}" for run in runs)
-    return f"node{'s' if len(numbers) > 1 else ''} {listed}"
+def _rank(result: NodeResult) -> int:
+    """The order of results: identified, undecided, fitting no edition, of no edition."""
+    return 0 if len(result.editions) == 1 else 1 if result.editions else 2 if result.is_judged else 3
 
 
 def _outcome(result: NodeResult) -> str:
@@ -110,7 +106,13 @@ def _outcome(result: NodeResult) -> str:
         return f"undecided, {_listed(result.editions)} fit equally well"
     if not result.is_judged:
         return f"no edition fits, since only {result.judged} of {result.frames} are of one"
-    return "no edition fits"
+    best = result.scores[0]
+    if not best.is_explained(result.judged):
+        return "no edition fits"
+    if not best.requests:
+        return "no edition fits, since no node fits one that has these frames"
+    unanswered = sum(best.unanswered.values())
+    return f"no edition fits, since {unanswered} of {counted(best.requests, 'request')} have no reply"
 
 
 def _listed(editions: Sequence[Edition]) -> str:
@@ -123,10 +125,10 @@ def _summary(score: EditionScore, count: int) -> str:
         "every frame" if score.explained == count and not score.against else f"{score.explained} of {count} frames"
     )
     if not score.unanswered:
-        return f"explains {explained}"
+        return explained
     commands = _some([f"{name} ({n})" for name, n in Counter(score.unanswered).most_common()])
     unanswered = sum(score.unanswered.values())
-    return f"explains {explained}; {unanswered} of {counted(score.requests, 'request')} without a reply: {commands}"
+    return f"{explained}; {unanswered} of {counted(score.requests, 'request')} without a reply: {commands}"
 
 
 def _evidence(evidence: Evidence) -> str:

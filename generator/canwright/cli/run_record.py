@@ -5,7 +5,8 @@ installed packages, the files of canwright, the specs and golden frames, the man
 files are compared by the digests of their content, not by their times. Where something cannot be determined, there is
 no record; nor where a target of another package is installed, since it may read files that canwright does not know.
 
-Imported before the other modules of a run, so that the record describes them as they were; imports little, to be fast.
+Imported before the other modules of a run, so that the record describes them as they were; imports little, and makes
+no named tuples, to be fast.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from importlib.machinery import PathFinder
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from ..output.manifest import is_intact, read_manifest
 from ..output.paths import OutputError, content_of, digest, digest_of, digest_of_regular
@@ -37,20 +38,31 @@ _MAX_SIZE = 1 << 20
 """Bytes of a record; a larger one is neither written nor read."""
 
 
-class Printed(NamedTuple):
+class Printed:
     """What a run with nothing to do prints, on standard output and on standard error."""
 
-    out: str
-    error: str = ""
+    def __init__(self, out: str, error: str = "") -> None:
+        self.out = out
+        self.error = error
 
 
-class _Record(NamedTuple):
-    state: str
-    files: Sequence[str]
-    folder: str
-    targets: Sequence[str]
-    manifest: str
-    printed: Sequence[str]
+class _Record:
+    def __init__(
+        self,
+        *,
+        state: str,
+        files: Sequence[str],
+        folder: str,
+        targets: Sequence[str],
+        manifest: str,
+        printed: Sequence[str],
+    ) -> None:
+        self.state = state
+        self.files = files
+        self.folder = folder
+        self.targets = targets
+        self.manifest = manifest
+        self.printed = printed
 
 
 class RunRecord:
@@ -90,7 +102,15 @@ class RunRecord:
             manifest = digest(content.manifest_after(read_manifest(folder)).json_bytes())
         except (OSError, OutputError):
             return
-        _write(self._file, _Record(self._state, self._files, str(folder), content.targets, manifest, printed))
+        record = _Record(
+            state=self._state,
+            files=self._files,
+            folder=str(folder),
+            targets=content.targets,
+            manifest=manifest,
+            printed=[printed.out, printed.error],
+        )
+        _write(self._file, record)
 
     def _surrounding_digest(self) -> str | None:
         """The digest of what every run depends on; None if it cannot be determined."""
@@ -180,7 +200,7 @@ def _read(file: Path) -> _Record | None:
         record = _Record(**json.loads(content))
         texts = (record.state, record.folder, record.manifest, *record.files, *record.targets, *record.printed)
         valid = digest(content).encode() == expected and all(isinstance(text, str) for text in texts)
-        return record if valid and len(record.printed) == len(Printed._fields) else None
+        return record if valid and len(record.printed) == 2 else None
     except (OSError, ValueError, TypeError, RecursionError):
         return None
 
@@ -189,7 +209,7 @@ def _write(file: Path, record: _Record) -> None:
     """Replaces a record in one step, readable by its user only; without an error where that is impossible."""
     import tempfile
 
-    content = json.dumps(record._asdict()).encode()
+    content = json.dumps(vars(record)).encode()
     if len(content) > _MAX_SIZE // 2:
         return
     try:

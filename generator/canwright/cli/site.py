@@ -26,8 +26,15 @@ from .terminal import print_text
     show_default=True,
     help="Folder of the site.",
 )
+@click.option(
+    "--handover",
+    type=FilePath(file_okay=False),
+    default=Path("handover"),
+    show_default=True,
+    help="Folder of `canwright handover`, whose documents the site offers; ignored if it does not exist.",
+)
 @click.option("--force", is_flag=True, help="Overwrite pages of an earlier site that were edited by hand.")
-def site(docs: Path, out: Path, force: bool) -> None:
+def site(docs: Path, out: Path, handover: Path, force: bool) -> None:
     """Build the pages into a website with search, in every language.
 
     Nothing is downloaded. A broken link is an error. The folder must be new, empty, or an earlier site; files that
@@ -36,7 +43,7 @@ def site(docs: Path, out: Path, force: bool) -> None:
     from ..project.site import SiteError, build
 
     try:
-        build(docs, out, force=force)
+        build(docs, out, handover, force=force)
     except (SiteError, OutputError, OSError) as error:
         stop(str(error))
     print_text(f"{out.as_posix()}/index.html\n")

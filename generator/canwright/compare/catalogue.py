@@ -131,6 +131,8 @@ _VALUE = (
     ),
     ("parameter-bounds-changed", "A number has different bounds.", "the bounds of `{name}` are {new} (were {old})"),
     ("effects-changed", "A command has different effects.", "effects: {new}; were: {old}"),
+    ("state-entry-changed", "A state is entered by other commands.", "`{name}` is entered by {new} (was {old})"),
+    ("state-effects-changed", "A state prevents other effects.", "`{name}` prevents {new} (was {old})"),
     ("limits-changed", "A command is limited by different settings.", "limited by: {new}; was: {old}"),
     ("reply-time-changed", "The maximum reply time is changed.", "the reply time in ms is {new} (was {old})"),
     (
@@ -207,6 +209,8 @@ _DOC = (
         "A setting is available for different nodes.",
         "`{name}` is available for {new} (was {old})",
     ),
+    ("state-added", "A state is added.", "the state `{name}` is added"),
+    ("state-removed", "A state is removed.", "the state `{name}` is removed"),
     ("setting-added", "A setting is added.", "the setting `{name}` is added"),
     ("setting-removed", "A setting is removed.", "the setting `{name}` is removed"),
     ("erratum-added", "An erratum is added.", "the erratum `{name}` is added: {used}"),

@@ -112,7 +112,7 @@ def _added(found: Collector, command: Command, old: Edition) -> None:
 def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
     """Kind, item, path, parent and facts of a command that the other edition lacks, or of its entry alone."""
     entry = command.entry
-    if entry is not None and any(c.group == command.group for c in other.commands):
+    if entry is not None and other.forms(command.group):
         facts = {"name": entry.name, "index": discriminators.index(command)}
         return "entry", Item.of_entry(entry), entry.path, ("tables", entry.table), facts
     facts = {"name": command.group, "code": _code(command)}
@@ -147,8 +147,9 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
     _address(found, old, new)
     for direction, one, other in messages(old, new):
         used = Use((Side.of(direction),), (old.group,))
-        _message(found, both, old, new, one, other, used)
-        if not _other_layout(found, both, old, new, direction, used):
+        is_other = _other_layout(found, both, old, new, direction, used)
+        _message(found, both, old, new, one, other, used, is_other=is_other)
+        if not is_other:
             _layout_name(found, both, old, one, other, used)
             fields.compare(found, both, old.group, one, other, used)
 
@@ -276,10 +277,7 @@ _OF_CONDITIONS = (
 
 def _conditions(both: Editions, old: Command, new: Command) -> Iterator[tuple[_Conditions, _Conditions]]:
     """The conditions of a command in each edition: what all its entries have in common in both, and the rest."""
-    forms = [
-        [c for c in edition.commands if c.group == command.group]
-        for edition, command in ((both.old, old), (both.new, new))
-    ]
+    forms = [edition.forms(command.group) for edition, command in ((both.old, old), (both.new, new))]
     effects = {e.name for c in (*forms[0], *forms[1]) for e in c.effects}
     parameters = {p for c in (*forms[0], *forms[1]) for p in c.only}
     alike = {name for name in effects if all(_alike([name in {e.name for e in c.effects} for c in f]) for f in forms)}
@@ -373,8 +371,17 @@ _DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc), Impact.LOU
 
 
 def _message(
-    found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: Use
+    found: Collector,
+    both: Editions,
+    old: Command,
+    new: Command,
+    one: Message,
+    other: Message,
+    use: Use,
+    *,
+    is_other: bool,
 ) -> None:
+    """Adds changes of a message besides its layout; those of one with another layout are part of that change."""
     rows = list(_OF_MESSAGE)
     if discriminators.same_kind(old, new) and [discriminators.code_sent(m) for m in (one, other)] != [
         old.code,
@@ -387,4 +394,5 @@ def _message(
         found.attributes([_DLC], *item_of_bus, one, other, use, direction=Word("usual frame"))
     else:
         rows.append(_DLC)
-    found.attributes(rows, item, places, one, other, use, direction=direction)
+    if not is_other:
+        found.attributes(rows, item, places, one, other, use, direction=direction)

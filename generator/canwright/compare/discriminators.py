@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -118,6 +119,7 @@ def _place_of(keys: Sequence[Key], role: KeyRole) -> str:
     return listed(_place(k) for k in keys if k.role is role)
 
 
+@functools.lru_cache(maxsize=2)
 def _one_selector(edition: Edition) -> bool:
     """Whether all frames have their code in the same bits."""
     keys = [m.keys[0] for m in edition.all_messages() if m.keys and m.keys[0].role is KeyRole.CODE]
@@ -140,19 +142,30 @@ def _code_moved(found: Collector, both: Editions, old: Message, new: Message, ke
     item = Item("edition", "") if whole else Item("address", old.address)
     of_address = ("addresses", old.address, key), ("addresses", new.address, key)
     places: Places = (("selector",), ("selector",)) if whole else of_address
-    if facts["old"] != facts["new"]:
+    if facts["old"] != facts["new"] and not _follow_edition(both, old, new, KeyRole.CODE):
         found.add("code-moved", item, places, Impact.LOUD, use, **facts)
     _turned(found, both, item, places, old, new, KeyRole.CODE, use)
+
+
+def _pairs(old: Message, new: Message, role: KeyRole) -> Iterator[tuple[Key, Key]]:
+    """The keys of a role in both messages."""
+    return zip(*([k for k in m.keys if k.role is role] for m in (old, new)), strict=False)
+
+
+def _follow_edition(both: Editions, old: Message, new: Message, role: KeyRole) -> bool:
+    """Whether the keys of a role have other bits because the edition has another byte order."""
+    orders = {(one.order, other.order) for one, other in _pairs(old, new, role)}
+    return both.old.order is not both.new.order and orders == {(both.old.order, both.new.order)}
 
 
 def _turned(
     found: Collector, both: Editions, item: Item, places: Places, old: Message, new: Message, role: KeyRole, use: Use
 ) -> None:
     """Adds the change of the byte order of keys that stay in the same bytes, or of the edition if they follow it."""
-    for one, other in zip(*([k for k in m.keys if k.role is role] for m in (old, new)), strict=False):
-        if _place(one) != _place(other) or one.segments == other.segments:
+    follows = _follow_edition(both, old, new, role)
+    for one, other in _pairs(old, new, role):
+        if one.segments == other.segments or not (follows or _place(one) == _place(other)):
             continue
-        follows = (one.order, other.order) == (both.old.order, both.new.order)
         if follows:
             item, places = Item("edition", ""), ((), ())
         name = "byte_order" if follows else role.value
@@ -169,6 +182,6 @@ def _index_moved(
         Item("table", old.entry.table),
         at((("tables", old.entry.table), ("tables", new.entry.table)), "index"),
     )
-    if facts["old"] != facts["new"]:
+    if facts["old"] != facts["new"] and not _follow_edition(both, one, other, KeyRole.INDEX):
         found.add("index-moved", item, places, Impact.LOUD, use, **facts)
     _turned(found, both, item, places, one, other, KeyRole.INDEX, use)

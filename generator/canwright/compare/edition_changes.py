@@ -1,4 +1,4 @@
-"""Changes outside commands: addresses, bus, parameters, settings, effects, errata, texts."""
+"""Changes outside commands: addresses, bus, parameters, settings, effects, states, errata, texts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Address, Direction, IdRule
-from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
+from ..model.metadata import Bus, Effect, Erratum, Mode, Setting, State
 from ..model.types import Parameter, Text
 from .change import Fact, Impact, Item, Side, Word
 from .collector import (
@@ -52,6 +52,12 @@ def _bounds(parameter: Parameter) -> str:
     return "..".join(ends)
 
 
+def _entered_by(state: State) -> Fact:
+    if not state.is_initial:
+        return listed(state.entered_by)
+    return (Word("power-up"), *(f", {name}" for name in state.entered_by))
+
+
 _OF_EDITION = (
     Attribute[Edition](
         "languages-changed", "languages", lambda e: listed(e.languages), Impact.SAFE, lambda e: set(e.languages)
@@ -64,6 +70,10 @@ _OF_BUS = (
 _OF_MODE = (Attribute[Mode]("bit-rates-changed", "bit_rates_kbps", _rates, _fewer_rates),)
 _OF_EFFECT = (Attribute[Effect]("effect-level-changed", "level", lambda e: Word(e.level.value), Impact.SAFE),)
 _OF_SETTING = (Attribute[Setting]("setting-scope-changed", "only", lambda s: scope(s.only), Impact.SAFE),)
+_OF_STATE = (
+    Attribute[State]("state-entry-changed", "entered_by", _entered_by, Impact.SILENT),
+    Attribute[State]("state-effects-changed", "prevents", lambda s: listed(e.name for e in s.prevents), Impact.SILENT),
+)
 _OF_PARAMETER = (Attribute[Parameter]("parameter-bounds-changed", "number", _bounds, Impact.SILENT),)
 
 
@@ -75,6 +85,7 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     _items(found, "setting", ("settings",), by_name(old.settings, new.settings), _OF_SETTING)
     effects = by_name(old.effects, new.effects)  # others come and go with the commands that have them
     _items(found, "effect", ("effects",), replace(effects, removed=(), added=()), _OF_EFFECT)
+    _states(found, old, new)
     _errata(found, old, new)
     found.title(_EDITION, (("title",), ("title",)), new.family, old.title, new.title)
     found.text("text-changed", _EDITION, (("about",), ("about",)), old.family, old.about, new.about)
@@ -204,6 +215,12 @@ def _parameters(found: Collector, old: Sequence[Parameter], new: Sequence[Parame
                 value=value.name,
             )
     _items(found, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES, affected, affected)
+
+
+def _states(found: Collector, old: Edition, new: Edition) -> None:
+    now = {c.former_group: c.group for c in new.commands if c.former_group}
+    before = [replace(one, entered_by=tuple(now.get(name, name) for name in one.entered_by)) for one in old.states]
+    _items(found, "state", ("states",), by_name(before, new.states), _OF_STATE, Use((Side.SENDING,)))
 
 
 def _errata(found: Collector, old: Edition, new: Edition) -> None:

@@ -30,9 +30,10 @@ def compare(found: Collector, names: ExportedNames, old: Edition) -> None:
     """Adds a change for each item with names that disappear, unless a change of the item or of its users explains it."""
     groups: dict[DocumentPath, list[DocumentPath]] = defaultdict(list)
     changes = [change for change in found if change.rule.category is not Category.DOC]
-    users = _users(old)
+    users, parameters = _users(old), _parameters(old)
     for path in sorted(names.missing(), key=repr):
-        if not any(_explains(change, path, users.get(path[:2], frozenset())) for change in changes):
+        related = users.get(path[:2], frozenset()), parameters.get(path[:2], frozenset())
+        if not any(_explains(change, path, *related) for change in changes):
             groups[path[:2]].append(path)
     for item, paths in groups.items():
         named = Item(_KINDS[str(item[0])], str(item[1])) if item[0] in _KINDS else Item(str(item[0]), "")
@@ -40,10 +41,15 @@ def compare(found: Collector, names: ExportedNames, old: Edition) -> None:
         found.add("names-changed", named, (item, item), Impact.BUILD, BOTH_SIDES, **facts)
 
 
-def _explains(change: Change, path: DocumentPath, users: frozenset[str]) -> bool:
-    """Whether a change is about the item at a path, about something around or in it, or about a command that uses it."""
+def _explains(change: Change, path: DocumentPath, users: frozenset[str], parameters: frozenset[str]) -> bool:
+    """Whether a change is about the item at a path, about something around or in it, or about a command that uses it.
+
+    Names of an item contain those of the values of the `parameters` that it depends on.
+    """
     if change.rule.id.endswith("-added"):
         return False
+    if change.item.kind == "parameter" and change.item.name in parameters:
+        return True
     if change.item.kind in _WIDE and users & {*change.used_by}:
         return True
     if change.item.kind in ("edition", "bus") and change.rule.category is Category.WIRE:
@@ -57,6 +63,11 @@ def _is_near(changed: DocumentPath, path: DocumentPath) -> bool:
         (i for i, (a, b) in enumerate(zip(changed, path, strict=False)) if a != b), min(len(changed), len(path))
     )
     return common >= 2 and (common == len(path) or len(changed) - common <= 1)
+
+
+def _parameters(edition: Edition) -> dict[DocumentPath, frozenset[str]]:
+    """The parameters that the scale, the offset or the range of a type depends on, by its path."""
+    return {type_.path[:2]: frozenset((*type_.parameters, *type_.numbers)) for type_ in edition.types}
 
 
 def _users(edition: Edition) -> dict[DocumentPath, frozenset[str]]:

@@ -108,10 +108,18 @@ def judged(changes: Sequence[Change], observations: Sequence[Observation]) -> tu
     made = [
         change
         if numbers is None
-        else _with(change, _effective(change, [observations[n] for n in dict.fromkeys(numbers)], wrong_lengths))
+        else _with(
+            change,
+            _effective(change, [observations[n] for n in _own_first(change, observations, numbers)], wrong_lengths),
+        )
         for change, numbers in zip(changes, found, strict=True)
     ]
     return (*made, *_unexplained(o for n, o in enumerate(observations) if n not in explained))
+
+
+def _own_first(change: Change, observations: Sequence[Observation], numbers: Iterable[int]) -> list[int]:
+    """The numbers of observations, first those of frames of the commands that a change affects."""
+    return sorted(dict.fromkeys(numbers), key=lambda n: observations[n].commands[0] not in change.used_by)
 
 
 def _decides(change: Change) -> bool:
@@ -240,6 +248,8 @@ _REASONS = {
     "implemented-changed": "effects",
     "effects-changed": "effects",
     "limits-changed": "effects",
+    "state-entry-changed": "effects",
+    "state-effects-changed": "effects",
     "reply-time-changed": "timing",
 }
 

@@ -153,6 +153,21 @@ class EffectSpec(Description):
 
 
 @dataclass(frozen=True, kw_only=True)
+class StateSpec(Description):
+    """A state of a node, on which depends what commands do."""
+
+    called = "a state"
+    example = {"title": "Off", "entered_by": ["switch_off"], "prevents": ["moves"]}
+
+    entered_by: Annotated[list[Name], Doc("Commands after which the node is in this state.")] = field(
+        default_factory=list
+    )
+    prevents: Annotated[list[Name], Doc("Effects that commands do not have in this state.")] = field(
+        default_factory=list
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class ErratumSpec(Concept):
     """An error or omission of the manual, and the correction in this spec."""
 
@@ -214,6 +229,9 @@ class EditionSpec(Description):
     )
     settings: Annotated[dict[Name, SettingSpec], Doc("Settings, by name.")] = field(default_factory=dict)
     effects: Annotated[dict[Name, EffectSpec], Doc("Effects, by name.")] = field(default_factory=dict)
+    states: Annotated[dict[Name, StateSpec], Doc("States, by name; the first is that after power-up.")] = field(
+        default_factory=dict
+    )
     types: Annotated[dict[Name, TypeSpec], Doc("Types, by name.")] = field(default_factory=dict)
     layouts: Annotated[dict[Name, LayoutSpec], Doc("Layouts shared by several messages, by name.")] = field(
         default_factory=dict

@@ -12,7 +12,7 @@ from ..model.types import Unit
 from .aliases import REMOTE
 from .concept import Concept, keys
 
-LISTED_KEYS = 20
+LISTED_KEYS = 21
 """The maximum number of keys to list if no key is similar."""
 
 _SYNONYMS: Mapping[str, tuple[str, ...]] = {

@@ -9,7 +9,7 @@ from functools import cached_property
 from ..diagnostics.diagnostic import DocumentPath
 from .layout import Layout
 from .message import Address, Command, Direction, IdRule, Message, Table
-from .metadata import Bus, Effect, Erratum, Setting
+from .metadata import Bus, Effect, Erratum, Setting, State
 from .types import Order, Parameter, Text, Type
 
 
@@ -30,6 +30,7 @@ class Edition:
     parameters: tuple[Parameter, ...]
     settings: tuple[Setting, ...]
     effects: tuple[Effect, ...]
+    states: tuple[State, ...]
     addresses: tuple[Address, ...]
     types: tuple[Type, ...]
     layouts: tuple[Layout, ...]
@@ -60,6 +61,10 @@ class Edition:
 
     def command(self, name: str) -> Command:
         return self._index.commands[name]
+
+    def forms(self, group: str) -> Sequence[Command]:
+        """The commands with a name in the spec: one for each entry if it has a table; none for an unknown name."""
+        return self._index.forms.get(group, ())
 
     def parameter(self, name: str) -> Parameter:
         return next(p for p in self.parameters if p.name == name)
@@ -117,6 +122,9 @@ class _Index:
 
     def __init__(self, edition: Edition) -> None:
         self.commands = {command.name: command for command in reversed(edition.commands)}
+        self.forms: dict[str, list[Command]] = {}
+        for command in edition.commands:
+            self.forms.setdefault(command.group, []).append(command)
         self.addresses = {address.name: address for address in reversed(edition.addresses)}
         self.messages: dict[Direction, list[Message]] = {direction: [] for direction in Direction}
         for command in edition.commands:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Protocol
 
@@ -166,6 +166,22 @@ def sent(frame: Sent) -> str:
     """A frame in the notation of can-utils: `12B#0102`, `0000012B#0102` with a 29-bit id, `12B#R` for a remote one."""
     digits = 8 if frame.extended else 3
     return f"{frame.id:0{digits}X}#{'R' if frame.remote else frame.data.hex().upper()}"
+
+
+def bus_id(id_: int, extended: bool, remote: bool) -> str:
+    """The id of a recorded frame: `0x141`, `0x00000141` with 29 bits, `0x141 remote`."""
+    return f"0x{id_:0{8 if extended else 1}X}{' remote' if remote else ''}"
+
+
+def numbers(listed: Iterable[int]) -> str:
+    """Ascending numbers, of which consecutive ones are a range: `1..3, 7`."""
+    runs: list[list[int]] = []
+    for number in listed:
+        if runs and runs[-1][-1] == number - 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}..{run[-1]}" for run in runs)
 
 
 def condition(only: Mapping[str, tuple[str, ...]]) -> str:

@@ -1,4 +1,4 @@
-"""Facts about a protocol other than its frames: effects, settings, the bus, errata."""
+"""Facts about a protocol other than its frames: effects, states, settings, the bus, errata."""
 
 from __future__ import annotations
 
@@ -24,6 +24,19 @@ class Effect:
 
     name: str
     level: Level
+    title: Text
+    about: Text
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class State:
+    """A state of a node. `entered_by` are groups of commands; `prevents` are effects that commands do not have in it."""
+
+    name: str
+    is_initial: bool
+    """Whether it is the state after power-up."""
+    entered_by: tuple[str, ...]
+    prevents: tuple[Effect, ...]
     title: Text
     about: Text
 

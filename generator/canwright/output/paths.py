@@ -17,7 +17,7 @@ LOCK = ".canwright-lock"
 STAGING = ".canwright-staging"
 JOURNAL = f"{STAGING}/journal.json"
 
-_PATH = re.compile(r"[^./\\:][^/\\:]*(?:/[^./\\:][^/\\:]*)*")
+_PATH = r"[^./\\:][^/\\:]*(?:/[^./\\:][^/\\:]*)*"
 
 _REMEDIES = {
     **dict.fromkeys((errno.ENOSPC, errno.EDQUOT), "make room there and run again"),
@@ -35,7 +35,7 @@ class OutputError(Exception):
 
 def is_safe(path: str) -> bool:
     """Whether a path stays inside the folder, is not hidden in it, and is a plain path on every system."""
-    return path.isprintable() and _PATH.fullmatch(path) is not None
+    return path.isprintable() and re.fullmatch(_PATH, path) is not None
 
 
 def content_of(file: Path) -> bytes | None:

@@ -22,7 +22,9 @@ from .words import LABELS
 _TARGET = "handover"
 _NEEDED = {"markdown_it": "markdown-it-py", "xlsxwriter": "XlsxWriter"}
 """Modules and the packages that contain them."""
-_FIRST, _LAST = ("index",), ("types", "parameters", "bus", "errata", "changes")
+_FIRST, _LAST = ("index", "states"), ("types", "parameters", "bus", "errata", "changes")
+_SWITCH = re.compile(r"<!-- Not on the site, which has a switch. -->\n.*\n")
+"""The line of a page with links to other editions, which are not in the document; as the last line, after a rule."""
 
 
 class HandoverError(Exception):
@@ -60,7 +62,7 @@ def _files(specifications: Sequence[Specification], pages: Mapping[str, str]) ->
             if labels is None or f"{language}/{folder}/index.md" not in pages:
                 continue
             name = f"{edition.family}-{edition.name}-{language}"
-            sections = _sections(pages, f"{language}/{folder}")
+            sections = _sections(pages, f"{language}/{folder}", labels)
             title = f"{edition.family} {edition.name}: {edition.title[language]}"
             document = template.render(lang=language, title=title, labels=labels, sections=sections)
             yield f"{name}.html", document.encode()
@@ -69,19 +71,22 @@ def _files(specifications: Sequence[Specification], pages: Mapping[str, str]) ->
             yield f"{name}.xlsx", matrix.excel(found, labels, title)
 
 
-def _sections(pages: Mapping[str, str], folder: str) -> Sequence[Section]:
+def _sections(pages: Mapping[str, str], folder: str, labels: Mapping[str, str]) -> Sequence[Section]:
     """The pages of an edition: the overview, the commands in its order, and the rest."""
     overview = pages[f"{folder}/index.md"]
     commands = dict.fromkeys(re.findall(r"\]\((commands/\w+)\.md", overview))
     names = [name for name in (*_FIRST, *commands, *_LAST) if f"{folder}/{name}.md" in pages]
     paths = {f"{folder}/{name}.md": name.replace("/", "-") for name in names}
-    return [_section(path, anchor, pages, paths) for path, anchor in paths.items()]
+    return [_section(path, anchor, pages, paths, labels) for path, anchor in paths.items()]
 
 
-def _section(path: str, anchor: str, pages: Mapping[str, str], anchors: Mapping[str, str]) -> Section:
+def _section(
+    path: str, anchor: str, pages: Mapping[str, str], anchors: Mapping[str, str], labels: Mapping[str, str]
+) -> Section:
     from markdown_it import MarkdownIt
 
-    html = str(MarkdownIt("commonmark", {"html": True}).enable("table").render(pages[path]))
+    text = _SWITCH.sub("", pages[path]).partition("\n---\n")[0]
+    html = str(MarkdownIt("commonmark", {"html": True}).enable("table").render(text))
     here = posixpath.dirname(path)
 
     def link(match: re.Match[str]) -> str:
@@ -100,7 +105,10 @@ def _section(path: str, anchor: str, pages: Mapping[str, str], anchors: Mapping[
     html = re.sub(r'<img src="([^"]+)"', picture, html)
     html = re.sub(
         r"<blockquote>\n<p>\[!(\w+)\]\s*(</p>)?",
-        lambda match: f'<blockquote class="{match[1].lower()}">\n' + ("" if match[2] else "<p>"),
+        lambda match: (
+            f'<blockquote class="{match[1].lower()}">\n<p><b>{labels[match[1].lower()]}</b></p>\n'
+            + ("" if match[2] else "<p>")
+        ),
         html,
     )
     html = html.replace("<table>", '<div class="table"><table>').replace("</table>", "</table></div>")

@@ -11,8 +11,9 @@ from typing import NamedTuple
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Element, Field
-from ..model.message import Command, Direction, Key, Message
+from ..model.message import Command, Direction, Key, KeyRole, Message
 from ..model.types import Encoding
+from .words import LABELS
 
 _FORMULA = ("=", "+", "-", "@", "\t")
 """Starts of a text that a spreadsheet takes for a formula."""
@@ -46,7 +47,7 @@ class Row(NamedTuple):
 
 
 def rows(edition: Edition, language: str) -> Iterator[Row]:
-    """The rows of an edition, with texts in one language."""
+    """The rows of an edition, with texts in one of the languages of `LABELS`."""
     for command in edition.commands:
         for direction in Direction:
             message = command.message(direction)
@@ -56,20 +57,21 @@ def rows(edition: Edition, language: str) -> Iterator[Row]:
 
 def _of_message(command: Command, direction: Direction, message: Message, language: str) -> Iterator[Row]:
     nodes = message.id.nodes
-    length = "remote" if message.remote else f"{message.dlc} bytes"
-    frame = f"{'29' if message.id.extended else '11'} bit id, {length}"
+    labels = LABELS[language]
+    length = labels["remote"] if message.remote else labels["bytes"].format(message.dlc)
+    frame = f"{labels['extended' if message.id.extended else 'standard']}; {length}"
     start = (
         command.name,
         command.title[language],
         "" if command.code is None else f"0x{command.code:02X}",
-        direction.value,
+        labels[direction.value],
         formatting.id_rule(message.id),
         f"{nodes[0]}..{nodes[-1]}" if nodes else "",
         frame,
     )
     only = formatting.condition(command.only)
     for key in message.keys:
-        yield Row._make((*start, *_of_key(key), "", "", "", "", only, command.manual))
+        yield Row._make((*start, *_of_key(key, labels), "", "", "", "", only, command.manual))
     for field in message.layout.fields:
         for element in field.elements:
             yield Row._make(
@@ -79,9 +81,12 @@ def _of_message(command: Command, direction: Direction, message: Message, langua
         yield Row._make((*start, "", "", "", "", "", "", "", "", "", only, command.manual))
 
 
-def _of_key(key: Key) -> tuple[str, str, str, str, str]:
+_ROLES = {KeyRole.CODE: "selector", KeyRole.INDEX: "index", KeyRole.CONSTANT: "constant"}
+
+
+def _of_key(key: Key, labels: Mapping[str, str]) -> tuple[str, str, str, str, str]:
     place = formatting.place(key.space, key.segments)
-    return place, str(key.width), "", key.role.value, f"u{key.width} = 0x{key.value:02X}"
+    return place, str(key.width), "", labels[_ROLES[key.role]], f"u{key.width} = 0x{key.value:02X}"
 
 
 def _of_field(message: Message, field: Field, element: Element, language: str, only: str) -> tuple[str, ...]:
@@ -90,6 +95,8 @@ def _of_field(message: Message, field: Field, element: Element, language: str, o
     limited = f"{message.layout.parameter} {', '.join(field.only)}" if field.only else ""
     members = type_.enum or type_.flags
     is_float = type_.encoding is Encoding.FLOAT
+    not_given = LABELS[language]["not_given"]
+    scales = [(names, not_given if text == "not given" else text) for names, text in formatting.scale(type_)]
     ranges = _cases(formatting.ranges(type_))
     raw_range = str(field.fixed) if field.fixed is not None else "" if is_float else ranges
     return (
@@ -99,7 +106,7 @@ def _of_field(message: Message, field: Field, element: Element, language: str, o
         field.title[language],
         formatting.raw_format(type_, element.segments),
         raw_range,
-        _cases(formatting.scale(type_)) if type_.is_number and not type_.is_plain else "",
+        _cases(scales) if type_.is_number and not type_.is_plain else "",
         type_.unit.symbol if type_.unit else "",
         "; ".join(f"{member.value} {member.name}" for member in members) or (ranges if is_float else ""),
         "; ".join(filter(None, (only, limited))),

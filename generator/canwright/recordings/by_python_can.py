@@ -27,6 +27,8 @@ _FRAME = {
     "csv": re.compile(r"[\d.]+,0x"),
 }
 """What a line of a frame starts with; the lines before the first are the header."""
+_ASC_EVENT = re.compile(r"\s*\d+\.\d+\s+\d+\s+\w+:(?!.*\s(Rx|Tx)\s)")
+"""An event on a channel in ASC, such as `Statistic:`, which is no frame."""
 _ERROR_LINE = re.compile(r"\s*\d+\)?\s+[\d.]+\s+(\d+\s+)?(ERROR|Error|Warng|ER|STATUS|ST)\b")
 _PYTHON_CAN = {"can": "python-can"}
 _NEEDED = {"mf4": {**_PYTHON_CAN, "asammdf": "asammdf"}}
@@ -165,8 +167,11 @@ class _Feed:
         """A reader gave nothing for the last line."""
         if self._open is not None:
             line = self._open[1]
-            is_frame = _FRAME[self._form].match(line) and not _ERROR_LINE.match(line)
-            self.skip(Part.MALFORMED if is_frame else Part.ERROR if _ERROR_LINE.match(line) else Part.OTHER)
+            is_event = self._form == "asc" and _ASC_EVENT.match(line)
+            if _ERROR_LINE.match(line):
+                self.skip(Part.ERROR)
+            else:
+                self.skip(Part.MALFORMED if _FRAME[self._form].match(line) and not is_event else Part.OTHER)
 
 
 class _Counted:

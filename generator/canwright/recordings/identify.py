@@ -25,8 +25,9 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Direction, IdRule
 from ..semantics.frame import CanFrame, data_bits, node_of
+from .checks import IMPLAUSIBLE, STRONG, Reason
 from .recorded import Recorded
-from .scoring import IMPLAUSIBLE, STRONG, Interpretation, Kind, Kinds, Observation, Reason, reply_rule
+from .scoring import Interpretation, Kind, Kinds, Observation, reply_rule
 
 JUDGED = Fraction(1, 2)
 """More than this share of the frames of a node is a message of some edition."""
@@ -77,6 +78,10 @@ class EditionScore:
     requests: int
     unanswered: Mapping[str, int]
 
+    def is_explained(self, judged: int) -> bool:
+        """Whether the edition explains nearly all of the frames that some edition has."""
+        return self.explained >= EXPLAINED * judged
+
 
 @dataclass(frozen=True)
 class NodeResult:
@@ -109,12 +114,12 @@ class NodeResult:
 class Identification:
     """The results of a log, by bus and node; `foreign` counts the frames whose id belongs to no edition.
 
-    `foreign_ids` counts them by id, for the first ids.
+    `foreign_ids` counts them by id, for the first ids: its number, whether it has 29 bits, and whether a frame is remote.
     """
 
     frames: int
     foreign: int
-    foreign_ids: Mapping[int, int]
+    foreign_ids: Mapping[tuple[int, bool, bool], int]
     nodes: tuple[NodeResult, ...]
 
 
@@ -160,17 +165,28 @@ class _Step:
         self.then = then
 
 
+class _Code:
+    """The frames of a line with one first key: their kind, or the bits of all keys and the kinds by these."""
+
+    __slots__ = ("key_bits", "kind", "kinds")
+
+    def __init__(self, key_bits: int) -> None:
+        self.key_bits = key_bits
+        self.kind: Kind | None = None
+        self.kinds: dict[int, Kind] = {}
+
+
 class _Line:
     """The frames of one id and length on a bus; `node` is None if the id belongs to no edition."""
 
-    __slots__ = ("code_bits", "codes", "node", "rule")
+    __slots__ = ("codes", "first", "node", "rule")
 
-    def __init__(self, node: _Node | None, rule: IdRule | None, code_bits: int) -> None:
+    def __init__(self, node: _Node | None, rule: IdRule | None, first: slice[int, int, None]) -> None:
         self.node = node
         self.rule = rule
-        self.code_bits = code_bits
-        self.codes: dict[int, tuple[int, dict[int, Kind]]] = {}
-        """For each first key the bits of all keys, and the kinds of frames by these."""
+        self.first = first
+        """The bytes of the first key."""
+        self.codes: dict[bytes, _Code] = {}
 
 
 class _Node:
@@ -195,7 +211,7 @@ class Identifier:
         self._nodes: dict[tuple[str, int | None], _Node] = {}
         self._states: dict[tuple[tuple[str, ...], ...], _State] = {}
         self._steps = 0
-        self._foreign: Counter[int] = Counter()
+        self._foreign: Counter[tuple[int, bool, bool]] = Counter()
         self._foreign_count = 0
 
     def add(self, recorded: Recorded) -> None:
@@ -206,13 +222,13 @@ class Identifier:
         node = line.node
         if node is None:
             self._foreign_count += 1
-            if id_ in self._foreign or len(self._foreign) < MAX_FOREIGN:
-                self._foreign[id_] += 1
+            foreign = id_, extended, remote
+            if foreign in self._foreign or len(self._foreign) < MAX_FOREIGN:
+                self._foreign[foreign] += 1
             return
-        data = int.from_bytes(content, "little")
-        code = line.codes.get(data & line.code_bits)
-        kind = code and code[1].get(data & code[0])
-        observation = (kind or self._kind(line, frame, data)).observation(id_, data)
+        code = line.codes.get(content[line.first])
+        kind = code and (code.kind or code.kinds.get(int.from_bytes(content, "little") & code.key_bits))
+        observation = (kind or self._kind(line, frame)).observation(id_, content)
         step = node.state.steps.get(observation) or self._step(node, observation)
         node.state = step.then
         if step in node.counts:
@@ -248,21 +264,28 @@ class Identifier:
             if node is None:
                 tally = _Tally(self._editions, has_number=number is not None)
                 node = self._nodes[bus, number] = _Node(self._state(((),) * len(self._editions)), tally)
-            line = _Line(node, message.id, self._kinds.code_bits(frame))
+            line = _Line(node, message.id, self._kinds.first_key(frame))
         else:
-            line = _Line(None, None, 0)
+            line = _Line(None, None, slice(0, 0))
         self._lines[bus, frame.id, frame.extended, frame.remote, len(frame.data)] = line
         return line
 
-    def _kind(self, line: _Line, frame: CanFrame, data: int) -> Kind:
+    def _kind(self, line: _Line, frame: CanFrame) -> Kind:
         """The kind of a frame, remembered for its line."""
         assert line.rule is not None
+        first = frame.data[line.first]
         if len(line.codes) >= MAX_COUNTED:
             line.codes.clear()
-        key_bits, kinds = line.codes.setdefault(data & line.code_bits, (self._kinds.key_bits(frame), {}))
-        if len(kinds) >= MAX_COUNTED:
-            kinds.clear()
-        kind = kinds[data & key_bits] = self._kinds.kind(frame, line.rule)
+        code = line.codes.get(first)
+        if code is None:
+            code = line.codes[first] = _Code(self._kinds.key_bits(frame))
+        kind = self._kinds.kind(frame, line.rule)
+        if not code.key_bits:
+            code.kind = kind
+            return kind
+        if len(code.kinds) >= MAX_COUNTED:
+            code.kinds.clear()
+        code.kinds[int.from_bytes(frame.data, "little") & code.key_bits] = kind
         return kind
 
     def _state(self, waiting: tuple[tuple[str, ...], ...]) -> _State:
@@ -472,7 +495,7 @@ class _Tally:
 def _is_possible(score: EditionScore, judged: int) -> bool:
     """Whether an edition explains nearly all frames of a node, and most of its requests are answered."""
     answered = score.requests - sum(score.unanswered.values())
-    return score.explained >= EXPLAINED * judged and answered >= ANSWERED * score.requests
+    return score.is_explained(judged) and answered >= ANSWERED * score.requests
 
 
 def _distinguishing(fitting: Sequence[Edition], seen: set[str], compared: Compared) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ..model.edition import Edition
 from ..model.types import Assignment
 from ..semantics.frame import CanFrame, has_id
-from .identify import identify
+from .identify import NodeResult, identify
 from .recorded import Recorded
 
 IDENTIFIED_FROM = 20_000
@@ -34,10 +34,14 @@ EDITION = "edition"
 
 
 class Choice(NamedTuple):
-    """The edition of a node, None if none fits, and the others that fit equally well."""
+    """The edition of a node, None if none fits, and the others that fit equally well.
+
+    It is assumed if most requests to the node have no reply: then it is an edition of other nodes of the bus.
+    """
 
     edition: Edition | None
     others: tuple[Edition, ...] = ()
+    is_assumed: bool = False
 
 
 @dataclass(frozen=True)
@@ -102,14 +106,17 @@ def _identified(start: Sequence[Recorded], editions: Sequence[Edition]) -> dict[
     """The edition of each node on each bus; of frames without a node only where no frames have one."""
     results = identify(start, editions).nodes
     having = {result.bus for result in results if result.node is not None}
-    found = {(r.bus, r.node): r.editions for r in results if r.node is not None or r.bus not in having}
-    certain = [fitting[0] for fitting in found.values() if len(fitting) == 1]
-    return {key: _choice(fitting, certain) for key, fitting in found.items()}
+    found = [result for result in results if result.node is not None or result.bus not in having]
+    certain = [(result.bus, result.editions[0]) for result in found if len(result.editions) == 1]
+    return {(result.bus, result.node): _choice(result, certain) for result in found}
 
 
-def _choice(fitting: Sequence[Edition], certain: Sequence[Edition]) -> Choice:
+def _choice(result: NodeResult, certain: Sequence[tuple[str, Edition]]) -> Choice:
     """Of several editions that fit, that of another node, if any."""
-    if not fitting:
-        return Choice(None)
-    edition = next((one for one in fitting if one in certain), fitting[0])
-    return Choice(edition, tuple(one for one in fitting if one is not edition))
+    fitting = result.editions
+    if fitting:
+        edition = next((one for _, one in certain if one in fitting), fitting[0])
+        return Choice(edition, tuple(one for one in fitting if one is not edition))
+    explained = [s.edition for s in result.scores if s.is_explained(result.judged)] if result.is_judged else []
+    assumed = next((one for bus, one in certain if bus == result.bus and one in explained), None)
+    return Choice(assumed, is_assumed=assumed is not None)

@@ -30,7 +30,7 @@ class LogError(Exception):
 
 
 class Log:
-    """The frames of a log, once, in their order. `counts` has what was skipped so far."""
+    """The frames of a log, once, in their order. `counts` has what was skipped so far, and at the end the frames."""
 
     def __init__(self, source: BinaryIO, name: str) -> None:
         self.counts = Counts()
@@ -38,15 +38,19 @@ class Log:
 
     def __iter__(self) -> Iterator[Recorded]:
         """Raises LogError and OSError."""
+        frames = 0
         try:
             for recorded in _read(_buffered(self._source), self.counts):
-                self.counts.frames += 1
-                self.counts.remote += recorded.frame.remote
+                frames += 1
+                if recorded.frame.remote:
+                    self.counts.remote += 1
                 yield recorded
         except MissingPackageError as error:
             raise LogError(str(error)) from None
         except (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile) as error:
             self.counts.skip(Part.TRUNCATED, 0, str(error))
+        finally:
+            self.counts.frames = frames
         if not self.counts.frames:
             raise LogError(
                 f"{self._name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "

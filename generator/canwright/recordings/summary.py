@@ -74,8 +74,10 @@ class Summary:
 
     def __init__(self) -> None:
         self.nodes: dict[tuple[str, int | None], NodeSummary] = {}
-        self.foreign: Counter[int] = Counter()
-        """Frames whose id has no message, by id; later ids of very many are counted as `other_foreign`."""
+        self.foreign: Counter[tuple[int, bool, bool]] = Counter()
+        """Frames whose id has no message, by id; later ids of very many are counted as `other_foreign`.
+
+        An id is a number, whether it has 29 bits, and whether the frame is remote."""
         self.other_foreign = 0
         self._waiting: dict[int, _Waiting] = {}
         self._limits: dict[Command, int | None] = {}
@@ -90,8 +92,9 @@ class Summary:
         judged = row.judged
         frame = judged.recorded.frame
         if judged.edition is None:
-            if frame.id in self.foreign or len(self.foreign) < _MAX_FOREIGN:
-                self.foreign[frame.id] += 1
+            id_ = frame.id, frame.extended, frame.remote
+            if id_ in self.foreign or len(self.foreign) < _MAX_FOREIGN:
+                self.foreign[id_] += 1
             else:
                 self.other_foreign += 1
             return

@@ -12,7 +12,7 @@ from ..language import edition as schema, suggestions
 from ..language.notation import LAST_ID, SHORT_ID, IdExpression
 from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
-from ..model.metadata import Bus, Effect, Erratum, Mode, Setting
+from ..model.metadata import Bus, Effect, Erratum, Mode, Setting, State
 from ..model.types import ImpliedTitle
 from .affected import Affected
 from .command_forms import CommandForm
@@ -110,6 +110,7 @@ def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition
         parameters=tuple(parameters.values()),
         settings=tuple(settings.values()),
         effects=tuple(effects.values()),
+        states=tuple(_state(context, spec, name, effects) for name in spec.states),
         addresses=tuple(addresses.values()),
         types=tuple({**types, **layouts.bare_types}.values()),
         layouts=messages.layouts,
@@ -177,6 +178,20 @@ def _command(
         notes=tuple(context.text((*path, "notes", i), note) for i, note in enumerate(written.notes)),
         manual=written.manual or "",
         path=path,
+    )
+
+
+def _state(context: Context, spec: schema.EditionSpec, name: str, effects: Mapping[str, Effect]) -> State:
+    path: DocumentPath = ("states", name)
+    written = spec.states[name]
+    _named(context, (*path, "entered_by"), "command", written.entered_by, spec.commands)
+    return State(
+        name=name,
+        is_initial=name == next(iter(spec.states)),
+        entered_by=tuple(command for command in written.entered_by if command in spec.commands),
+        prevents=tuple(_named(context, (*path, "prevents"), "effect", written.prevents, effects)),
+        title=context.title(path, written.title, name),
+        about=context.text((*path, "about"), written.about),
     )
 
 

@@ -123,7 +123,7 @@ def _unreachable(edition: Edition, direction: Direction) -> Findings:
     reported: set[tuple[str, str]] = set()
     earlier: list[tuple[int, bit_patterns.Known, Message]] = []
     """For each earlier rule with variable bits of the id: these bits, the known ones, and a message."""
-    for route in dispatch_plan(edition.messages(direction)).routes:
+    for route in dispatch_plan(edition, direction).routes:
         for message in route.messages if earlier else ():
             free = can_ids.free_bits(message)
             own = can_ids.known(can_ids.of_message(message), free)

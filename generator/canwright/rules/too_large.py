@@ -106,6 +106,7 @@ def _sizes(edition: Edition, combinations: int) -> Iterator[Size]:
     for key, items in (
         ("settings", edition.settings),
         ("effects", edition.effects),
+        ("states", edition.states),
         ("parameters", edition.parameters),
     ):
         yield from (Size(Part.FACTS, (key, item.name), ITEM) for item in items)

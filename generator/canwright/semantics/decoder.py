@@ -57,7 +57,7 @@ class Decoder:
 
     def __init__(self, edition: Edition) -> None:
         self.edition = edition
-        self._routes = {direction: dispatch_plan(edition.messages(direction)).routes for direction in Direction}
+        self._routes = {direction: dispatch_plan(edition, direction).routes for direction in Direction}
         self._of_id: dict[tuple[Direction, int, bool, bool], tuple[Route, int | None] | None] = {}
 
     def identify(self, direction: Direction, frame: CanFrame) -> Identified | Rejection:

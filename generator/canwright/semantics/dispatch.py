@@ -5,13 +5,14 @@ The order of decisions: the id rule, the longest matching keys, the length, the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property, lru_cache, reduce
 from operator import or_
 from typing import NamedTuple
 
-from ..model.message import BitRun, IdRule, Key, Message
+from ..model.edition import Edition
+from ..model.message import BitRun, Direction, IdRule, Key, Message
 from ..model.refusal import Refusal
 from ..model.types import Order
 
@@ -103,10 +104,11 @@ class DispatchPlan:
     routes: tuple[Route, ...]
 
 
-def dispatch_plan(messages: Iterable[Message]) -> DispatchPlan:
-    """The plan for messages of one direction."""
+@lru_cache(maxsize=16)
+def dispatch_plan(edition: Edition, direction: Direction) -> DispatchPlan:
+    """The plan for messages of one direction; cached, because rules and every target ask for it."""
     groups: dict[tuple[IdRule, bool], list[Message]] = {}
-    for message in messages:
+    for message in edition.messages(direction):
         groups.setdefault((message.id, message.remote), []).append(message)
     routes = [_route(rule, remote, group) for (rule, remote), group in groups.items()]
     return DispatchPlan(tuple(sorted(routes, key=lambda route: route.mask.bit_count())))

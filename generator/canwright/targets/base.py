@@ -46,6 +46,8 @@ class CodeExample(NamedTuple):
 
     language: str
     text: str
+    essence: str = ""
+    """The statements of the program that encode and decode, one a line; empty if the program is a single line."""
 
 
 class NameProblem(NamedTuple):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from . import Case, Reader, UnsupportedFileError, Values
+from . import Case, Reader, Values
 
 
 class PythonReader(Reader):
@@ -113,26 +113,4 @@ class Asammdf(PythonReader):
             return results
 
 
-class Qt(PythonReader):
-    name, package, source = "qt", "PySide6", "pip install PySide6-Addons"
-
-    def decode(self, file: Path, cases: Sequence[Case]) -> Sequence[Values]:
-        from PySide6.QtSerialBus import QCanBusFrame, QCanDbcFileParser, QCanFrameProcessor
-
-        parser = QCanDbcFileParser()
-        if not parser.parse(str(file)):
-            raise ValueError(parser.errorString())
-        if parser.warnings():
-            raise UnsupportedFileError(parser.warnings()[0])  # names of negative values, messages without data
-        processor = QCanFrameProcessor()
-        processor.setMessageDescriptions(parser.messageDescriptions())
-        processor.setUniqueIdDescription(QCanDbcFileParser.uniqueIdDescription())
-        results = []
-        for c in cases:
-            frame = QCanBusFrame(c.can_id, c.data)
-            frame.setExtendedFrameFormat(c.extended)
-            results.append({name: float(v) for name, v in processor.parseFrame(frame).signalValues.items()})
-        return results
-
-
-PYTHON: Sequence[Reader] = (Cantools(), Canmatrix(), CanDecoder(), Asammdf(), Qt())
+PYTHON: Sequence[Reader] = (Cantools(), Canmatrix(), CanDecoder(), Asammdf())

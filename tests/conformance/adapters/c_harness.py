@@ -95,6 +95,7 @@ class _Harness:
                 {
                     "enumerator": self._in_c.command(m.command),
                     "layout": self._names(m.layout),
+                    "fields": [self._field(field) for field in m.layout.fields if field.fixed is None],
                     "member": member(self._in_c.short(m.command)),
                 }
                 for m in messages

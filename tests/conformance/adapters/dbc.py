@@ -39,6 +39,7 @@ class DbcAdapter(Adapter):
         "exchanges": "a DBC does not know which reply belongs to which request, nor that a reply echoes it",
         "shared_code": "a code that two commands reply with is read as the reply of the command that has the code",
         "other_value": "the files of a parameter value leave out the commands that it lacks",
+        "unknown_range": "a file is for one value of a parameter, so it has a range that is not checked without the parameter",
         "unnamed": "minimum and maximum leave out no single values, so an encoder takes those without a name",
         "reply_limits": "in a reply file minimum and maximum are all that the bits hold",
         "codes_in_id": "a DBC has ids, and does not know which part of them is a code",
@@ -61,7 +62,7 @@ class DbcAdapter(Adapter):
         for traffic in self._traffics.values():
             for frame in traffic.frames({}):
                 self._left_out |= set(frame.hidden)
-        self._routes = {direction: dispatch_plan(self.edition.messages(direction)).routes for direction in Direction}
+        self._routes = {direction: dispatch_plan(self.edition, direction).routes for direction in Direction}
         self._fixed_in_id = {
             m: [f for f in m.layout.fields if f.space is Space.ID and f.fixed is not None]
             for m in self.edition.all_messages()
@@ -199,6 +200,10 @@ class DbcAdapter(Adapter):
                 f.name for f in message.layout.fields if f.name in given and set(f.type.parameters) - set(parameters)
             )
             return Refused(Refusal.MISSING_PARAMETER, next(undecided, None))
+        if isinstance(result, Refused) and result.says is Refusal.OUT_OF_RANGE:
+            refused = (f for f in message.layout.fields if f.name == result.field)
+            if any(f.type.raw_range.parameter not in (None, *parameters) for f in refused):
+                raise Cannot("unknown_range")
         return result
 
 

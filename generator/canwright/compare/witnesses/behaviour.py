@@ -243,7 +243,9 @@ class Behaviour:
             yield self._made(
                 back, Aspect.IDENTITY, Impact.LOUD, assignment, placed, "received-rejected", facts, (other,)
             )
-        else:
+        elif self._counterparts.of(self._editions[Side.SENDING][1].command(other.reply.command)) is not (
+            self._editions[Side.SENDING][0].command(old.reply.command)
+        ):
             facts["read"] = _whole(old.reply, encoder, placed)
             yield self._made(back, Aspect.IDENTITY, Impact.SILENT, assignment, placed, "received-read", facts, (other,))
 

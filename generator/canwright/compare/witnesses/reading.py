@@ -207,7 +207,7 @@ class _Pair:
             return
         if any(key.role is KeyRole.CONSTANT and key.name == target.name for key in self._transfer.sent.keys):
             return
-        frame = self._frame({})
+        frame = self._unvaried()
         if frame is None:
             return
         text = shown(target, raw_of(target, frame), self._encoder.assignment)
@@ -228,7 +228,7 @@ class _Pair:
         """A constant that the receiver requires and that is not always sent."""
         if source is not None and source.fixed == target.demanded and source.elements == target.elements:
             return
-        frames = [self._frame({})]
+        frames = [self._unvaried()]
         if source is not None and source.fixed is None:
             frames += [frame for _, _, frame in self._frames(source, source, self._encoder)]
         for frame in filter(None, frames):
@@ -245,16 +245,18 @@ class _Pair:
     def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[int, Raw, CanFrame]]:
         """Frames with different raw integers of a field; for an array also the one that differs."""
         nodes = self._transfer.nodes if isinstance(source.role, NodeRole) else None
+        base = candidates.base_raws(encoder, self._transfer.sent, self._node) or self._base
         for raw in candidates.raws(encoder, source, target):
             if nodes is not None and raw not in nodes:
                 continue
-            for given in _spread(source, raw, self._base[source.name]):
-                frame = self._frame({source.name: given})
-                if frame is not None:
+            for given in _spread(source, raw, base[source.name]):
+                frame = encoder.encode_raws(self._transfer.sent, self._node, {**base, source.name: given})
+                if isinstance(frame, CanFrame):
                     yield raw, given, frame
 
-    def _frame(self, raws: Mapping[str, Raw]) -> CanFrame | None:
-        made = self._encoder.encode_raws(self._transfer.sent, self._node, {**self._base, **raws})
+    def _unvaried(self) -> CanFrame | None:
+        """The frame with the first allowed value in each field."""
+        made = self._encoder.encode_raws(self._transfer.sent, self._node, self._base)
         return made if isinstance(made, CanFrame) else None
 
     def _named(self, shown: Fact) -> Fact:

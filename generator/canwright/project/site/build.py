@@ -19,6 +19,7 @@ from ...output.writer import Content, refuse_occupied, write
 LANGUAGES = {"en": "English", "zh": "中文"}
 _TARGET = "site"
 NEEDED = {
+    "babel": "babel<3",
     "sphinx": "sphinx<10",
     "myst_parser": "myst-parser<6",
     "linkify_it": "linkify-it-py<3",
@@ -34,6 +35,8 @@ EXPLORER = "explorer"
 
 DOWNLOADS = "downloads"
 """The folder of the outputs of other targets in the site."""
+HANDOVER = f"{DOWNLOADS}/handover/"
+"""Start of the paths of the documents to hand over."""
 _SINGLE = (".dbc", ".lua")
 """Suffixes of files that are also used on their own."""
 
@@ -45,11 +48,12 @@ class SiteError(Exception):
     """An error that prevents building the site."""
 
 
-def build(docs: Path, site: Path, *, force: bool = False) -> None:
+def build(docs: Path, site: Path, handover: Path | None = None, *, force: bool = False) -> None:
     """Builds the pages below `docs` into `site`, an empty folder or an earlier site, which is replaced at the end.
 
-    The frame explorer and the other outputs are included if the folders beside `docs` contain them. Raises SiteError, also for broken links, and
-    OutputError for other files in `site`. `force` overwrites only pages that were edited by hand.
+    The frame explorer and the other outputs are included if the folders beside `docs` contain them, and the documents in
+    `handover` if there is such a folder. Raises SiteError, also for broken links, and OutputError for other files in
+    `site`. `force` overwrites only pages that were edited by hand.
     """
     refuse_occupied(site, (_TARGET,))
     if docs.resolve() in (site.resolve(), *site.resolve().parents):
@@ -62,7 +66,7 @@ def build(docs: Path, site: Path, *, force: bool = False) -> None:
         raise SiteError(f"required packages are not installed; run: pip install {shlex.join(missing)}")
     _check_data(docs / DATA)
     explorer = _files(docs.parent / "javascript" / EXPLORER)
-    downloads = dict(_downloads(docs.parent))
+    downloads = {**dict(_downloads(docs.parent)), **dict(_documents(handover))}
     with tempfile.TemporaryDirectory() as folder:
         _run_sphinx(docs, Path(folder), languages, bool(explorer), list(downloads))
         files = {
@@ -107,6 +111,14 @@ def _downloads(output: Path) -> Iterator[tuple[str, bytes]]:
     for folder, files in folders.items():
         yield f"{DOWNLOADS}/{folder}.zip", _packed(folder, files)
         yield from ((f"{DOWNLOADS}/{folder}/{path}", data) for path, data in files.items() if path.endswith(_SINGLE))
+
+
+def _documents(handover: Path | None) -> Iterator[tuple[str, bytes]]:
+    """The documents to hand over that canwright wrote into a folder."""
+    if handover is not None and handover.is_dir():
+        for name in sorted(read_manifest(handover).files):
+            if (handover / name).is_file():
+                yield f"{HANDOVER}{name}", (handover / name).read_bytes()
 
 
 def _packed(folder: str, files: Mapping[str, bytes]) -> bytes:

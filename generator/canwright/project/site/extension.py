@@ -12,17 +12,17 @@ from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
 from .build import DATA, EXPLORER
-from .markdown import Alerts, Anchors, Links, SectionIds, TrustedHtml, resolve_links
+from .markdown import Alerts, Anchors, Documents, Links, SectionIds, TrustedHtml, resolve_links
 from .menu import Menu
 
-_SETTINGS = ("docs", "language", "languages", "has_explorer", "downloads", "texts")
+_SETTINGS = ("docs", "language", "languages", "has_explorer", "downloads", "texts", "theme")
 
 
 def setup(app: Sphinx) -> Mapping[str, bool]:
     """Called by Sphinx."""
     for name in _SETTINGS:
         app.add_config_value(f"canwright_{name}", None, "")
-    for transform in (TrustedHtml, Anchors, Alerts, Links, SectionIds):
+    for transform in (TrustedHtml, Anchors, Alerts, Links, Documents, SectionIds):
         app.add_transform(transform)
     app.connect("builder-inited", _without_search_of_sphinx)
     app.connect("doctree-read", _collect)
@@ -38,12 +38,14 @@ def _without_search_of_sphinx(app: Sphinx) -> None:
 
 
 def _collect(app: Sphinx, doctree: nodes.document) -> None:
-    """Notes the links of a page, whose order is that of menus, and its headings, which the search finds."""
+    """Notes the links of a page, whose order is that of menus, and what the search finds: headings, texts of guides."""
     env = app.env
     page = env.metadata[env.docname]
     links = (link["page"] for link in doctree.findall(nodes.reference) if "page" in link)
+    page["orphan"] = True  # menus are not made of toctrees
     page["links"] = list(dict.fromkeys(links))
     sections = list(doctree.findall(nodes.section))
+    page["text"] = doctree.astext() if "/" not in env.docname else ""
     page["headings"] = [(section[0].astext(), section["ids"][0]) for section in sections[1:]]
 
 
@@ -69,6 +71,7 @@ def _add_variables(
     has = {name: (Path(config.canwright_docs) / name / f"{pagename}.md").is_file() for name in others}
     context["site"] = {
         "texts": config.canwright_texts,
+        "theme": config.canwright_theme,
         "page": menu.page(pagename),
         "menu": menu,
         "languages": {name: f"../{name}/{pagename if there else 'index'}.html" for name, there in has.items()},

@@ -24,7 +24,8 @@ def run(settings: dict[str, Any]) -> int:
     docs, folder, language = Path(settings["docs"]), Path(settings["folder"]), settings["language"]
     texts = yaml.safe_load((THEME / "texts.yaml").read_text("utf-8"))[language]
     locales = folder / f"locale-{language}"
-    _write_catalog(locales, _LOCALES[language], texts.pop("theme", {}))
+    theme = texts.pop("theme", {})
+    _write_catalog(locales, _LOCALES[language], theme)
     app = Sphinx(
         srcdir=docs / language,
         confdir=None,
@@ -40,7 +41,6 @@ def run(settings: dict[str, Any]) -> int:
             "myst_gfm_only": True,
             "nitpicky": True,
             "smartquotes": False,
-            "suppress_warnings": ["toc.not_included"],
             "html_theme": "furo",
             "html_title": "canwright",
             "html_favicon": str(THEME / "static" / "favicon.svg"),
@@ -58,6 +58,7 @@ def run(settings: dict[str, Any]) -> int:
             "canwright_has_explorer": settings["has_explorer"],
             "canwright_downloads": settings["downloads"],
             "canwright_texts": texts,
+            "canwright_theme": theme,
         },
         status=None,
         warningiserror=True,

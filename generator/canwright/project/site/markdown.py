@@ -16,7 +16,7 @@ from sphinx.environment import BuildEnvironment
 from sphinx.transforms import SphinxTransform
 from sphinx.util import logging
 
-from .build import DOWNLOADS, EXPLORER
+from .build import DOWNLOADS, EXPLORER, HANDOVER
 
 _ALERTS: dict[str, type[nodes.Element]] = {
     "NOTE": nodes.note,
@@ -32,6 +32,9 @@ _TRUSTED = re.compile(r"<(?:br|/?(?:details|summary|sub|sup|kbd))>")
 
 _CODE_HOST_ONLY = "<!-- Not on the site, which has a switch. -->"
 """The line before a paragraph that the site replaces by its own navigation."""
+
+_DOCUMENTS = "<!-- On the site: the documents to hand over. -->"
+"""The line that the site replaces by links to the documents in the language of the page."""
 
 _FENCE = re.compile(r"\s*(```|~~~)")
 _FOLDER = re.compile(r"\.\./\.\./\w+")
@@ -55,6 +58,8 @@ class TrustedHtml(SphinxTransform):
                 following = raw.next_node(descend=False, siblings=True)
                 if isinstance(following, nodes.paragraph):
                     following.parent.remove(following)
+            if text == _DOCUMENTS:
+                continue
             if text.startswith("<!--") and text.find("-->") == len(text) - 3:
                 raw.parent.remove(raw)
             elif not (_TRUSTED.fullmatch(text) or _ANCHOR.fullmatch(text) or text == "</a>"):
@@ -117,7 +122,7 @@ class Links(SphinxTransform):
             target = posixpath.normpath(posixpath.join(posixpath.dirname(docname), path))
             if ":" in path or path.startswith("/"):
                 continue
-            if target in (f"../{EXPLORER}/index.html", f"../../javascript/{EXPLORER}/index.html"):
+            if target == f"../../javascript/{EXPLORER}/index.html":
                 self._link_or_text(link, f"{EXPLORER}/index.html" if self.config.canwright_has_explorer else "")
             elif _FOLDER.fullmatch(target):
                 self._link_folder(link, target.rpartition("/")[2])
@@ -148,6 +153,35 @@ class Links(SphinxTransform):
         else:
             packed = f"{DOWNLOADS}/{folder}.zip"
             self._link_or_text(link, packed if packed in files else "")
+
+
+class Documents(SphinxTransform):
+    """Lists the documents to hand over, where a page has the line for them."""
+
+    default_priority = 235
+
+    def apply(self, **kwargs: object) -> None:
+        for raw in [raw for raw in self.document.findall(nodes.raw) if raw.astext().strip() == _DOCUMENTS]:
+            raw.replace_self(self._documents())
+
+    def _documents(self) -> list[nodes.Element]:
+        """A list with an item for each edition; empty without documents."""
+        end = f"-{self.config.canwright_language}"
+        of_edition: dict[str, list[str]] = {}
+        for file in self.config.canwright_downloads:
+            stem, _, suffix = file.removeprefix(HANDOVER).rpartition(".")
+            if file.startswith(HANDOVER) and stem.endswith(end):
+                of_edition.setdefault(stem.removesuffix(end), []).append(suffix)
+        items = [nodes.list_item("", self._links(name, end, found)) for name, found in of_edition.items()]
+        return [nodes.bullet_list("", *items)] if items else []
+
+    @staticmethod
+    def _links(name: str, end: str, suffixes: list[str]) -> nodes.paragraph:
+        line = nodes.paragraph("", "", nodes.Text(f"{name}: "))
+        for i, suffix in enumerate(suffixes):
+            file = quoted(f"../{HANDOVER}{name}{end}.{suffix}")
+            line += [*([nodes.Text(" · ")] if i else []), nodes.reference("", suffix.upper(), refuri=file)]
+        return line
 
 
 def resolve_links(env: BuildEnvironment, builder: Builder, document: nodes.document, docname: str) -> None:

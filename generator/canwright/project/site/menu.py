@@ -110,12 +110,16 @@ class Menu:
         """The pages before and after a page, within an edition."""
         return self._neighbours.get(name, (None, None))
 
+    def _searched(self, name: str) -> Mapping[str, Any]:
+        noted = self._metadata.get(name, {})
+        return {"headings": noted.get("headings", []), "text": " ".join(noted.get("text", "").split())}
+
     def index(self) -> Mapping[str, Any]:
-        """What the search finds: records of the editions, and titles and headings of the other pages."""
+        """What the search finds: records of the editions; titles, headings and texts of the other pages."""
         return {
             "synonyms": self._synonyms,
             "pages": {
-                name: {"title": self._item(name).text, "headings": self._metadata.get(name, {}).get("headings", [])}
+                name: {"title": self._item(name).text, **self._searched(name)}
                 for name in self._titles
                 if name not in self._commands
             },

@@ -12,7 +12,7 @@ from jinja2 import Environment, Template
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import PACKAGE_VERSION, Output, Specification, WorkedExchange
+from ..base import PACKAGE_VERSION, CodeExample, Output, Specification, WorkedExchange
 from .command_example import command_example
 from .cxx import cxx_example, cxx_view
 from .examples import example
@@ -93,10 +93,12 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
         yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
 
 
-def program(edition: Edition, worked: WorkedExchange) -> str:
+def program(edition: Edition, worked: WorkedExchange) -> CodeExample:
     """A program that encodes the request of a command and decodes its reply."""
     x = command_example(edition, worked)
-    return fold(_program_template().render(e=x.e, x=x))
+    calls = [call for side in (x.request, x.reply) if side for call in side.calls]
+    lines = [f"status = {call.function}({arguments(call.arguments)});" for call in calls]
+    return CodeExample("c", fold(_program_template().render(e=x.e, x=x)), "\n".join(lines))
 
 
 @functools.cache

@@ -110,7 +110,7 @@ def routes(
     printer = _Printer(names, edition, views, unpack)
     return [
         _route(edition, views, direction, route, printer.node(route.then))
-        for route in dispatch_plan(edition.messages(direction)).routes
+        for route in dispatch_plan(edition, direction).routes
     ]
 
 

@@ -38,7 +38,7 @@ def address_filter(edition: Edition, address: Address, direction: Direction) -> 
     """The filter for the messages of an address; there is at least one."""
     rule = address.rule(direction)
     kind, width = (EXTENDED, EXTENDED_BITS) if rule.extended else (0, STANDARD_BITS)
-    messages = [m for m in edition.messages(direction) if m.address == address.name]
+    messages = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
     patterns = [pattern for message in messages for pattern in _patterns(message)]
     values = [value for value, _ in patterns]
     mask = (EXTENDED | REMOTE | width) & ~(_differing(values) | reduce(or_, (free for _, free in patterns)))

@@ -14,12 +14,20 @@ from . import bits
 from .choices import Branch, parameter_access
 from .comments import errata, field_facts
 from .names import Names, member
+from .numbers import integer
 from .text import english, literal, with_deprecation
 from .types import TypeView
 
 T = TypeVar("T")
 Types = Mapping[str, TypeView]
 """The types that fields use, by their name in C."""
+
+
+class Place(NamedTuple):
+    """A member, or an element of one, and its bytes in the struct, where an integer is aligned to its size."""
+
+    name: str
+    bytes: frozenset[int]
 
 
 class MemberView(NamedTuple):
@@ -79,6 +87,7 @@ class LayoutView:
     title: str
     doc: tuple[str, ...]
     members: tuple[MemberView, ...]
+    places: tuple[Place, ...]
     has_fields: bool
     depends: bool
     check: Body[FieldCheck]
@@ -112,11 +121,13 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
     shared = {byte for message in edition.of_layout(layout) for byte in bits.key_bytes(message.keys)}
     members = {f.name: member(f.name) for f in layout.fields}
     facts = errata(edition, layout.path) if layout.shared else []
+    stored = [f for f in layout.fields if f.fixed is None]
     return LayoutView(
         name=names.lower(layout.name),
         title=english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
         doc=tuple(text for text in (english(layout.about), *facts) if text),
-        members=tuple(_member(names, layout, f, types) for f in layout.fields if f.fixed is None),
+        members=tuple(_member(names, layout, f, types) for f in stored),
+        places=tuple(_places(stored)),
         has_fields=bool(layout.fields),
         depends=layout.parameter is not None,
         check=_ordered_body(names, layout, lambda variant: _checks(names, layout, variant, types)),
@@ -131,6 +142,22 @@ def _member(names: Names, layout: Layout, field: Field, types: Types) -> MemberV
     length = f"[{len(field.elements)}]" if field.is_array else ""
     doc = with_deprecation(field_facts(field, layout.parameter, type_.use, type_.facts), field.deprecated)
     return MemberView(type_.kind, member(field.name) + length, doc)
+
+
+def _numbers(field: Field) -> list[str]:
+    """The numbers that a member has: itself, or each element of an array."""
+    name = member(field.name)
+    return [f"{name}[{number}]" for number in range(len(field.elements))] if field.is_array else [name]
+
+
+def _places(fields: Iterable[Field]) -> Iterator[Place]:
+    end = 0
+    for field in fields:
+        size = integer(field.type).width // 8
+        for number in _numbers(field):
+            start = -(-end // size) * size
+            end = start + size
+            yield Place(number, frozenset(range(start, end)))
 
 
 def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:
@@ -164,9 +191,9 @@ def _reads(layout: Layout, variant: Variant) -> Iterator[FieldRead]:
         if field.demanded is not None and field.only and field in variant.fields:
             yield FieldRead(constant_differs=bits.constant_differs(field))
         elif field.fixed is None:
-            for number, element in enumerate(field.elements):
+            for number, element in zip(_numbers(field), field.elements, strict=True):
                 value = bits.read_field(field, element.segments) if field in variant.fields else "0"
-                yield FieldRead(member=member(field.name) + (f"[{number}]" if field.is_array else ""), value=value)
+                yield FieldRead(member=number, value=value)
 
 
 def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:

@@ -26,10 +26,13 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
 
 
 def _headers(edition: Edition) -> Iterator[NameProblem]:
-    """Headers in place of those of the C library, of Arduino, or of those that every family has."""
+    """Headers in place of those of the C library, of Arduino, or of those that every family has; a reserved namespace."""
     family, file = edition.family, edition.identifier
     if family in HEADERS:
         text = f"the header `{family}.h` for Arduino would replace a header of the C library or of Arduino"
+        yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
+    if family == "std":
+        text = "names in the C++ namespace `std` are reserved for the standard library"
         yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
     if f"{file.lower()}.h" in SHARED:
         text = f"the C library already contains a header `{file.lower()}.h`"

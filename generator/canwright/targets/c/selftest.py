@@ -204,7 +204,7 @@ class _SelfTest:
         any_ = next(d for d in self._view.directions if d.word == message.direction.value)
         same = [f"{any_.word}.command == {enumerator}", f"{any_.word}.node == result->node"]
         if frame.struct:
-            content = next(one for _, one in any_.members if one.command == enumerator)
+            content = any_.by_command[enumerator]
             wanted = f"&wanted.{_table(message.layout)}"
             same.append(f"{frame.layout.name}_matches(&{any_.word}.as.{content.member}, {wanted})")
         return MessageCase(

@@ -31,7 +31,7 @@ class CTarget(Target):
         return exported_names(edition)
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
-        return CodeExample("c", program(edition, worked))
+        return program(edition, worked)
 
 
 TARGET = CTarget()

@@ -121,7 +121,7 @@ def defines(macros: Sequence[Defined]) -> str:
 
 
 _NO_CODE = ("#", "/*", "* ", "*/")
-_FOLD = re.compile(r"(?<=,) | (?=(?:&&|\|\||\|) )")
+_FOLD = re.compile(r"((?<=,) | (?=(?:&&|\|\||\|) ))")
 
 
 def _folded(line: str) -> str:
@@ -129,11 +129,10 @@ def _folded(line: str) -> str:
     if code.startswith(_NO_CODE):
         return line
     margin = " " * (len(line) - len(code) + 4)
-    first, *parts = _FOLD.split(line)
-    separators = _FOLD.findall(line)
-    head, parenthesis, rest = first.partition("(")
-    lines = [head + parenthesis, margin + rest] if line == code and parenthesis else [first]
-    for separator, part in zip(separators, parts, strict=True):
+    first, *rest = _FOLD.split(line)
+    head, parenthesis, argument = first.partition("(")
+    lines = [head + parenthesis, margin + argument] if line == code and parenthesis else [first]
+    for separator, part in zip(rest[::2], rest[1::2], strict=True):
         if len(lines[-1]) + 1 + len(part) > WIDTH:
             lines.append(margin + part)
         else:

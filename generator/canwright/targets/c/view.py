@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from ...model import formatting
@@ -113,43 +116,67 @@ class ContentsView(NamedTuple):
         return self.commands[0].member
 
 
-class DirectionView(NamedTuple):
-    """Any message of one direction. `without_node` are the commands whose id contains no node."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DirectionView:
+    """Any message of one direction.
+
+    `without_node` are the commands whose id contains no node. `without_fields` is true if some commands have no fields.
+    """
 
     word: str
     identify: tuple[RouteView, ...]
     decode: tuple[RouteView, ...]
     contents: tuple[ContentsView, ...]
     without_node: tuple[str, ...]
+    without_fields: bool
 
-    @property
+    @cached_property
+    def cleared(self) -> list[str]:
+        """Fields of the union that cover all its bytes that some commands do not write; those of large structs first."""
+        written = {content: _all_bytes(content.layout) for content in self.shown}
+        everywhere = [*written.values(), *([frozenset[int]()] if self.without_fields else [])]
+        missing = frozenset[int]().union(*everywhere).difference(frozenset.intersection(*everywhere))
+        found = []
+        for content in sorted(written, key=lambda content: len(written[content]), reverse=True):
+            for place in content.layout.places:
+                if missing & place.bytes:
+                    found.append(f"{content.member}.{place.name}")
+                    missing -= place.bytes
+        return found
+
+    @cached_property
     def members(self) -> list[tuple[LayoutView, ContentView]]:
         """The members of the union: a struct and its command."""
         return [(some.layout, one) for some in self.contents if some.layout.members for one in some.commands]
 
-    @property
+    @cached_property
+    def by_command(self) -> Mapping[str, ContentView]:
+        """The members of the union by command."""
+        return {one.command: one for _, one in self.members}
+
+    @cached_property
     def depends(self) -> bool:
         return any(content.layout.depends for content in self.contents)
 
-    @property
+    @cached_property
     def shown(self) -> list[ContentsView]:
         """The contents that have something to print."""
         return [content for content in self.contents if content.layout.members]
 
-    @property
+    @cached_property
     def has_nodes(self) -> bool:
         return any(route.rule.has_nodes for route in self.decode)
 
-    @property
+    @cached_property
     def show_parameters(self) -> bool:
         return self.depends or any(content.layout.show_parameters for content in self.shown)
 
-    @property
+    @cached_property
     def checked(self) -> list[ContentsView]:
         """The contents that have something to check."""
         return [content for content in self.contents if content.layout.has_check]
 
-    @property
+    @cached_property
     def check_parameters(self) -> bool:
         return any(content.layout.check_parameters for content in self.contents)
 
@@ -214,7 +241,9 @@ class EditionView(NamedTuple):
         return any(answer.uses_from for answer in self.answers)
 
 
+@lru_cache(maxsize=4)
 def edition_view(edition: Edition) -> EditionView:
+    """Everything that the templates of an edition print; cached, because examples on pages use it, too."""
     names = Names(edition)
     used = layouts(edition)
     messages = Messages(names, edition)
@@ -388,7 +417,13 @@ def _direction(
         decode=tuple(routes(names, edition, messages, direction, unpack)),
         contents=tuple(some.values()),
         without_node=tuple(names.command(m.command) for m in edition.messages(direction) if not m.id.nodes),
+        without_fields=any(not views[m.layout].members for m in edition.messages(direction)),
     )
+
+
+def _all_bytes(layout: LayoutView) -> frozenset[int]:
+    """The bytes of a struct without padding."""
+    return frozenset(itertools.chain(*(place.bytes for place in layout.places)))
 
 
 def _unpack(direction: Direction, content: ContentsView) -> UnpackView:

@@ -143,7 +143,7 @@ def route_views(
     edition: Edition, direction: Direction, numbers: Mapping[Message, int]
 ) -> Sequence[tuple[dispatch.Route, NodeView]]:
     """The routes of one direction in the order in which they are tried, each with its tree."""
-    routes = dispatch.dispatch_plan(edition.messages(direction)).routes
+    routes = dispatch.dispatch_plan(edition, direction).routes
     return [(route, _node(route.then, numbers)) for route in routes]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Sequence
 
 from ...diagnostics.diagnostic import DocumentPath
@@ -54,14 +55,19 @@ class DbcTarget(TargetWithOptions):
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:
         frame, command = worked.reply, worked.command
-        lengths = {message.dlc for message in edition.messages(Direction.REPLY)}
-        if frame is None or frame.remote or command.entry is not None or len(lengths) > 1:
+        if frame is None or frame.remote or command.entry is not None or _has_several_lengths(edition):
             return None  # a terminal cannot decode tables and frames of several lengths in one line
         file = reply_file(edition, worked.parameters)
         digits = 8 if frame.extended else 3
         line = f"can0 {frame.id:0{digits}X} [{len(frame.data)}] {frame.data.hex(' ').upper()}"
         text = f"echo '{line}' | cantools decode --single-line {file}.dbc"
         return CodeExample("sh", text) if file else None
+
+
+@functools.lru_cache(maxsize=4)
+def _has_several_lengths(edition: Edition) -> bool:
+    """Whether replies have different numbers of data bytes."""
+    return len({message.dlc for message in edition.messages(Direction.REPLY)}) > 1
 
 
 TARGET = DbcTarget()

@@ -23,7 +23,7 @@ from .pages import Pages
 from .site_data import FILE, site_data
 from .tables import Labels
 
-_PAGES = ("types", "parameters", "errata", "bus")
+_PAGES = ("types", "parameters", "errata", "bus", "states")
 _GUIDES = (
     *("quickstart", "which-edition", "new-edition", "bus-load", "dbc-import", "downloads", "glossary"),
     *("own-protocol", "assurance", "benchmarks"),
@@ -142,7 +142,7 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
     }
     view = {**book.view, **about}
     yield Output(f"{folder}/index.md", env.get_template("overview.md.j2").render(view, **pages.overview()))
-    for name in _PAGES:
+    for name in _PAGES if edition.states else _PAGES[:-1]:
         yield Output(f"{folder}/{name}.md", env.get_template(f"{name}.md.j2").render(view, **pages.types()))
     template = env.get_template("command.md.j2")
     for sheet in common.sheets:

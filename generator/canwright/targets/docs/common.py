@@ -63,6 +63,7 @@ class Program(NamedTuple):
     title: str
     language: str
     text: str
+    essence: str
 
 
 class Sheet(NamedTuple):
@@ -143,7 +144,7 @@ class Common:
         for target in targets() if exchange else ():
             made = target.example(self.edition, exchange) if exchange else None
             if made is not None:
-                yield Program(target.title, made.language, made.text)
+                yield Program(target.title, made.language, made.text, made.essence)
 
     def _side(self, command: Command, direction: Direction, frames: Sequence[Any]) -> Side | None:
         """One direction of a command; None if the command has no frame in that direction."""

@@ -109,8 +109,10 @@ def _load(edition: Edition, language: str) -> Mapping[str, Any]:
     groups: dict[str, Command] = {}
     for command in edition.commands:
         groups.setdefault(command.group, command)
+    first = next((c for c in groups.values() if all(m and m.layout.fields for m in (c.request, c.reply))), None)
     return {
         "edition": f"{edition.family} {edition.name}",
+        "usual": list(groups.values()).index(first) if first else 0,
         "rates": rates or [1000, 500, 250, 125],
         "replyMs": None if within is None else float(within),
         "nodes": edition.bus.max_nodes or 1,
@@ -118,6 +120,7 @@ def _load(edition: Edition, language: str) -> Mapping[str, Any]:
             {
                 "name": command.group,
                 "title": command.group_title[language],
+                "perNode": command.request is None or command.request.id.nodes is not None,
                 "request": message_bits(command.request) if command.request else None,
                 "reply": message_bits(command.reply) if command.reply else None,
                 "replies": (len(command.from_each) or 1) if command.reply else 0,
@@ -142,6 +145,7 @@ def words(edition: Edition, labels: Mapping[str, str]) -> Iterator[Word]:
         ("parameter", edition.parameters),
         ("setting", edition.settings),
         ("effect", edition.effects),
+        ("state", edition.states),
         ("mode", edition.bus.modes),
     )
     for kind, items in kinds:

@@ -32,9 +32,9 @@ def command_link(edition: Edition, name: str) -> str:
 
 
 def explorer_link(edition: str, frame: GoldenFrame) -> str:
-    """The frame explorer of the site with a frame, from the page of a command; the site removes it without explorer."""
+    """The frame explorer with a frame, from the page of a command; the site has a copy of it, or removes the link."""
     state = {"frame": formatting.sent(frame), "edition": edition, "direction": frame.direction.value}
-    return f"../../../explorer/index.html#{urlencode(state, quote_via=quote)}"
+    return f"../../../../javascript/explorer/index.html#{urlencode(state, quote_via=quote)}"
 
 
 def pages_of(edition: Edition, names: Sequence[str]) -> Mapping[str, str]:
@@ -42,8 +42,7 @@ def pages_of(edition: Edition, names: Sequence[str]) -> Mapping[str, str]:
     found: dict[str, str] = {}
     listed = set(names)
     for command in (edition.command(name) for name in names):
-        forms = [one.name for one in edition.commands if one.group == command.group]
-        if command.entry is None or listed >= set(forms):
+        if command.entry is None or listed.issuperset(one.name for one in edition.forms(command.group)):
             found[command.group] = f"{command.group}.md"
         else:
             found[command.name] = command_page(command)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.message import Address, Command, Direction
-from ...model.metadata import Effect, Erratum, Level
+from ...model.metadata import Effect, Erratum, Level, State
 from ...templating.markup import code, markdown
 from . import tables
 from .common import Common, Drawn, Form, Sheet, Side
 from .examples import Example, sources
-from .links import pages_of
+from .links import COMMANDS, pages_of
 from .overview import overview
 from .tables import Labels, Row
 
@@ -143,10 +143,33 @@ class Pages:
         found = [one.reply.id for one in commands if one.reply] if commands else [address.reply]
         return list(dict.fromkeys(code(formatting.id_rule(rule)) for rule in found))
 
-    def commands_with(self, effect: Effect) -> Mapping[str, str]:
-        """Names and pages of the commands that have an effect."""
-        edition = self._common.edition
-        return pages_of(edition, [one.name for one in edition.commands if effect in one.effects])
+    def commands_with(self, effect: Effect) -> str:
+        """Links to the commands that have an effect, from a page of the edition."""
+        return self._links([one.name for one in self._common.edition.commands if effect in one.effects])
+
+    def links(self, groups: Sequence[str]) -> str:
+        """Links to commands by the names of their groups, from a page of the edition."""
+        return self._links([one.name for group in groups for one in self._common.groups[group]])
+
+    def _links(self, names: Sequence[str]) -> str:
+        links = pages_of(self._common.edition, names).items()
+        return self._labels["listed"].join(f"[{markdown(name)}]({COMMANDS}{page})" for name, page in links)
+
+    @property
+    def prevented(self) -> Collection[Effect]:
+        """Effects that depend on the state of the node."""
+        return {effect for state in self._common.edition.states for effect in state.prevents}
+
+    def states_after(self, command: Command) -> Sequence[State]:
+        """The states that a command leads to."""
+        return [state for state in self._common.edition.states if command.group in state.entered_by]
+
+    def states_without(self, effects: Sequence[Effect]) -> Iterator[tuple[State, Sequence[Effect]]]:
+        """The states in which some of these effects do not occur, with those."""
+        for state in self._common.edition.states:
+            absent = [effect for effect in effects if effect in state.prevents]
+            if absent:
+                yield state, absent
 
     def types(self) -> Mapping[str, Any]:
         """The page of types."""

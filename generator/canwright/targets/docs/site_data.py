@@ -15,6 +15,7 @@ from ...model.message import Command, Direction, IdRule, Message
 from ...model.types import Type
 from ...templating import resources
 from .links import COMMANDS, command_page
+from .tables import index
 
 FILE = "site.json"
 
@@ -63,6 +64,7 @@ def _records(edition: Edition) -> Iterator[Record]:
         ("parameter", "parameters", edition.parameters),
         ("setting", "index", edition.settings),
         ("mode", "bus", edition.bus.modes),
+        ("state", "states", edition.states),
         ("table", "index", edition.tables),
     ):
         for item in items:
@@ -94,11 +96,19 @@ def _commands(edition: Edition) -> Iterator[Record]:
             "code": ", ".join(dict.fromkeys(code for form in forms for code in _codes(form))),
             "title": dict(first.group_title),
             "about": dict(first.about),
+            "notes": [dict(note) for note in first.notes],
             "pages": [page_of(first).partition("#")[0]],
         }
         for form in forms:
             if form.entry:
-                yield {"kind": "entry", "name": form.name, "title": dict(form.title), "pages": [page_of(form)]}
+                key = index(form.request or form.reply)
+                yield {
+                    "kind": "entry",
+                    "name": form.name,
+                    "code": key,
+                    "title": dict(form.title),
+                    "pages": [page_of(form)],
+                }
 
 
 def _codes(command: Command) -> Sequence[str]:
@@ -140,7 +150,7 @@ def _fields(edition: Edition) -> Iterator[Record]:
                 found.setdefault(key, (field, {}))[1][page_of(command)] = None
     for field, pages in found.values():
         unit = field.type.unit
-        units = [unit.symbol, *unit.title.values()] if unit else []
+        units = [unit.symbol, unit.name, *unit.title.values()] if unit else []
         yield {"kind": "field", "name": field.name, "title": dict(field.title), "units": units, "pages": list(pages)}
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
@@ -64,8 +65,10 @@ def double(number: Fraction | int) -> Code:
 
 def printed(value: Value, indent: int = 0) -> str:
     """A value on one line if it fits, else with one entry per line."""
-    line = _flat(value)
-    if indent + len(line) + 20 <= WIDTH or not isinstance(value, (Mapping, list, tuple)):
+    if value is None or isinstance(value, (str, int, float, Fraction)):
+        return _scalar(value)
+    line = _flat(value, WIDTH - 20 - indent)
+    if line is not None:
         return line
     margin = " " * (indent + 2)
     opening, closing = "{}" if isinstance(value, Mapping) else "[]"
@@ -73,13 +76,22 @@ def printed(value: Value, indent: int = 0) -> str:
     return f"{opening}\n{''.join(lines)}{' ' * indent}{closing}"
 
 
-def _flat(value: Value) -> str:
-    if isinstance(value, Mapping):
-        inner = ", ".join(name + _flat(item) for name, item in _entries(value))
-        return f"{{ {inner} }}" if inner else "{}"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(_flat, value))}]"
-    return _scalar(value)
+def _flat(value: Mapping[str, Value] | Sequence[Value], room: int) -> str | None:
+    """A mapping or a list on one line; None if it has more than `room` characters."""
+    parts: list[str] = []
+    left = room
+    for name, item in _entries(value):
+        if item is None or isinstance(item, (str, int, float, Fraction)):
+            part: str | None = _scalar(item)
+        else:
+            part = _flat(item, left)
+        left -= len(name) + len(part or "")
+        if part is None or left < 0:
+            return None
+        parts.append(name + part)
+    inner = ", ".join(parts)
+    line = f"[{inner}]" if not isinstance(value, Mapping) else f"{{ {inner} }}" if inner else "{}"
+    return line if len(line) <= room else None
 
 
 def _scalar(value: object) -> str:
@@ -94,12 +106,13 @@ def _scalar(value: object) -> str:
     return "null" if value is None else repr(value)
 
 
-def _entries(value: Mapping[str, Value] | Sequence[Value]) -> list[tuple[str, Value]]:
+def _entries(value: Mapping[str, Value] | Sequence[Value]) -> Iterator[tuple[str, Value]]:
     if isinstance(value, Mapping):
-        return [(f"{key(name)}: ", item) for name, item in value.items() if item is not None]
-    return [("", item) for item in value]
+        return ((f"{key(name)}: ", item) for name, item in value.items() if item is not None)
+    return (("", item) for item in value)
 
 
+@functools.lru_cache(maxsize=1 << 12)
 def key(name: str) -> str:
     """The name of a property, in quotes where it has to be."""
     return name if _NAME.fullmatch(name) else quoted(name)

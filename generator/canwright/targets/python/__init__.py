@@ -11,7 +11,7 @@ from jinja2 import Environment
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import PACKAGE_VERSION, Output, Specification, WorkedExchange
+from ..base import PACKAGE_VERSION, CodeExample, Output, Specification, WorkedExchange
 from . import code, text
 from .command_example import command_example
 from .examples import example
@@ -41,9 +41,12 @@ def generate(specifications: Sequence[Specification], set_parameters: Assignment
         yield Output(path, module.render(module_view(item.edition)))
 
 
-def program(edition: Edition, worked: WorkedExchange) -> str:
+def program(edition: Edition, worked: WorkedExchange) -> CodeExample:
     """A program that encodes the request of a command and decodes its reply."""
-    return _environment().get_template("command_example.py.j2").render(x=command_example(edition, worked))
+    x = command_example(edition, worked)
+    calls = [code.laid_out(side.call) for side in (x.request, x.reply) if side]
+    program = _environment().get_template("command_example.py.j2").render(x=x)
+    return CodeExample("python", program, "\n".join([x.imports, *calls]))
 
 
 @functools.cache

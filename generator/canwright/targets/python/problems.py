@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import sys
 from collections.abc import Iterator
 
@@ -45,8 +46,15 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
 
 
 def _modules(edition: Edition) -> Iterator[NameProblem]:
-    """Packages that hide another package, and modules in place of those that every package contains."""
+    """Names that `import` cannot have, packages that hide another, modules in place of those of every package."""
     family, module = edition.family, edition.identifier
+    if keyword.iskeyword(family):
+        text = f"the Python package `{family}` cannot be imported, because `{family}` is a keyword of Python"
+        yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
+    if keyword.iskeyword(module) or not module.isidentifier():
+        reason = "is a keyword of Python" if module.isidentifier() else "starts with a digit"
+        text = f"the Python module `{module}` cannot be imported, because `{module}` {reason}"
+        yield NameProblem(("edition",), text, f"choose another name, for example v{edition.name}")
     if family in STANDARD_LIBRARY or family in PACKAGES:
         owner = "of the standard library" if family in STANDARD_LIBRARY else "that other programs need"
         text = f"the Python package `{family}` would replace the module `{family}` {owner}"

@@ -92,7 +92,7 @@ class Readers:
 
 def route_views(edition: Edition, direction: Direction, readers: Readers) -> Iterator[RouteView]:
     """The routes of one direction, in the order in which they are tried."""
-    for route in dispatch.dispatch_plan(edition.messages(direction)).routes:
+    for route in dispatch.dispatch_plan(edition, direction).routes:
         shortest = min(_shortest(message) for message in route.messages)
         yield RouteView(
             base=route.rule.base,
@@ -134,7 +134,7 @@ def decoded_classes(edition: Edition, direction: Direction) -> list[str]:
 
 def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
     """The answers of every command with a request and a reply."""
-    routes = dispatch.dispatch_plan(edition.messages(Direction.REPLY)).routes
+    routes = dispatch.dispatch_plan(edition, Direction.REPLY).routes
     masks = {(route.rule, route.remote): route.mask for route in routes}
     for command in edition.commands:
         if command.request is None or command.reply is None:

@@ -50,7 +50,7 @@ class PythonTarget(Target):
         yield from ((("effects", effect.name), f'"{effect.name}"') for effect in edition.effects)
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
-        return CodeExample("python", program(edition, worked))
+        return program(edition, worked)
 
 
 TARGET = PythonTarget()

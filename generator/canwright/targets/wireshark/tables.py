@@ -119,7 +119,7 @@ class EditionTables:
         }
 
     def _routes(self, direction: Direction) -> Iterator[Table]:
-        for route in dispatch.dispatch_plan(self._edition.messages(direction)).routes:
+        for route in dispatch.dispatch_plan(self._edition, direction).routes:
             yield {**_rule(route.rule, route.remote, route.mask), "plan": self._plan(route.then)}
 
     def _plan(self, node: dispatch.Node) -> Value:

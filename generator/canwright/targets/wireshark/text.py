@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
@@ -64,19 +64,29 @@ def printed(value: Value, indent: int = 0) -> str:
     """A value on one line if it fits, else with one entry per line."""
     if isinstance(value, (str, int, float)) or value is None:
         return _scalar(value)
-    flat = [_entry(name, _flat(item)) for name, item in _entries(value)]
-    line = "{" + ", ".join(flat) + "}"
-    if indent + len(line) + 20 <= WIDTH:
+    line = _flat(value, WIDTH - 20 - indent)
+    if line is not None:
         return line
     margin = " " * (indent + 4)
-    lines = (f"{margin}{_entry(name, printed(item, indent + 4))},\n" for name, item in _entries(value))
+    lines = (f"{margin}{_name(name)}{printed(item, indent + 4)},\n" for name, item in _entries(value))
     return "{\n" + "".join(lines) + " " * indent + "}"
 
 
-def _flat(value: Value) -> str:
-    if isinstance(value, (str, int, float)) or value is None:
-        return _scalar(value)
-    return "{" + ", ".join(_entry(name, _flat(item)) for name, item in _entries(value)) + "}"
+def _flat(value: Table | Sequence[Value], room: int) -> str | None:
+    """A table on one line; None if it has more than `room` characters."""
+    parts: list[str] = []
+    left = room
+    for name, item in _entries(value):
+        if isinstance(item, (str, int, float)) or item is None:
+            part: str | None = _scalar(item)
+        else:
+            part = _flat(item, left)
+        left -= len(part or "")
+        if part is None or left < 0:
+            return None
+        parts.append(_name(name) + part)
+    line = "{" + ", ".join(parts) + "}"
+    return line if len(line) <= room else None
 
 
 def _scalar(value: str | float | None) -> str:
@@ -89,15 +99,16 @@ def _scalar(value: str | float | None) -> str:
     return "nil" if value is None else repr(value)
 
 
-def _entries(value: Table | Sequence[Value]) -> list[tuple[str | int | None, Value]]:
+def _entries(value: Table | Sequence[Value]) -> Iterator[tuple[str | int | None, Value]]:
     if isinstance(value, Mapping):
-        return [(name, item) for name, item in value.items() if item is not None]
-    return [(None, item) for item in value]
+        return ((name, item) for name, item in value.items() if item is not None)
+    return ((None, item) for item in value)
 
 
-def _entry(name: str | int | None, item: str) -> str:
+def _name(name: str | int | None) -> str:
+    """The start of an entry."""
     if name is None:
-        return item
+        return ""
     if isinstance(name, str) and _NAME.fullmatch(name) and name not in _KEYWORDS:
-        return f"{name} = {item}"
-    return f"[{_scalar(name)}] = {item}"
+        return f"{name} = "
+    return f"[{_scalar(name)}] = "

@@ -1,13 +1,22 @@
 // The bus load calculator: reads the data and the form of its page, and uses no network.
 "use strict";
 
-/** The load in percent, the time of one cycle in ms, and the highest rate in Hz, with as many stuff bits as there can be. */
-function busLoad(command, nodes, rateHz, kbps, replyMs) {
-  const request = command.request ? command.request[1] : 0;
-  const reply = command.reply ? command.reply[1] * command.replies : 0;
-  const bits = nodes * (request + reply);
-  const cycleMs = bits / kbps + (command.request && command.reply ? nodes * (replyMs || 0) : 0);
-  return { load: (bits * rateHz) / (kbps * 10), cycleMs, maximumHz: cycleMs > 0 ? 1000 / cycleMs : 0 };
+/**
+ * The load in percent, the time to send every command once in ms, and the highest rate of that in Hz, with as many stuff
+ * bits as there can be. `rows` have a command and a rate; a command is sent once to each node, or once to all of them.
+ */
+function busLoad(rows, nodes, kbps, replyMs) {
+  let load = 0;
+  let cycleMs = 0;
+  for (const { command, rateHz } of rows) {
+    const times = command.perNode ? nodes : 1;
+    const request = command.request ? command.request[1] : 0;
+    const reply = command.reply ? command.reply[1] * command.replies : 0;
+    const bits = times * (request + reply);
+    load += (bits * rateHz) / (kbps * 10);
+    cycleMs += bits / kbps + (command.request && command.reply ? times * (replyMs || 0) : 0);
+  }
+  return { load, cycleMs, maximumHz: cycleMs > 0 ? 1000 / cycleMs : 0 };
 }
 
 function fill(select, values, label) {
@@ -17,12 +26,15 @@ function fill(select, values, label) {
 function start(data) {
   const field = (name) => document.getElementById(name);
   const edition = () => data[Number(field("edition").value)];
+  const rows = () => [...field("rows").children];
   const update = () => {
     const one = edition();
     const found = busLoad(
-      one.commands[Number(field("command").value)],
+      rows().map((row) => ({
+        command: one.commands[Number(row.querySelector("select").value)],
+        rateHz: Math.max(0, Number(row.querySelector("input").value)),
+      })),
       Math.max(1, Number(field("nodes").value)),
-      Math.max(0, Number(field("rate").value)),
       one.rates[Number(field("bitrate").value)],
       Number(field("reply").value),
     );
@@ -30,18 +42,32 @@ function start(data) {
     field("cycle").textContent = found.cycleMs.toFixed(3) + " ms";
     field("maximum").textContent = found.maximumHz.toFixed(0) + " Hz";
     field("load").className = found.load > 70 ? "high" : "";
+    rows().forEach((row) => (row.querySelector("button").hidden = rows().length === 1));
+  };
+  const add = () => {
+    const row = field("row").content.firstElementChild.cloneNode(true);
+    const one = edition();
+    fill(row.querySelector("select"), one.commands, (command) => command.name + " · " + command.title);
+    row.querySelector("select").value = String(one.usual);
+    row.querySelector("button").addEventListener("click", () => {
+      row.remove();
+      update();
+    });
+    field("rows").append(row);
+    update();
   };
   const select = () => {
     const one = edition();
-    fill(field("command"), one.commands, (command) => command.name + " · " + command.title);
     fill(field("bitrate"), one.rates, (rate) => rate + " kbit/s");
     field("nodes").value = String(Math.min(4, one.nodes));
     field("reply").value = String(one.replyMs || 0);
-    update();
+    field("rows").replaceChildren();
+    add();
   };
   fill(field("edition"), data, (one) => one.edition);
   field("edition").addEventListener("change", select);
-  for (const name of ["command", "nodes", "rate", "bitrate", "reply"]) field(name).addEventListener("input", update);
+  field("add").addEventListener("click", add);
+  for (const name of ["rows", "nodes", "bitrate", "reply"]) field(name).addEventListener("input", update);
   select();
 }
 

@@ -132,7 +132,7 @@
     if (!name) {
       return;
     }
-    at("log-summary").textContent = say("log_summary", name, all.length, skipped);
+    at("log-summary").textContent = say("log_summary", name, all.length, skipped) + (all.length ? "" : ` ${say("other_log")}`);
     const rows = all.slice(start, start + PAGE).map((frame) => {
       const shown = frames.format(frame);
       const [best] = meaning.interpret(frame, state.parameters);
@@ -368,6 +368,8 @@
 
   function showFields() {
     const { edition, message, decoded } = chosen;
+    at("node-box").hidden = decoded.node === null;
+    at("node").value = decoded.node ?? "";
     const rows = decoded.fields.map((one) => {
       const position = message.fields.findIndex(({ name }) => name === one.name);
       const description = message.fields[position];
@@ -459,17 +461,15 @@
     return isArray ? given.trim().split(/[\s,]+/).map(one) : one(given.trim());
   }
 
-  /** Encodes the message with another value of one field, and shows the frame. */
-  function enter(name, { value, raw }) {
+  /** Encodes the message with another value of one field, or for another node, and shows the frame. */
+  function enter(name, { value, raw, node = chosen.decoded.node ?? undefined }) {
     const { edition, decoded, parameters } = chosen;
     const encode = decoded.direction === "request" ? edition.codec.encodeRequest : edition.codec.encodeReply;
-    const { direction, command, node } = decoded;
+    const { direction, command } = decoded;
     try {
-      let changed = raw;
-      if (raw === undefined) {
-        changed = edition.codec.rawOf(direction, command, name, value, parameters);
-      }
-      const { frame } = encode(command, { node: node ?? undefined, raw: { ...decoded.raw, [name]: changed }, parameters });
+      const changed = value === undefined ? raw : edition.codec.rawOf(direction, command, name, value, parameters);
+      const raws = name === "" ? decoded.raw : { ...decoded.raw, [name]: changed };
+      const { frame } = encode(command, { node, raw: raws, parameters });
       at("field-problem").textContent = "";
       Object.assign(state, { edition: meaning.label(edition), direction, command });
       const focused = document.activeElement?.ariaLabel;
@@ -477,7 +477,7 @@
       [...at("fields").querySelectorAll("input, select")].find((one) => one.ariaLabel === focused)?.focus();
     } catch (error) {
       const known = canwright.labels[state.lang][error.refusal];
-      at("field-problem").textContent = `${error.field ?? name}: ${known ?? say("not_finite")}`;
+      at("field-problem").textContent = `${error.field || name || say("node_number")}: ${known ?? say("not_finite")}`;
     }
   }
 
@@ -540,7 +540,11 @@
   });
   at("message").addEventListener("change", compose);
   at("open").addEventListener("click", () => at("file").click());
-  at("file").addEventListener("change", () => at("file").files[0] && openLog(at("file").files[0]));
+  at("file").addEventListener("change", () => {
+    [...at("file").files].forEach(openLog);
+    at("file").value = ""; // so that the same file can be opened again
+  });
+  at("node").addEventListener("change", () => enter("", { node: Number(at("node").value || NaN) }));
   at("log-previous").addEventListener("click", () => turn(-1));
   at("log-next").addEventListener("click", () => turn(1));
   at("bits").addEventListener("keydown", moveInBits);
@@ -568,4 +572,5 @@
   });
   window.addEventListener("hashchange", start);
   start();
+  document.body.classList.add("ready"); // shown as a whole, so nothing moves
 })();

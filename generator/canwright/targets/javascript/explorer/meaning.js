@@ -113,7 +113,8 @@ canwright.meaning = (() => {
     const differs = deviation(edition, decoded, chosen);
     const isAbsent = variant && !variant.decides && given[variant.parameter] && !variant.values.includes(given[variant.parameter]);
     const isAnnounced = edition.texts.commands[candidate.command]?.implemented === false;
-    const penalty = { reserved: 3, range: 2 }[differs] ?? 0;
+    const isOpposite = frame.sent !== undefined && frame.sent !== null && frame.sent !== (candidate.direction === "request");
+    const penalty = ({ reserved: 3, range: 2 }[differs] ?? 0) + (isOpposite ? 0.5 : 0);
     return {
       edition,
       message,

@@ -3,14 +3,16 @@
 // text split words at spaces, which Chinese does not have, and know neither codes nor rules of ids.
 
 const SEPARATORS = /[\s_\-‐–—,，、;；:：。()（）[\]【】"'“”`!！?？]+/gu;
+const BOUNDARY = /(?<=[\u3400-\u9fff])(?=[a-z0-9])|(?<=[a-z0-9])(?=[\u3400-\u9fff])/gu;
 const CHINESE = /[\u3400-\u9fff]/u;
 
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
-const WEIGHTS = { command: 1, entry: 0.97, id: 0.95, page: 0.9, effect: 0.75, field: 0.7, value: 0.65, type: 0.6, table: 0.6, erratum: 0.55, parameter: 0.55, setting: 0.5, mode: 0.5, heading: 0.8 };
+const WEIGHTS = { command: 1, entry: 0.97, id: 0.95, page: 0.9, effect: 0.75, field: 0.7, value: 0.65, type: 0.6, table: 0.6, erratum: 0.55, parameter: 0.55, setting: 0.5, mode: 0.5, state: 0.5, heading: 0.8 };
 const ABOUT = 0.3;
 const EXACT = 10;
 
-const normalized = text => text.normalize("NFKC").toLowerCase().replace(SEPARATORS, " ").trim();
+/** Lower case, with single spaces; also between Chinese and Latin text, which people write with and without one. */
+const normalized = text => text.normalize("NFKC").toLowerCase().replace(BOUNDARY, " ").replace(SEPARATORS, " ").trim();
 
 /** How well a text contains a term: 1 for an equal text, 0 for none. */
 function quality(term, text) {
@@ -46,10 +48,10 @@ function createSearch(index, language) {
 
   const inLanguage = texts => texts ? (texts[language] ?? Object.values(texts)[0] ?? "") : "";
 
-  for (const [page, { title, headings }] of Object.entries(index.pages)) {
+  for (const [page, { title, headings, text }] of Object.entries(index.pages)) {
     const edition = index.editions.find(({ folder }) => page.startsWith(`${folder}/`));
     const path = edition ? page.slice(edition.folder.length + 1) : page;
-    add(edition?.folder ?? "", path, { kind: "page", title, texts: [normalized(title)], about: [] });
+    add(edition?.folder ?? "", path, { kind: "page", title, texts: [normalized(title)], about: [normalized(text)] });
     for (const [heading, anchor] of headings) {
       add(edition?.folder ?? "", path, { kind: "heading", title: heading, anchor, texts: [normalized(heading)], about: [] });
     }
@@ -59,7 +61,7 @@ function createSearch(index, language) {
       const titles = Object.values(record.title ?? {});
       const codes = (record.code ?? "").split(", ").flatMap(code => [code, code.replace(/^0x/, "")]);
       const texts = [record.name, ...codes, ...titles, ...(record.units ?? [])].map(normalized).filter(Boolean);
-      const about = Object.values(record.about ?? {}).map(normalized);
+      const about = [record.about ?? {}, ...(record.notes ?? [])].flatMap(Object.values).map(normalized);
       const item = { ...record, title: inLanguage(record.title), texts: [...new Set(texts)], about };
       for (const place of record.pages ?? []) {
         const [path, anchor] = place.split("#");

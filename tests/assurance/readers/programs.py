@@ -1,22 +1,26 @@
-"""Readers of DBC files in other languages, built from the sources beside this module.
+"""Readers of DBC files that are programs of their own, of the sources beside this module.
 
-Each program gets a file as its argument and frames on standard input, and prints the signals of a frame on one line. Go
-and Cargo download can-go, can-dbc and dbc-rs. dbcppp is an installed C++ library and dbcc an installed program.
+Each program gets a file as its argument and frames on standard input, and prints the signals of a frame on one line. Qt is
+a Python package. Go and Cargo download can-go, can-dbc and dbc-rs. dbcppp is an installed C++ library and dbcc an installed
+program.
 """
 
 from __future__ import annotations
 
 import functools
+import importlib.util
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 from abc import abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
 
+from ...spec_texts import ROOT
 from ...tools import run
-from . import Case, Reader, UnsupportedFileError, Values
+from . import Case, Reader, UnsupportedFileError, Values, qt
 
 SOURCES = Path(__file__).parent
 BUILD = SOURCES / "build"
@@ -26,6 +30,8 @@ class Program(Reader):
     """A reader that is a program, and the tools that build it."""
 
     tools: Sequence[str]
+    unsupported: int | None = None
+    """The exit status for a valid file that the reader does not support."""
     unsupported_floats = ""
     """A pattern of the statements SIG_VALTYPE_ that the reader ignores."""
 
@@ -42,11 +48,24 @@ class Program(Reader):
         frames = "".join(f"{case.can_id | case.extended << 31:X}#{case.data.hex()}\n" for case in cases)
         with tempfile.TemporaryDirectory() as folder:
             command = [str(part) for part in self.program(file, cases, Path(folder))]
-            done = subprocess.run(command, input=frames, capture_output=True, text=True, check=False)
+            done = subprocess.run(command, input=frames, capture_output=True, text=True, check=False, cwd=ROOT)
+        if done.returncode == self.unsupported:
+            raise UnsupportedFileError(done.stderr.strip())
         lines = [line.split() for line in done.stdout.splitlines()]
         if done.returncode or len(lines) != len(cases):
             raise ValueError(f"{len(lines)} of {len(cases)} frames decoded; {done.stderr.strip()}")
         return [{name: float(value) for name, _, value in (one.partition("=") for one in line)} for line in lines]
+
+
+class Qt(Program):
+    name, tools, source = "qt", (), "pip install PySide6-Addons"
+    unsupported = qt.UNSUPPORTED
+
+    def is_installed(self) -> bool:
+        return importlib.util.find_spec("PySide6") is not None
+
+    def program(self, file: Path, cases: Sequence[Case], folder: Path) -> Sequence[str | Path]:
+        return sys.executable, "-m", qt.__name__, file
 
 
 class CanGo(Program):
@@ -146,4 +165,4 @@ def _decoded(case: Case) -> str:
     return "".join(f"    {line}\n" for line in [*lines, 'puts("");'])
 
 
-COMPILED: Sequence[Reader] = (CanGo(), Rust("can-dbc"), Rust("dbc-rs"), Dbcppp(), Dbcc())
+PROGRAMS: Sequence[Reader] = (Qt(), CanGo(), Rust("can-dbc"), Rust("dbc-rs"), Dbcppp(), Dbcc())

@@ -1,1 +1,0 @@
-"""Measurements; `python -m tests.benchmarks.NAME` prints one."""
