@@ -1,4 +1,4 @@
-"""Prints the share of wrong directions that the rules of `recordings/directions.py` give simulated traffic.
+"""Prints the share of wrong directions that `canwright decode` and the dissector for Wireshark give simulated traffic.
 
 For each loss, the smallest and the largest share of the traffic mixes in percent; with alternation for comparison: each
 second frame of a code on an id is a reply, always or within 2 ms. Equal seeds give equal figures.
@@ -16,6 +16,7 @@ from canwright.recordings.directions import WINDOW, Directions
 
 from ..recordings.traffic import MIXES, Loss, Sent, Traffic, together, with_clock_jumps, with_marks
 from ..spec_texts import ROOT
+from ..targets.dissector import judge
 
 Rule = Callable[[Edition, Sequence[Sent]], Sequence[Direction | None]]
 
@@ -31,6 +32,12 @@ LOSSES = {
 def canwright(edition: Edition, log: Sequence[Sent]) -> Sequence[Direction | None]:
     """The directions of `recordings/directions.py`."""
     return [one.direction for one in Directions({}, edition).judge(sent.recorded for sent in log)]
+
+
+def wireshark(edition: Edition, log: Sequence[Sent]) -> Sequence[Direction | None]:
+    """The directions of the dissector, in one pass."""
+    named = {direction.value: direction for direction in Direction}
+    return [named.get(one.direction) for one in judge(edition, [sent.recorded for sent in log])]
 
 
 def alternation(window: int | None) -> Rule:
@@ -56,6 +63,7 @@ RULES: dict[str, Rule] = {
     "alternation": alternation(None),
     "alternation within 2 ms": alternation(WINDOW),
     "content, 2 ms, retry": canwright,
+    "Wireshark": wireshark,
 }
 
 

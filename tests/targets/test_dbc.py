@@ -119,6 +119,7 @@ def test_comments_in_chinese_are_utf_8_and_change_nothing_else() -> None:
         other = chinese[path.replace(".dbc", "-zh.dbc")].replace('-zh";', '";')
         assert [x for x in other.splitlines() if x[:3] != "CM_"] == [x for x in text.splitlines() if x[:3] != "CM_"]
     text = chinese["mwd_motor-v2.35-MG-command-zh.dbc"]
+    assert f'CM_ "mwd_motor v2.35，规格哈希 {main.edition.hash[:12]}。由 canwright 生成，请勿修改。参数：MG。' in text
     assert 'CM_ SG_ 321 cA1_iq "转矩闭环控制：目标转矩电流。电机会转动。手册 2.5。";' in text
     assert not re.search(r"[a-z]{4}", " ".join(re.findall(r'CM_ (?:BO|SG)_ .*?"(.*)";', text)).replace("canwright", ""))
 
@@ -159,6 +160,17 @@ def test_the_guide_says_how_to_set_numbers() -> None:
     text = made(next(spec for spec in SMALL if spec.parent.name == "arm"))["README.md"]
     assert "`p_max`, `v_max`, `t_max`, `i_max`: fields that are multiples of these parameters" in text
     assert "--set p_max=12.5 --set v_max=65 --set t_max=18 --set i_max=40 --out out" in text
+
+
+def test_the_guide_of_a_variant_lists_what_is_not_set_and_editions_without_files() -> None:
+    items = [specification(ROOT / f"spec/mwd_motor/{name}.yaml") for name in ("v2.35", "v2.35-2024-02")]
+    texts = {o.path: o.text for o in dbc.generate(items, {"series": "MG", "encoder_bits": "18"}, Options(nodes=(5, 7)))}
+    assert (
+        "This edition has no files with series=MG, encoder_bits=18."
+        in texts["README.md"].split("## mwd_motor v2.35-2024-02")[1]
+    )
+    assert texts["README.md"].count("This edition has no files") == 1
+    assert "raw integers with the unit" not in texts["README.md"]
 
 
 def test_commands_that_a_value_lacks_are_left_out_but_their_reply_stays_where_another_command_has_it() -> None:

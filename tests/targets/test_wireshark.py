@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -11,46 +10,21 @@ import pytest
 from canwright.model.edition import Edition
 from canwright.project.loader import specification
 from canwright.recordings.directions import Directions
-from canwright.recordings.recorded import Mark, Recorded
-from canwright.targets.wireshark import generate, text
+from canwright.targets.wireshark import text
 from canwright.targets.wireshark.filters import filters
 from lupa import lua52, lua54
 
-from ..conformance.adapters.wireshark import LuaDecoder
 from ..recordings.traffic import MIXES, Loss, Sent, Traffic, with_marks
 from ..spec_texts import ROOT
+from .dissector import decoder, judge
 
-BARS = {Loss(0.01): 0.1, Loss(0.1, has_retries=True): 2.0}
+BARS = {Loss(0.01): 0.1, Loss(0.1, has_retries=True): 0.3}
 """The allowed share of wrong directions without marks, in percent."""
-SECOND = 1_000_000_000
-MARKS = {Mark.SENT: "sent", Mark.RECEIVED: "received", None: None}
-
-
-@functools.cache
-def decoder(spec: str) -> LuaDecoder:
-    """The decoder of a spec."""
-    item = specification(ROOT / spec)
-    source = next(output.text for output in generate([item], {}) if output.path.endswith(".lua"))
-    return LuaDecoder(lua54.LuaRuntime(unpack_returned_tuples=False), source, item.edition)
-
-
-def judge(lua: LuaDecoder, log: Sequence[Recorded]) -> list[Any]:
-    """The results for the frames of a bus."""
-    state, results = lua.module.directions.new(2_000_000), []
-    for number, one in enumerate(log):
-        frame = lua.frame(one.frame)
-        _, is_request, is_reply = lua.codec.nodes(lua.edition, frame)
-        only = None if is_request and is_reply else "request" if is_request else "reply"
-        assert one.time is not None
-        facts = {"bus": 0, "number": number, "sent": "request", "mark": MARKS[one.mark]}
-        facts["time"] = lua.lua.table(one.time // SECOND, one.time % SECOND)
-        results.append(lua.module.directions.judge(state, lua.edition, only, frame, lua.lua.table_from(facts)))
-    return results
 
 
 def wrong(spec: str, log: Sequence[Sent]) -> float:
     """The share of wrong directions in percent."""
-    judged = judge(decoder(spec), [sent.recorded for sent in log])
+    judged = judge(_edition(spec), [sent.recorded for sent in log])
     count: int = sum(one.direction != sent.direction.value for one, sent in zip(judged, log, strict=True))
     return 100 * count / len(log)
 
@@ -67,7 +41,7 @@ def test_directions_with_marks_once_both_have_been_seen() -> None:
     log = with_marks(
         Traffic(_edition(spec), "mixed", 1, loss=Loss(0.1, has_retries=True, not_recorded=0.1)).frames(500)
     )
-    judged = judge(decoder(spec), [sent.recorded for sent in log])
+    judged = judge(_edition(spec), [sent.recorded for sent in log])
     marked = [(one, sent) for one, sent in zip(judged, log, strict=True) if one.rule == "mark"]
     assert len(marked) > len(log) - 10
     assert all(one.direction == sent.direction.value for one, sent in marked)
@@ -79,7 +53,7 @@ def test_requests_and_latencies_are_those_of_the_recordings() -> None:
     wanted = [(one.request, one.latency, one.node) for one in Directions({}, _edition(spec)).judge(log)]
     found = [
         (one.exchange and one.exchange.number, one.latency and int(one.latency), one.node)
-        for one in judge(decoder(spec), log)
+        for one in judge(_edition(spec), log)
     ]
     assert found == wanted
     assert sum(request is not None for request, _, _ in wanted) > 200
@@ -101,13 +75,13 @@ def test_a_text_is_a_literal(given: str) -> None:
     ("given", "wanted"), [("3.5", Fraction(7, 2)), ("-2", -2), ("1/3", Fraction(1, 3)), ("0.25", 0.25)]
 )
 def test_number_parameters(given: str, wanted: Fraction) -> None:
-    number = decoder("tests/specs/arm/v1.yaml").codec.rational(given)
+    number = decoder(_edition("tests/specs/arm/v1.yaml")).codec.rational(given)
     assert Fraction(int(number.numerator), int(number.denominator)) == wanted
 
 
 @pytest.mark.parametrize("given", ["", "x", "1/0", "1e5", "1 2", "nan"])
 def test_texts_that_are_no_numbers(given: str) -> None:
-    assert decoder("tests/specs/arm/v1.yaml").codec.rational(given) is None
+    assert decoder(_edition("tests/specs/arm/v1.yaml")).codec.rational(given) is None
 
 
 def test_a_field_has_one_kind_in_all_editions() -> None:

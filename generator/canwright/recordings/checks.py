@@ -11,6 +11,7 @@ from ..model import formatting
 from ..model.layout import Element, Field, ReservedRole, Space
 from ..model.types import Assignment, Encoding, Linear, Type
 from ..semantics.decoder import value_of
+from ..semantics.frame import Parts, parts_of
 
 WEAK = 1
 """Unusual: a reserved byte that is not 0, a raw integer beyond its printed range."""
@@ -28,10 +29,6 @@ class Reason(NamedTuple):
     points: int
     text: str
     byte: int | None = None
-
-
-Parts = tuple[tuple[int, int, int], ...]
-"""Shift, mask and position of the bits of a raw integer."""
 
 
 class Check:
@@ -64,7 +61,7 @@ class FieldCheck(Check):
 
     def __init__(self, field: Field, element: Element, where: str, *, is_request: bool) -> None:
         self.in_id = field.space is Space.ID
-        self.parts = _parts(element)
+        self.parts = parts_of(element.segments)
         self.steps = _steps(field)
         self._field = field
         self._named = f"{where}: `{field.name}`"
@@ -98,28 +95,6 @@ class FieldCheck(Check):
         if not _is_in_range(type_, raw):
             return Reason(WEAK, f"{self._named} is out of range")
         return None
-
-
-def bits_at(parts: Parts, source: int) -> int:
-    bits = 0
-    for shift, mask, low in parts:
-        bits |= (source >> shift & mask) << low
-    return bits
-
-
-def _parts(element: Element) -> Parts:
-    """The bits of an element; consecutive segments are joined."""
-    parts: list[tuple[int, int, int]] = []
-    for s in sorted(element.segments, key=lambda s: s.raw_low):
-        shift, mask = s.byte * 8 + s.low, (1 << s.width) - 1
-        if parts:
-            before, known, low = parts[-1]
-            width = known.bit_length()
-            if (before + width, low + width) == (shift, s.raw_low):
-                parts[-1] = (before, known | mask << width, low)
-                continue
-        parts.append((shift, mask, s.raw_low))
-    return tuple(parts)
 
 
 def _steps(field: Field) -> list[int] | None:

@@ -10,7 +10,8 @@ from typing import Any
 
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import sent
-from .rows import CellValue, Row
+from ..semantics.decoder import Rejection
+from .rows import Cell, CellValue, Row
 
 CSV_COLUMNS = (
     "number",
@@ -110,30 +111,41 @@ def _joined(value: CellValue) -> object:
 def json_line(row: Row) -> str:
     """A row as one line of JSON. Times are in seconds, latencies in milliseconds, as exact decimals."""
     judged = row.judged
-    facts: dict[str, object] = {
-        "bus": bus_name(judged.recorded.bus),
-        "frame": sent(judged.recorded.frame),
-        "node": judged.node,
-        "edition": judged.edition.name if judged.edition else None,
-        "direction": judged.direction.value if judged.direction else None,
-        "decided_by": judged.decided_by.value,
-        "command": judged.message.command if judged.message else None,
-        "request": judged.request,
-    }
-    fields = {
-        cell.column.name: {
-            "raw": cell.raw,
-            "value": cell.value,
-            **({"unit": cell.column.unit} if cell.column.unit else {}),
-        }
-        for cell in row.cells
-    }
-    rejection = None
-    if judged.rejection is not None:
-        rejection = {"reason": judged.rejection.reason.value, "text": judged.rejection.text}
-    time, latency = seconds(judged.recorded.time) or "null", milliseconds(judged.latency) or "null"
-    start, end = _json(facts), _json({"fields": fields, "rejection": rejection})
-    return f'{{"number": {judged.number}, "time": {time}, {start[1:-1]}, "latency_ms": {latency}, {end[1:-1]}}}\n'
+    facts = (
+        ("number", judged.number),
+        ("time", seconds(judged.recorded.time) or "null"),
+        ("bus", _quoted(bus_name(judged.recorded.bus))),
+        ("frame", f'"{sent(judged.recorded.frame)}"'),
+        ("node", _json(judged.node)),
+        ("edition", _json(judged.edition.name if judged.edition else None)),
+        ("direction", _json(judged.direction.value if judged.direction else None)),
+        ("decided_by", _quoted(judged.decided_by.value)),
+        ("command", _json(judged.message.command if judged.message else None)),
+        ("request", _json(judged.request)),
+        ("latency_ms", milliseconds(judged.latency) or "null"),
+        ("fields", "{" + ", ".join(map(_json_field, row.cells)) + "}"),
+        ("rejection", "null" if judged.rejection is None else _json_rejection(judged.rejection)),
+    )
+    return "{" + ", ".join([f'"{name}": {text}' for name, text in facts]) + "}\n"
 
 
-_json = json.JSONEncoder(ensure_ascii=True).encode
+def _json_field(cell: Cell) -> str:
+    column, raw, value = cell
+    unit = f', "unit": {_quoted(column.unit)}' if column.unit else ""
+    return f'{_quoted(column.name)}: {{"raw": {raw}, "value": {_json(value)}{unit}}}'
+
+
+def _json_rejection(rejection: Rejection) -> str:
+    return f'{{"reason": {_quoted(rejection.reason.value)}, "text": {_quoted(rejection.text)}}}'
+
+
+def _json(value: CellValue) -> str:
+    """A value as JSON; encoders of the standard library take a new start for each text."""
+    if isinstance(value, str):
+        return _quoted(value)
+    if isinstance(value, list):
+        return f"[{', '.join(map(_quoted, value))}]"
+    return "null" if value is None else repr(value)
+
+
+_quoted = functools.lru_cache(maxsize=1 << 12)(json.encoder.encode_basestring_ascii)

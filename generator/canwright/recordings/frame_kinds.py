@@ -11,13 +11,23 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from ..model.edition import Edition
-from ..model.layout import Element, Field, ReservedRole, Space
+from ..model.layout import Field, ReservedRole, Space
 from ..model.message import Direction, IdRule, Message
 from ..model.types import Encoding, Type
 from ..semantics.candidates import Candidates
 from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constants
 from ..semantics.exchange import check_reply
-from ..semantics.frame import CanFrame, data_bits, has_id, has_id_rule, node_of, wrong_constants
+from ..semantics.frame import (
+    CanFrame,
+    Parts,
+    bits_at,
+    data_bits,
+    has_id,
+    has_id_rule,
+    node_of,
+    parts_of,
+    wrong_constants,
+)
 
 
 class Channel(NamedTuple):
@@ -43,9 +53,9 @@ class Bits(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """Bits of the data that do not all have a meaning: shift, mask and position of each part, and the allowed values."""
+    """Bits of the data that do not all have a meaning: the bits, and whether a raw integer is allowed."""
 
-    parts: tuple[tuple[int, int, int], ...]
+    parts: Parts
     allows: Callable[[Any], Any]
 
 
@@ -71,13 +81,7 @@ class Form:
         """Whether a program that obeys the spec can send this data."""
         if data & self.reserved.mask != self.reserved.value:
             return False
-        for parts, allows in self.limits:
-            raw = 0
-            for shift, mask, position in parts:
-                raw |= (data >> shift & mask) << position
-            if not allows(raw):
-                return False
-        return True
+        return all(allows(bits_at(parts, data)) for parts, allows in self.limits)
 
 
 @dataclass(eq=False, kw_only=True)
@@ -234,7 +238,7 @@ def _form(message: Message, frame: CanFrame) -> Form:
         node=node_of(message, frame),
         constants=None if wrong_constants(in_id, frame) else _bits(constant),
         reserved=Bits((1 << 8 * len(frame.data)) - 1 & ~(free | keys), _bits(ignored).value),
-        limits=tuple(Limit(_parts(e), allows) for f, allows in limited if allows for e in f.elements),
+        limits=tuple(Limit(parts_of(e.segments), allows) for f, allows in limited if allows for e in f.elements),
     )
 
 
@@ -243,15 +247,10 @@ def _bits(fields: Iterable[Field]) -> Bits:
     mask = value = 0
     for one in fields:
         for element in one.elements if one.space is Space.DATA else ():
-            for shift, ones, position in _parts(element):
+            for shift, ones, position in parts_of(element.segments):
                 mask |= ones << shift
                 value |= ((one.fixed or 0) >> position & ones) << shift
     return Bits(mask, value)
-
-
-def _parts(element: Element) -> tuple[tuple[int, int, int], ...]:
-    """Shift, mask and position in the raw integer of each segment."""
-    return tuple((s.byte * 8 + s.low, (1 << s.width) - 1, s.raw_low) for s in element.segments)
 
 
 def _allows(type_: Type) -> Callable[[Any], Any] | None:

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from .checks import Check, Parts, Reason, ReservedCheck, bits_at
+from ..semantics.frame import Parts, bits_at
+from .checks import Check, Reason, ReservedCheck
 
 MAX_KNOWN = 1 << 12
 """The maximum number of results that are remembered of each probe."""

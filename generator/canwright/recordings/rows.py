@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..model.layout import Field
+from ..model.layout import Element, Field, Space
 from ..model.message import Message
 from ..model.types import Assignment, Encoding, Type
 from ..semantics.decoder import linear_of, value_of
-from ..semantics.frame import CanFrame, raw_of
+from ..semantics.frame import CanFrame, bits_at, parts_of
 from .directions import Judged
 
 CellValue = int | float | str | list[str] | None
@@ -46,17 +46,19 @@ class Row(NamedTuple):
     missing: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _FieldReader:
-    field: Field
-    columns: tuple[Column, ...]
+class _Reader(NamedTuple):
+    """How a column is read: from the id or the data as one integer, as a raw integer, and as a value."""
+
+    column: Column
+    in_id: bool
+    raw: Callable[[int], int]
     value: Callable[[int], CellValue]
 
 
 class _Plan(NamedTuple):
     """How the fields of a message are read under some parameters."""
 
-    readers: tuple[_FieldReader, ...]
+    readers: tuple[_Reader, ...]
     missing: tuple[str, ...]
 
 
@@ -91,13 +93,11 @@ def cells(message: Message, frame: CanFrame, assignment: Assignment) -> tuple[Ce
 
 
 def _read(plan: _Plan, frame: CanFrame) -> tuple[Cell, ...]:
+    id_, data = frame.id, int.from_bytes(frame.data, "little")
     found = []
-    for reader in plan.readers:
-        raw = raw_of(reader.field, frame)
-        if isinstance(raw, list):
-            found += [Cell(c, one, reader.value(one)) for c, one in zip(reader.columns, raw, strict=True)]
-        else:
-            found.append(Cell(reader.columns[0], raw, reader.value(raw)))
+    for column, in_id, raw_of, value in plan.readers:
+        raw = raw_of(id_ if in_id else data)
+        found.append(Cell(column, raw, value(raw)))
     return tuple(found)
 
 
@@ -110,8 +110,21 @@ def _plan(message: Message, assignment: Assignment) -> _Plan:
     for field in fields:
         if field.fixed is None:
             missing += [name for name in needed(field.type, assignment) if name not in assignment]
-            readers.append(_FieldReader(field, columns(field), value_reader(field.type, assignment)))
+            value = value_reader(field.type, assignment)
+            for column, element in zip(columns(field), field.elements, strict=True):
+                readers.append(_Reader(column, field.space is Space.ID, _raw_reader(field.type, element), value))
     return _Plan(tuple(readers), tuple(dict.fromkeys(missing)))
+
+
+def _raw_reader(type_: Type, element: Element) -> Callable[[int], int]:
+    """The raw integer of an element of a field, in the id or the data as one integer."""
+    parts = parts_of(element.segments)
+    sign = 1 << type_.width - 1 if type_.encoding is Encoding.SIGNED else 0
+    if len(parts) == 1:
+        ((shift, mask, low),) = parts
+        if low == 0:
+            return lambda source: ((source >> shift & mask) ^ sign) - sign
+    return lambda source: (bits_at(parts, source) ^ sign) - sign
 
 
 def columns(field: Field) -> tuple[Column, ...]:

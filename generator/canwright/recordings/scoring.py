@@ -15,8 +15,8 @@ from ..model.edition import Edition
 from ..model.layout import Variant
 from ..model.message import Direction, IdRule, Message
 from ..semantics.candidates import Candidates
-from ..semantics.frame import CanFrame, data_bits, has_id, read_bits
-from .checks import STRONG, WEAK, Check, FieldCheck, Reason, ReservedCheck, bits_at
+from ..semantics.frame import CanFrame, bits_at, data_bits, has_id, read_bits
+from .checks import STRONG, WEAK, Check, FieldCheck, Reason, ReservedCheck
 from .probes import probes_of, unpackers
 
 MAX_KNOWN = 1 << 12

@@ -36,6 +36,33 @@ def _read(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int:
     return found
 
 
+Parts = tuple[tuple[int, int, int], ...]
+"""Shift and mask of bits in a little-endian integer, and their position in the raw integer."""
+
+
+def parts_of(segments: Iterable[Segment]) -> Parts:
+    """The bits of some segments in the id, or in the data as one integer; consecutive segments are joined."""
+    parts: list[tuple[int, int, int]] = []
+    for s in sorted(segments, key=lambda s: s.raw_low):
+        shift, mask = s.byte * 8 + s.low, (1 << s.width) - 1
+        if parts:
+            before, known, low = parts[-1]
+            width = known.bit_length()
+            if (before + width, low + width) == (shift, s.raw_low):
+                parts[-1] = (before, known | mask << width, low)
+                continue
+        parts.append((shift, mask, s.raw_low))
+    return tuple(parts)
+
+
+def bits_at(parts: Parts, source: int) -> int:
+    """The bits of an integer, as an unsigned raw integer."""
+    bits = 0
+    for shift, mask, low in parts:
+        bits |= (source >> shift & mask) << low
+    return bits
+
+
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
     """The raw integer of each field, without constants."""
     return {f.name: raw_of(f, frame) for f in variant.fields if f.fixed is None}

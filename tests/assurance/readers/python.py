@@ -81,7 +81,7 @@ class Asammdf(PythonReader):
         from asammdf.blocks.source_utils import Source
         from asammdf.blocks.v4_constants import BUS_TYPE_CAN
 
-        length = max((len(c.data) for c in cases), default=8)
+        length = max((len(c.data) for c in cases), default=0) or 1  # NumPy has no arrays of 0 bytes
         record = numpy.zeros(
             len(cases),
             dtype=[

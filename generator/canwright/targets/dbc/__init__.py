@@ -30,4 +30,5 @@ def generate(
 
 def _made(specification: Specification, set_parameters: Assignment, options: Options) -> Made:
     both = traffics(specification.edition)
-    return Made(specification, both, tuple(files(specification.edition, both, set_parameters, options)))
+    own = tuple(files(specification.edition, both, set_parameters, options))
+    return Made(specification, both, own, set_parameters)

@@ -12,7 +12,7 @@ from ...language import notation
 from ...model.edition import Edition
 from ...model.message import Direction
 from ...model.types import Assignment
-from ..base import EVERYTHING, Options, header
+from ..base import EVERYTHING, Options
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, Scope, Traffic, partners
 from .selectors import joined_span
@@ -230,7 +230,11 @@ class _Files:
         """The comment of a file: its origin, and what it describes."""
         comments = self._comments
         known = comments.listed(self._known(scope))
-        sentences = [header(self._edition), comments.labelled(comments.fixed("parameters"), known) if known else ""]
+        edition = self._edition
+        sentences = [
+            comments.fixed("made", family=edition.family, edition=edition.name, hash=edition.hash[:12]),
+            comments.labelled(comments.fixed("parameters"), known) if known else "",
+        ]
         if len(group) == 1:
             other = comments.fixed(KIND[_OTHER[group[0]]])
             sentences.append(comments.fixed("one_direction", kind=comments.fixed(KIND[group[0]])))

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ...language.golden_frames import GoldenFrame
 from ...model.edition import Edition
 from ...model.message import LISTED_NODES, Direction
-from ...model.types import Parameter
+from ...model.types import Assignment, Parameter
 from ...semantics import parameters
 from ..base import Specification, header
 from .comments import ENGLISH, languages
@@ -28,7 +28,7 @@ class Section(NamedTuple):
 
     `tables` are the names of tables, with their commands and files. `open_choices` are parameters that are not set, with
     their values; `open_numbers` are parameters that scales are multiples of, with an example; `lacking` is direction,
-    command and reason.
+    command and reason; `excluded` are the settings that leave no file.
     """
 
     edition: str
@@ -40,6 +40,7 @@ class Section(NamedTuple):
     open_choices: tuple[tuple[str, tuple[str, ...]], ...]
     open_numbers: tuple[tuple[str, str], ...]
     lacking: tuple[tuple[str, str, str], ...]
+    excluded: str
 
 
 class Example(NamedTuple):
@@ -66,11 +67,12 @@ class Example(NamedTuple):
 
 
 class Made(NamedTuple):
-    """An edition with its files."""
+    """An edition with its files, and the parameters that are set."""
 
     specification: Specification
     traffics: Traffics
     files: tuple[File, ...]
+    set_parameters: Assignment
 
 
 class Guide(NamedTuple):
@@ -139,7 +141,7 @@ def _usual(specification: Specification, parameter: Parameter) -> str:
 
 
 def _section(made: Made) -> Section:
-    specification, traffics, files = made
+    specification, traffics, files, known = made
     edition = specification.edition
     rows: dict[tuple[str, ...], list[File]] = {}
     tables: dict[str, list[File]] = {}
@@ -148,16 +150,18 @@ def _section(made: Made) -> Section:
             tables.setdefault(file.table, []).append(file)
         else:
             rows.setdefault(file.known, []).append(file)
+    unset = [p for p in edition.parameters if p.name not in known] if files else []
     return Section(
         f"{edition.family} {edition.name}",
         header(edition),
         ", ".join(p.name for p in edition.parameters if p.is_choice and not p.is_numeric) or "for",
         tuple(file.kind or "requests and replies" for file in next(iter(rows.values()), ())),
-        tuple((" ".join(known) or "all", tuple(row)) for known, row in rows.items()),
+        tuple((" ".join(values) or "all", tuple(row)) for values, row in rows.items()),
         tuple((name, tuple(_commands(edition, some)), tuple(some)) for name, some in tables.items()),
-        tuple((p.name, tuple(v.name for v in p.values)) for p in edition.parameters if p.is_choice and p.is_numeric),
-        tuple((p.name, _usual(specification, p)) for p in edition.parameters if edition.is_factor(p)),
-        tuple(_lacking(edition, traffics)),
+        tuple((p.name, tuple(v.name for v in p.values)) for p in unset if p.is_choice and p.is_numeric),
+        tuple((p.name, _usual(specification, p)) for p in unset if edition.is_factor(p)),
+        tuple(_lacking(edition, traffics)) if files else (),
+        "" if files else ", ".join(f"{name}={value}" for name, value in known.items()),
     )
 
 

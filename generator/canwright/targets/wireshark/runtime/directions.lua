@@ -109,22 +109,26 @@ local function by_content(found, frame)
     return "unknown", "none"
 end
 
+-- Whether a reply to a request rarely has its bytes: it has another layout than the fields of the request.
+local function replies_differ(request)
+    return not request.echo and #request.layout.fields > 0 and request.layout ~= request.reply.layout
+end
+
 -- The direction of a frame that can be both. A reply comes within the time of the spec, and as much again to send it.
 local function by_exchange(state, bus, edition, found, exchange, frame)
     if not exchange then
         return "request", "pairing"
     end
+    local repeated, distinct = is_same(exchange.frame, frame), found.request.distinct
     local within = state.window / 4
     if edition.reply_within and not exchange.request.slow then
         within = 2 * edition.reply_within
     end
-    if bus.clock - exchange.since <= within then
-        return "reply", "pairing"
-    end
-    if is_same(exchange.frame, frame) then
+    local soon = bus.clock - exchange.since <= within
+    if repeated and (not soon or distinct and replies_differ(exchange.request)) then
         return "request", "retry"
     end
-    return found.request.distinct and "request" or "reply", "pairing"
+    return (soon or not distinct) and "reply" or "request", "pairing"
 end
 
 -- Opens an exchange. It replaces earlier ones of the same request, except echoes of other bytes.

@@ -1,0 +1,40 @@
+"""The directions of a log by the generated dissector, without Wireshark."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+from canwright.model.edition import Edition
+from canwright.recordings.recorded import Mark, Recorded
+from canwright.targets.base import Specification
+from canwright.targets.wireshark import generate
+from lupa import lua54
+
+from ..conformance.adapters.wireshark import LuaDecoder
+
+SECOND = 1_000_000_000
+MARKS = {Mark.SENT: "sent", Mark.RECEIVED: "received", None: None}
+
+
+@functools.cache
+def decoder(edition: Edition) -> LuaDecoder:
+    """The decoder of an edition."""
+    source = next(o.text for o in generate([Specification(edition, None)], {}) if o.path.endswith(".lua"))
+    return LuaDecoder(lua54.LuaRuntime(unpack_returned_tuples=False), source, edition)
+
+
+def judge(edition: Edition, log: Sequence[Recorded]) -> list[Any]:
+    """The results for the frames of a log."""
+    lua, results = decoder(edition), []
+    state = lua.module.directions.new(2_000_000)
+    for number, one in enumerate(log):
+        frame = lua.frame(one.frame)
+        _, is_request, is_reply = lua.codec.nodes(lua.edition, frame)
+        only = None if is_request and is_reply else "request" if is_request else "reply"
+        assert one.time is not None
+        facts = {"bus": one.bus, "number": number, "sent": "request", "mark": MARKS[one.mark]}
+        facts["time"] = lua.lua.table(one.time // SECOND, one.time % SECOND)
+        results.append(lua.module.directions.judge(state, lua.edition, only, frame, lua.lua.table_from(facts)))
+    return results
