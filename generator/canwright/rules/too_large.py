@@ -25,7 +25,7 @@ from .rule import Finding, Findings, Subject
 MOST_COMBINATIONS = 64
 """The maximum number of combinations of choices among names; each has its own files."""
 MOST_SIZE = 140_000
-"""The maximum size: at most 10 seconds of processor time on a machine of 2020, and 300 MB."""
+"""The maximum size: at most about 10 seconds of processor time, and 300 MB."""
 VARIABLE = "CANWRIGHT_MAX_SIZE"
 """The environment variable with another maximum, for specs of the user's own; a spec cannot set it."""
 
