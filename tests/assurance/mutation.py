@@ -10,11 +10,14 @@ too long or does not compile.
 arithmetic and logical operators, numbers, conditions, statements and returned values; not texts, annotations and
 docstrings. Asked are the golden frames, random questions, and the checks of `tests.assurance.python_facts`.
 
-Mutants of the runtime are shown to `tests.assurance.integers`, to `tests.assurance.floating` and to one edition after
-another, until all that survive are listed. Functions that are not reached are named. A complete run takes hours; `--part`
-and `--edition` divide it.
+Mutants of the C runtime are shown to `tests.assurance.integers` and to `tests.assurance.floating`; what is left, and mutants
+of the Python runtime, to one edition after another, the smallest first, until all that survive are listed. Functions that
+are not reached are named. `--part`, `--edition`, `--function` and `--sample` divide a run.
 Every survivor must be listed as equivalent, with a reason, in `equivalent_c.yaml` or `equivalent_python.yaml`. The exit
 status is 1 for a survivor that is not listed and for a killed mutant that is.
+
+Processor time of a complete run: two minutes for the C runtime; for the header of v2.35, with 3,700 mutants, about ten
+minutes; for its module, with 2,100 mutants, about eight. `--jobs` processes share it.
 """
 
 from __future__ import annotations
@@ -129,7 +132,10 @@ class Run:
 
     def mutate_runtime(self, specs: Sequence[Path]) -> None:
         """Runs the mutants of the runtime; each subject sees those that survive the one before."""
-        editions: list[Callable[[Path], Any]] = [functools.partial(LANGUAGES[self._language], spec) for spec in specs]
+        small_first = sorted(specs, key=lambda spec: spec.stat().st_size)
+        editions: list[Callable[[Path], Any]] = [
+            functools.partial(LANGUAGES[self._language], one) for one in small_first
+        ]
         subjects = [*RUNTIMES[self._language], *editions]
         mutants: dict[Identity, Any] = {}
         reached: set[Identity] = set()

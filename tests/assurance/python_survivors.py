@@ -12,6 +12,7 @@ import os
 import random
 import signal
 import sys
+import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -30,11 +31,11 @@ from ..conformance.runner import Runner
 from .python_facts import check_package
 from .python_mutants import RUNTIME, Mutant, changed, mutants
 
-SECONDS = 60
-"""A mutant that uses more processor time is killed."""
+SECONDS, SLOWER = 2, 10
+"""A mutant that uses more processor time for one check, and so many times that of the original, is killed."""
 
-QUICK, THOROUGH = 1500, 20_000
-"""So many random questions are asked of each mutant, and so many of one that survives these."""
+QUICK, MOST = 1000, 20_000
+"""So many random questions are asked of each mutant first, and at most so many of a round in all."""
 
 
 class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
@@ -56,10 +57,11 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 @dataclass
 class _Check:
-    """Something to ask a package, and the functions that it calls, by file and line."""
+    """Something to ask a package, the functions that it calls, by file and line, and its limit of processor time."""
 
     ask: Callable[[PythonAdapter, ModuleType], None]
     calls: frozenset[tuple[str, int]] = frozenset()
+    seconds: float = SECONDS
 
 
 class Subject:
@@ -92,7 +94,7 @@ class Subject:
         edition, frames = self.item.edition, self.item.frames
         assert frames is not None
         reference = ReferenceAdapter(edition)
-        every = list(itertools.islice(Questions(edition, fractions=True).forever(), THOROUGH))
+        every = list(itertools.islice(Questions(edition, fractions=True).round(), MOST))
         random.Random(1).shuffle(every)
         asked = [_Check(functools.partial(_compare, question, question.ask(reference))) for question in every]
         yield from asked[:QUICK]
@@ -116,7 +118,9 @@ class Subject:
                 adapter = PythonAdapter(self.item.edition, module)
                 for check in self._checks:
                     called.clear()
+                    before = time.process_time()
                     check.ask(adapter, module)
+                    check.seconds = max(SECONDS, SLOWER * (time.process_time() - before))
                     calls = frozenset(called)
                     check.calls = same.setdefault(calls, calls)
         finally:
@@ -172,6 +176,7 @@ class Subject:
             with self._imported({**self._codes, self._name(mutant.file): code}) as module:
                 adapter = PythonAdapter(self.item.edition, module)
                 for check in self._checks_of(mutant):
+                    signal.setitimer(signal.ITIMER_PROF, check.seconds)
                     check.ask(adapter, module)
             status = 0
         except BaseException:

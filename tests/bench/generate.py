@@ -5,7 +5,7 @@ less than those of a clock. The time of generating is relative to that of a bare
 does the least that any script with Jinja2 does: it imports Jinja2 and PyYAML, loads the same YAML files, and renders
 and writes the same files. It takes their lines from an earlier output, and each line is one expression of a template.
 
-The exit status is 1 if a figure misses its bar.
+The exit status is 1 if a figure misses its bar. A spec of 100 times the commands exceeds the maximum size, which is raised.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from typing import Any
 
 import yaml
 from canwright.project.loader import frames_file
+from canwright.rules.too_large import VARIABLE
 
 from ..spec_texts import ROOT
 from .bars import Measure, report
@@ -66,6 +67,7 @@ class Runs:
             "PYTHONPYCACHEPREFIX": str(folder / "compiled"),
             "PYTHONDONTWRITEBYTECODE": "",
             "XDG_CACHE_HOME": str(folder / "cache"),
+            VARIABLE: "1000000",
         }
 
     def run(self, *arguments: str) -> float:

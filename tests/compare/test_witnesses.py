@@ -353,6 +353,20 @@ def test_values_that_only_another_parameter_value_allows_are_tried(tmp_path: Pat
     assert {witness.condition for witness in change.witnesses} == {"size big"}
 
 
+def test_a_constant_of_a_layout_is_reported_at_its_line(tmp_path: Path) -> None:
+    constant = "zero: {at: 1, raw: u8, constant: 0}"
+    (change,) = found(tmp_path, JOINT, (constant, constant.replace("constant: 0", "constant: 1")))
+    assert change.new == ("commands", "read_word", "reply", "layout", "zero", "constant")
+
+
+def test_set_points_that_only_another_parameter_value_allows_can_become_a_marker(tmp_path: Path) -> None:
+    level = "{raw: u16, raw_range: {by: size, small: 0..100, big: none}}"
+    text = MARKERS.replace("level: {at: 0, raw: u16}, speed", "level: {at: 0, type: level}, speed")
+    text += f"types: {{level: {level}}}\nparameters: {{size: {{values: [small, big]}}}}\n"
+    (change,) = found(tmp_path, text, ("0xFFFFFFFE", "0xFFFFFFFB"))
+    assert any(w.condition == "size big" and "sends `dim`" in w.says() for w in change.witnesses)
+
+
 def test_a_frame_with_unknown_bits_in_its_id_is_loud(tmp_path: Path) -> None:
     press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
     (change,) = found(tmp_path, press, ("host: {raw: u8", "host: {raw: u7"))

@@ -118,7 +118,8 @@ class Questions:
         yield frame._replace(extended=not frame.extended)
         yield frame._replace(remote=not frame.remote)
         if not frame.remote:
-            for length in {0, 8, message.dlc - 1, message.dlc + 1} & set(range(9)):
+            others = {one.dlc for one in self._messages if one.direction is message.direction}
+            for length in sorted({0, 8, message.dlc - 1, message.dlc + 1, *others} & set(range(9))):
                 yield frame._replace(data=frame.data[:length].ljust(length, b"\0"))
             fixed = (f for f in message.layout.fields if f.fixed is not None)
             parts = [(k.space, bits_of(k.segments)) for k in message.keys]

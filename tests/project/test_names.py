@@ -27,7 +27,7 @@ from ..spec_texts import MINIMAL
         *((name, "v1", "file-name", "Windows") for name in ("con", "aux", "com1")),
         ("class", "v1", "name-collision", "the Python package `class` cannot be imported"),
         ("std", "v1", "name-collision", "the C++ namespace `std`"),
-        *(("lamp", name, "name-collision", "cannot be imported") for name in ('"2.0"', "import", "None")),
+        *(("lamp", name, "name-collision", "cannot be imported") for name in ("import", "None")),
         *(("lamp", name, "name-collision", "already contains a module") for name in ("nodes", "Nodes", "python-can")),
         *(("lamp", name, "name-collision", "already contains a header") for name in ("canwright", "Canwright-exact")),
         *(("lamp", name, "name-collision", "name of a page") for name in ("index.md", "Support.HTML")),
@@ -47,7 +47,7 @@ def test_a_name_that_would_replace_a_file(tmp_path: Path, family: str, edition: 
 
 @pytest.mark.parametrize(
     ("first", "second", "parameters"),
-    [("v1", "V1", ""), ("v1", "v1-big", "parameters: {size: {values: {big: {}, small: {}}}}\n")],
+    [("v1", "V1", ""), ("v2.0", '"2.0"', ""), ("v1", "v1-big", "parameters: {size: {values: {big: {}, small: {}}}}\n")],
 )
 def test_editions_with_the_same_files(tmp_path: Path, first: str, second: str, parameters: str) -> None:
     """File systems that do not distinguish upper case have one file for both."""
@@ -57,6 +57,13 @@ def test_editions_with_the_same_files(tmp_path: Path, first: str, second: str, p
     with pytest.raises(SpecError) as rejected:
         all_loaded(files)
     assert {finding.rule for finding in rejected.value.diagnostics} == {"name-collision"}
+
+
+def test_an_edition_that_starts_with_a_digit_can_be_imported(tmp_path: Path) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL.replace("edition: v1", 'edition: "2.0"'))
+    files = canwright.generate([canwright.load(tmp_path / "lamp.yaml")], ["c", "python"])
+    assert "python/lamp/v2_0.py" in files
+    assert "namespace lamp::v2_0 " in files["c/include/lamp/v2_0.hpp"].decode()
 
 
 class _Twice(Target):

@@ -159,6 +159,8 @@ def broken_links(site: Path) -> list[str]:
             path, _, anchor = link.partition("#")
             target = (file.parent / unquote(path.partition("?")[0])).resolve() if path else file.resolve()
             is_page = target.suffix == ".html" and target.parent.name != "explorer"
+            if link == "data:,":  # no icon
+                continue
             if not target.is_file() or (anchor and is_page and unquote(anchor) not in page(target).ids):
                 broken.append(f"{file.relative_to(site)}: {link}")
     return broken

@@ -16,7 +16,7 @@ from canwright.templating.resources import EXAMPLES, SCHEMA
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
-from ..spec_texts import MINIMAL
+from ..spec_texts import MINIMAL, findings
 
 FOLDERS = sorted(folder.name for folder in EXAMPLES.iterdir())
 ELSEWHERE = {
@@ -279,3 +279,24 @@ def test_a_field_that_moved_is_told_once_for_each_frame(tmp_path: Path) -> None:
         (6, "`level` is 0 in `data`"),
         (7, "`level` is 0 according to the scale in the spec"),
     ]
+
+
+def test_big_endian_fields_at_their_lowest_bytes_are_reported_themselves(tmp_path: Path) -> None:
+    fields = "{level: {at: 3, raw: u16}, time: {at: 5, raw: u16}, end: {at: 6, raw: u8}}"
+    text = MINIMAL.replace("request: {level: {at: 2, type: level}}", f"request: {fields}") + "byte_order: big\n"
+    (finding,) = (one for one in findings(tmp_path, text) if one.rule == "overlap")
+    assert finding.message.startswith("`time` is big-endian and uses bytes 5 to 6")
+    assert finding.hint.endswith("write at: 4 for bytes 4 to 5")
+
+
+@pytest.mark.parametrize(("bus", "related"), [("", []), ("bus: {dlc: 8}\n", ["the length of dim_request"])])
+def test_a_wrong_length_is_related_to_the_line_that_defines_it(tmp_path: Path, bus: str, related: list[str]) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL + bus, "utf-8")
+    frame = '{request: dim, node: 1, id: 0x101, data: "10 00 F4 01 00 00 00", raw: {level: 500}, source: manual}'
+    head = "canwright: 1\nfamily: lamp\nedition: v1\nsources: {manual: The manual}\n"
+    (tmp_path / "lamp.frames.yaml").write_text(f"{head}frames:\n  - {frame}\n", "utf-8")
+    with pytest.raises(SpecError) as rejected:
+        load(tmp_path / "lamp.yaml")
+    (finding,) = (one for one in rejected.value.diagnostics if one.rule == "frame-contradiction")
+    assert finding.message == "7 bytes, but dim_request has 8"
+    assert [one.item for one in finding.related] == related

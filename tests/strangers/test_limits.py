@@ -13,7 +13,7 @@ from canwright.diagnostics.diagnostic import MOST_FINDINGS, SpecError
 from canwright.document.document import MAX_BYTES, read_document
 from canwright.language import notation
 from canwright.resolve.limits import MOST_COMMANDS
-from canwright.rules import bit_patterns
+from canwright.rules import bit_patterns, too_large
 from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, findings, marked, places
@@ -172,6 +172,20 @@ def test_what_would_generate_too_much_is_rejected_with_its_size(name: str, tmp_p
     assert time.process_time() - start < AT_ONCE
     assert "exceeds the maximum of" in found.message
     assert found.hint
+
+
+def test_the_environment_raises_the_maximum_size_of_a_trusted_spec(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = MINIMAL + many(1500, "  c#: {code: 0x20, request: {a: {at: 1, raw: u16, constant: #}}, reply: none}\n")
+    assert "too-large" not in {one.rule for one in findings(tmp_path, text)}
+    monkeypatch.setattr(too_large, "MOST_SIZE", 50_000)
+    (found,) = (one for one in findings(tmp_path, text) if one.rule == "too-large")
+    variable, _, size = found.hint.partition("environment variable ")[2].partition("=")
+    monkeypatch.setenv(variable, "none")
+    assert "too-large" in {one.rule for one in findings(tmp_path, text)}
+    monkeypatch.setenv(variable, size)
+    assert "too-large" not in {one.rule for one in findings(tmp_path, text)}
 
 
 @pytest.mark.parametrize(

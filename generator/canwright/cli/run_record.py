@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 RECORDED = ("generate", "check")
 """Commands whose runs are recorded."""
 
-ENVIRONMENT = ("NO_COLOR", "_CANWRIGHT_COMPLETE")
-"""Variables that affect what these commands print; the last one is that of shell completion."""
+ENVIRONMENT = ("CANWRIGHT_MAX_SIZE", "NO_COLOR", "_CANWRIGHT_COMPLETE")
+"""Variables that affect these commands; the last one is that of shell completion."""
 
 MOST_RECORDS = 200
 

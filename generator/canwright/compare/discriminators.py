@@ -6,6 +6,7 @@ import functools
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Key, KeyRole, Message
@@ -86,29 +87,30 @@ class _Field(NamedTuple):
     value: int | None
     place: str
     order: Order
+    path: DocumentPath
 
 
 def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
     """Constants that distinguish one message from others, as a code does, in one edition or in both."""
     item, (before, after) = Item("command", use.commands[0]), (constant_keys(m) for m in (old, new))
-    matched = by_name(_fields(old), _fields(new)).also(lambda a, b: a[1:] == b[1:])
+    matched = by_name(_fields(old), _fields(new)).also(lambda a, b: a[1:4] == b[1:4])
     for one, other in matched.pairs:
         if one.name not in before and other.name not in after:
             continue
-        places = (*old.path, one.name), (*new.path, other.name)
+        places = one.path, other.path
         found.renamed("field-renamed", item, places, use, old=one.name, new=other.name)
         found.attributes(_OF_CONSTANT, item, places, one, other, use, name=other.name)
     for gone in (one for one in matched.removed if one.name in before):
-        places, facts = ((*old.path, gone.name), new.path), {"name": gone.name, "place": gone.place}
+        places, facts = (gone.path, new.path), {"name": gone.name, "place": gone.place}
         found.removed("field-removed", item, places, Impact.SILENT, use, None, **facts)
     for fresh in (one for one in matched.added if one.name in after):
-        places, facts = (old.path, (*new.path, fresh.name)), {"name": fresh.name, "place": fresh.place}
+        places, facts = (old.path, fresh.path), {"name": fresh.name, "place": fresh.place}
         found.add("field-added", item, places, Impact.LOUD, use, **facts)
 
 
 def _fields(message: Message) -> Iterator[_Field]:
-    yield from (_Field(k.name, k.value, _place(k), k.order) for k in message.keys if k.role is KeyRole.CONSTANT)
-    yield from (_Field(f.name, f.fixed, place_of(f), f.type.order) for f in message.layout.fields)
+    yield from (_Field(k.name, k.value, _place(k), k.order, k.path) for k in message.keys if k.role is KeyRole.CONSTANT)
+    yield from (_Field(f.name, f.fixed, place_of(f), f.type.order, f.path) for f in message.layout.fields)
 
 
 def _place(key: Key) -> str:

@@ -74,7 +74,7 @@ _EXPLAINS: dict[str, frozenset[Aspect]] = {
 """The aspects that each kind of change explains; other kinds have no witness."""
 _ADDITIONS = ("command-added", "entry-added", "address-added")
 _ANY_SIDE = (*_ADDITIONS, "command-removed", "entry-removed", "request-changed", "availability-changed")
-_OF_LENGTH = ("field-added", "field-removed", "field-replaced")
+_OF_LENGTH = ("field-added", "field-moved", "field-removed", "field-replaced")
 """Changes of fields that come with another length."""
 _WHOLE = ("reply-form-changed", "request-changed", "table-of-command-changed")
 """Changes that replace all fields of a command."""

@@ -40,8 +40,8 @@ class Edition:
 
     @property
     def identifier(self) -> str:
-        """The edition's name as an identifier: `v2.35-2024-02` is `v2_35_2024_02`."""
-        return "".join(c if c.isalnum() else "_" for c in self.name)
+        """The edition's name as an identifier: `v2.35-2024-02` is `v2_35_2024_02`, and `2.0` is `v2_0`."""
+        return ("v" if self.name[0].isdigit() else "") + "".join(c if c.isalnum() else "_" for c in self.name)
 
     def messages(self, direction: Direction) -> Sequence[Message]:
         """The distinct messages of one direction, in spec order."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 
@@ -78,10 +78,11 @@ class BitRun:
 
 @dataclass(frozen=True, kw_only=True)
 class Key(BitRun):
-    """Bits that must have `value` for a frame to be a given message."""
+    """Bits that must have `value` for a frame to be a given message. `path` is that of a constant, empty for others."""
 
     role: KeyRole
     value: int
+    path: DocumentPath = field(default=(), compare=False)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

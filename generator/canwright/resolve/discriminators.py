@@ -126,6 +126,7 @@ def _key(field: Field) -> Key:
         width=width,
         segments=field.elements[0].segments,
         value=(field.fixed or 0) & ((1 << width) - 1),
+        path=field.path,
     )
 
 

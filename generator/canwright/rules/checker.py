@@ -83,7 +83,8 @@ class _Checker:
             finding.path, rule.id, finding.message, finding.hint, key=finding.key, warning=is_warning
         )
         if finding.related:
-            items = ((self._document.position(r.path, key=r.key), r.item) for r in finding.related)
+            written = (r for r in finding.related if r.path in self._document or not r.may_be_missing)
+            items = ((self._document.position(r.path, key=r.key), r.item) for r in written)
             diagnostic = replace(diagnostic, related=tuple(Related(*item) for item in items))
         listed = self.warnings if is_warning else self.errors
         if self._rules.setdefault(diagnostic.place, rule.id) != rule.id and finding.key:

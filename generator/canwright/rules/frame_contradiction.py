@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import nearest
-from ..language.edition import BusSpec, EditionSpec, MessageSpec, keys
+from ..language.edition import EditionSpec, MessageSpec
 from ..language.golden_frames import GoldenFrame
 from ..model import formatting
 from ..model.edition import Edition
@@ -51,8 +51,7 @@ class _FrameChecker:
         if not is_expected:
             problem = _header(message, frame, can)
             if problem:
-                length = self._length(message) if len(can.data) != message.dlc else None
-                return [(*problem[:3], length) if length else problem]
+                return [(*problem[:3], self._length(message)) if len(can.data) != message.dlc else problem]
         encoder = self._encoders.under(frame.parameters)
         variant = message.layout.variant(encoder.assignment)
         if variant is None:
@@ -70,8 +69,8 @@ class _FrameChecker:
         problems = [*wrong, *_raws(frame, fields, found), *_values(frame, fields, found, encoder.assignment)]
         return problems or ([] if frame.decode_only else list(_encoded(encoder, message, fields, frame, can)))
 
-    def _length(self, message: Message) -> RelatedItem | None:
-        """The definition of the length of a message; None for the default."""
+    def _length(self, message: Message) -> RelatedItem:
+        """The definition of the length of a message, which the spec may leave to the default."""
         item = f"the length of {message.name}"
         command = self._edition.command(message.command)
         written = getattr(self._spec.commands[command.group], message.direction.value)
@@ -80,7 +79,7 @@ class _FrameChecker:
         entry = command.entry
         if entry is not None and self._spec.tables[entry.table].entries[entry.name].dlc is not None:
             return RelatedItem((*entry.path, "dlc"), item)
-        return RelatedItem(("bus", "dlc"), item) if self._spec.bus.dlc != DEFAULT_DLC else None
+        return RelatedItem(("bus", "dlc"), item, may_be_missing=True)
 
     def _unknown(self, command: str, direction: Direction) -> EntryProblem:
         """The problem of a frame whose command is unknown, or has no message of this direction."""
@@ -126,7 +125,6 @@ def _encoded(
         yield ("data",), text, _CHECK_LAYOUT
 
 
-DEFAULT_DLC = keys(BusSpec)["dlc"].default
 _DECODE_ONLY = "or add decode_only: true if the frame is never sent"
 _CHECK_LAYOUT = f"check the layout and its `reserved` fields; {_DECODE_ONLY}"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import EditionSpec
@@ -87,12 +88,24 @@ def _misplaced(
             wanted = set(range(start * 8, (start + size) * 8))
             keys = {bit for key in message.keys if key.space is Space.DATA for bit in bits_of(key.segments)}
             used = {b for at, one in fields.items() if at != path for e in one.elements for b in e.bits} | keys
-            if wanted.isdisjoint(used):
+            if wanted.isdisjoint(used) or wanted.isdisjoint(_lowered(fields, path) | keys):
                 name = fields[path].name
                 last = start + size - 1
                 text = f"`{name}` is big-endian and uses bytes {last} to {last + size - 1}, where other fields are"
                 return path, text, f"`at` is the first, highest byte: write at: {start} for bytes {start} to {last}"
     return None
+
+
+def _lowered(fields: Mapping[DocumentPath, Field], path: DocumentPath) -> set[int]:
+    """The bits of all other fields if every big-endian one is at its lowest byte, too."""
+    found: set[int] = set()
+    for at, field in fields.items():
+        start = highest_byte(field)
+        if at != path:
+            size = field.type.width // 8
+            moved = range(start * 8, (start + size) * 8) if start is not None else ()
+            found.update(moved or (bit for element in field.elements for bit in element.bits))
+    return found
 
 
 def _item(spec: EditionSpec, message: Message, key: Key) -> RelatedItem:

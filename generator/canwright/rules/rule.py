@@ -25,11 +25,15 @@ class Subject(NamedTuple):
 
 
 class RelatedItem(NamedTuple):
-    """Another item of the spec that a finding is about: its path and what it is."""
+    """Another item of the spec that a finding is about: its path and what it is.
+
+    One that `may_be_missing` is not shown if the spec leaves it to its default.
+    """
 
     path: DocumentPath
     item: str
     key: bool = False
+    may_be_missing: bool = False
 
 
 class Finding(NamedTuple):

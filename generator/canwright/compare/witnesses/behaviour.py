@@ -201,16 +201,23 @@ class Behaviour:
         for assignment in self._assignments.of(case.parameters):
             if not all(command.available(assignment) for command in case.both):
                 continue
-            encoder = self._encoders.under({**self._assignments.first, **assignment})
             seen: set[object] = set()
-            for aspect, node, frame in self._frames(case.side, encoder, sent, read):
-                observation = self._outcome(case, assignment, encoder, sent, read, aspect, node, frame)
-                if observation is not None:
-                    kind = (aspect, observation.witness.impact, observation.commands)
-                    if kind not in seen:
-                        seen.add(kind)
-                        yield observation
-                        yield from self._answer_of_another(case, assignment, encoder, observation)
+            for known in (assignment, *self._with_other_ranges(assignment, sent)):
+                encoder = self._encoders.under({**self._assignments.first, **known})
+                for aspect, node, frame in self._frames(case.side, encoder, sent, read):
+                    observation = self._outcome(case, known, encoder, sent, read, aspect, node, frame)
+                    if observation is not None:
+                        kind = (aspect, observation.witness.impact, observation.commands)
+                        if kind not in seen:
+                            seen.add(kind)
+                            yield observation
+                            yield from self._answer_of_another(case, known, encoder, observation)
+
+    def _with_other_ranges(self, assignment: Assignment, sent: Message) -> Iterator[Assignment]:
+        """`assignment` with other values of the parameters that ranges of the fields of a message depend on."""
+        names = [field.type.raw_range.parameter for field in sent.layout.fields]
+        further = [name for name in names if name is not None and name not in assignment]
+        yield from ({**assignment, **more} for more in self._assignments.of(further) if more)
 
     def _answer_of_another(
         self, case: _Case, assignment: Assignment, encoder: Encoder, observation: Observation

@@ -51,9 +51,8 @@ def _modules(edition: Edition) -> Iterator[NameProblem]:
     if keyword.iskeyword(family):
         text = f"the Python package `{family}` cannot be imported, because `{family}` is a keyword of Python"
         yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
-    if keyword.iskeyword(module) or not module.isidentifier():
-        reason = "is a keyword of Python" if module.isidentifier() else "starts with a digit"
-        text = f"the Python module `{module}` cannot be imported, because `{module}` {reason}"
+    if keyword.iskeyword(module):
+        text = f"the Python module `{module}` cannot be imported, because `{module}` is a keyword of Python"
         yield NameProblem(("edition",), text, f"choose another name, for example v{edition.name}")
     if family in STANDARD_LIBRARY or family in PACKAGES:
         owner = "of the standard library" if family in STANDARD_LIBRARY else "that other programs need"
