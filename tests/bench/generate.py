@@ -132,6 +132,8 @@ def multiplied(folder: Path, times: int) -> Path:
             if isinstance(one["reply"], dict) and "of" in one["reply"]:
                 one["reply"]["of"] += f"_{i}"
             data["commands"][f"{name}_{i}"] = one
+    for state in data["states"].values():
+        state["entered_by"] = [f"{name}_{i}" for name in state["entered_by"] for i in range(times)]
     file = folder / f"times{times}.yaml"
     file.write_text(yaml.safe_dump(data, allow_unicode=True, sort_keys=False), "utf-8")
     golden: dict[str, Any] = yaml.safe_load(FRAMES.read_text("utf-8"))
