@@ -94,6 +94,8 @@ class Rust(Program):
         except ValueError as error:
             if "Signals overlap within message" in str(error) and "@0" in file.read_text("ascii"):
                 raise UnsupportedFileError("it sees an overlap of big-endian signals that share a byte") from error
+            if "Too many nodes" in str(error):
+                raise UnsupportedFileError("it reads at most 256 nodes") from error
             raise
 
 
