@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from . import Case, Reader, Values
+from . import Case, Reader, UnsupportedFileError, Values
 
 
 class PythonReader(Reader):
@@ -63,7 +63,13 @@ class CanDecoder(PythonReader):
             "DataLength": [len(c.data) for c in cases],
             "DataBytes": [list(c.data) for c in cases],
         }
-        found = decoder.decode_frame(pandas.DataFrame(columns, index=pandas.Index(times, name="TimeStamp")))
+        frames = pandas.DataFrame(columns, index=pandas.Index(times, name="TimeStamp"))
+        try:
+            found = decoder.decode_frame(frames)
+        except TypeError as error:
+            if "decimal.Decimal" in str(error) and "SIG_VALTYPE_" in file.read_text("ascii"):
+                raise UnsupportedFileError("it multiplies floating-point signals by a Decimal, and fails") from error
+            raise
         results: list[dict[str, float]] = [{} for _ in cases]
         rows = zip(found.index, found["Signal"], found["Physical Value"], strict=True) if len(found) else ()
         for time, name, value in rows:
