@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -31,16 +32,16 @@ class Reason(NamedTuple):
     byte: int | None = None
 
 
-class Check:
+class Check(ABC):
     """A check of some bits of a frame; the result changes only at the numbers `steps`, unless they are None."""
 
     in_id: bool
     parts: Parts
     steps: Sequence[int] | None
 
+    @abstractmethod
     def reason(self, bits: int) -> Reason | None:
         """The reason against the bits; None without one."""
-        raise NotImplementedError
 
 
 class ReservedCheck(Check):

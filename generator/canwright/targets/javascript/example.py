@@ -13,9 +13,10 @@ from ...semantics.decoder import Decoder, Rejection
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame
 from ..base import Specification
+from ..nested_source import Code
 from . import text
 from .package import import_name
-from .text import Code, Value
+from .text import Value
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import functools
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
 from ...model.types import Text
+from ..nested_source import Code, NestedSource
 
-WIDTH = 120
 EXACT = (1 << 53) - 1
 """Integers up to this are exact as a number of JavaScript; larger ones are printed as BigInt."""
 
@@ -19,12 +19,6 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
 Value = str | int | float | Fraction | Mapping[str, "Value"] | Sequence["Value"] | None
 """What is printed as JavaScript. An entry of a mapping that is None is left out; `null` in a list is None."""
-
-
-class Code(str):
-    """A text that is JavaScript source already."""
-
-    __slots__ = ()
 
 
 NULL = Code("null")
@@ -63,37 +57,6 @@ def double(number: Fraction | int) -> Code:
         return Code("Infinity" if number > 0 else "-Infinity")
 
 
-def printed(value: Value, indent: int = 0) -> str:
-    """A value on one line if it fits, else with one entry per line."""
-    if value is None or isinstance(value, (str, int, float, Fraction)):
-        return _scalar(value)
-    line = _flat(value, WIDTH - 20 - indent)
-    if line is not None:
-        return line
-    margin = " " * (indent + 2)
-    opening, closing = "{}" if isinstance(value, Mapping) else "[]"
-    lines = (f"{margin}{name}{printed(item, indent + 2)},\n" for name, item in _entries(value))
-    return f"{opening}\n{''.join(lines)}{' ' * indent}{closing}"
-
-
-def _flat(value: Mapping[str, Value] | Sequence[Value], room: int) -> str | None:
-    """A mapping or a list on one line; None if it has more than `room` characters."""
-    parts: list[str] = []
-    left = room
-    for name, item in _entries(value):
-        if item is None or isinstance(item, (str, int, float, Fraction)):
-            part: str | None = _scalar(item)
-        else:
-            part = _flat(item, left)
-        left -= len(name) + len(part or "")
-        if part is None or left < 0:
-            return None
-        parts.append(name + part)
-    inner = ", ".join(parts)
-    line = f"[{inner}]" if not isinstance(value, Mapping) else f"{{ {inner} }}" if inner else "{}"
-    return line if len(line) <= room else None
-
-
 def _scalar(value: object) -> str:
     if isinstance(value, Code):
         return str(value)
@@ -106,12 +69,6 @@ def _scalar(value: object) -> str:
     return "null" if value is None else repr(value)
 
 
-def _entries(value: Mapping[str, Value] | Sequence[Value]) -> Iterator[tuple[str, Value]]:
-    if isinstance(value, Mapping):
-        return ((f"{key(name)}: ", item) for name, item in value.items() if item is not None)
-    return (("", item) for item in value)
-
-
 @functools.lru_cache(maxsize=1 << 12)
 def key(name: str) -> str:
     """The name of a property, in quotes where it has to be."""
@@ -121,3 +78,8 @@ def key(name: str) -> str:
 def as_type(name: str) -> str:
     """The name of a property, as `key` has it, as a type of TypeScript."""
     return name if name.startswith('"') else quoted(name)
+
+
+printed = NestedSource(
+    scalar=_scalar, name=lambda name: f"{key(name)}: ", mapping=("{", "}"), sequence=("[", "]"), padding=" ", step=2
+).printed

@@ -13,9 +13,10 @@ from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
 from ...semantics.candidates import answers_by_request
 from ...semantics.frame import data_bits
+from ..nested_source import Code
 from . import text
 from .filters import flag_filter
-from .text import Code, Table, Value
+from .text import Table, Value
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
 from ...model.types import Text
+from ..nested_source import Code, NestedSource
 
-WIDTH = 120
 EXACT = 1 << 53
 """Integers up to this are exact as a double, the only number of Lua 5.2."""
-
-
-class Code(str):
-    """A text that is Lua source already."""
-
-    __slots__ = ()
 
 
 _KEYWORDS = frozenset(
@@ -60,35 +54,6 @@ def key(raw: int, width: int) -> int | str:
     return f"{high}:{low}" if high else low
 
 
-def printed(value: Value, indent: int = 0) -> str:
-    """A value on one line if it fits, else with one entry per line."""
-    if isinstance(value, (str, int, float)) or value is None:
-        return _scalar(value)
-    line = _flat(value, WIDTH - 20 - indent)
-    if line is not None:
-        return line
-    margin = " " * (indent + 4)
-    lines = (f"{margin}{_name(name)}{printed(item, indent + 4)},\n" for name, item in _entries(value))
-    return "{\n" + "".join(lines) + " " * indent + "}"
-
-
-def _flat(value: Table | Sequence[Value], room: int) -> str | None:
-    """A table on one line; None if it has more than `room` characters."""
-    parts: list[str] = []
-    left = room
-    for name, item in _entries(value):
-        if isinstance(item, (str, int, float)) or item is None:
-            part: str | None = _scalar(item)
-        else:
-            part = _flat(item, left)
-        left -= len(part or "")
-        if part is None or left < 0:
-            return None
-        parts.append(_name(name) + part)
-    line = "{" + ", ".join(parts) + "}"
-    return line if len(line) <= room else None
-
-
 def _scalar(value: str | float | None) -> str:
     if isinstance(value, Code):
         return str(value)
@@ -99,16 +64,11 @@ def _scalar(value: str | float | None) -> str:
     return "nil" if value is None else repr(value)
 
 
-def _entries(value: Table | Sequence[Value]) -> Iterator[tuple[str | int | None, Value]]:
-    if isinstance(value, Mapping):
-        return ((name, item) for name, item in value.items() if item is not None)
-    return ((None, item) for item in value)
-
-
-def _name(name: str | int | None) -> str:
+def _name(name: str | int) -> str:
     """The start of an entry."""
-    if name is None:
-        return ""
     if isinstance(name, str) and _NAME.fullmatch(name) and name not in _KEYWORDS:
         return f"{name} = "
     return f"[{_scalar(name)}] = "
+
+
+printed = NestedSource(scalar=_scalar, name=_name, mapping=("{", "}"), sequence=("{", "}"), padding="", step=4).printed
