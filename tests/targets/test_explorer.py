@@ -18,6 +18,7 @@ from canwright.language.golden_frames import GoldenFrame
 from canwright.model import formatting
 from canwright.project.loader import specification
 from canwright.targets import c, python
+from canwright.targets.javascript.edition_source import EditionSource
 from canwright.targets.javascript.page import FOLDER, explorer
 from canwright.templating.resources import TEMPLATES
 
@@ -50,7 +51,7 @@ def test_golden_frames_and_their_code(spec: Path, tmp_path: Path) -> None:
     """Every golden frame is found with its raw integers; the code for one frame of each message writes its bytes."""
     item = specification(spec)
     assert item.frames is not None
-    folder = write_files(explorer([item]), tmp_path)
+    folder = write_files(explorer([EditionSource(item)]), tmp_path)
     frames = [frame for frame in item.frames.frames if len(frame.data) <= 8]
     programs: dict[tuple[str, str], tuple[str, str, str]] = {}
     for frame, answer in zip(frames, interpret(folder, list(map(_question, frames))), strict=True):
@@ -144,7 +145,7 @@ LINES = {
 
 
 def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
-    folder = write_files(explorer([specification(MOTOR)]), tmp_path)
+    folder = write_files(explorer([EditionSource(specification(MOTOR))]), tmp_path)
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in LINES])
     found = [one and (one["frame"], one["sent"], one["time"]) for one in answers]
     assert dict(zip(LINES, found, strict=True)) == LINES
@@ -152,7 +153,7 @@ def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
 
 def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
     """A request with its reserved bits, a reply with them set, all editions, and both layouts of a series."""
-    folder = write_files(explorer([specification(spec) for spec in SPECS[:4]]), tmp_path)
+    folder = write_files(explorer([EditionSource(specification(spec)) for spec in SPECS[:4]]), tmp_path)
     lines = ["141#9C00000000000000", "141#9C33640000000100", "141#A1329B00F4010080", "141#9C33640000000100"]
     lines += ["(1.0) can0 141#8000000000000000 R", "(1.0) can0 141#8000000000000000 T"]
     parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}, {}, {}]

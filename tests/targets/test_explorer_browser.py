@@ -14,6 +14,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from canwright.model import formatting
 from canwright.project.loader import specification
+from canwright.targets.javascript.edition_source import EditionSource
 from canwright.targets.javascript.page import FOLDER, explorer
 from playwright.sync_api import Browser, Page
 
@@ -40,7 +41,11 @@ class _Quiet(SimpleHTTPRequestHandler):
 def page_of_motors(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page with the editions of the motor protocol."""
     items = [specification(spec) for spec in SPECS[:4]]
-    return write_files(explorer(items), tmp_path_factory.mktemp("explorer")) / FOLDER / "index.html"
+    return (
+        write_files(explorer([EditionSource(item) for item in items]), tmp_path_factory.mktemp("explorer"))
+        / FOLDER
+        / "index.html"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -252,7 +257,7 @@ def test_the_code_is_copied(page_of_motors: Path, opened: Open) -> None:
 def test_hostile_texts_are_shown_as_text(opened: Open, tmp_path: Path) -> None:
     texts = itertools.cycle(text for text in HOSTILE if "<" in text)
     item = filled(lambda: next(texts), tmp_path)
-    file = write_files(explorer([item]), tmp_path) / FOLDER / "index.html"
+    file = write_files(explorer([EditionSource(item)]), tmp_path) / FOLDER / "index.html"
     page = opened(file)
     scripts = page.locator("script").count()
     messages = page.locator("#message option").evaluate_all("(all) => all.map((one) => one.value)")

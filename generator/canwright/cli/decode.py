@@ -30,7 +30,7 @@ from ..semantics.frame import CanFrame
 from .common import FINDINGS, FilePath, read, spec_option, stop
 from .decode_view import Table, summary_text
 from .explain_view import explanation, golden_entries
-from .settings import node_settings
+from .node_settings import node_settings
 from .terminal import print_data, print_text, progress
 
 BLOCK = 500

@@ -1,4 +1,4 @@
-"""`--set`, `--nodes` and `--comments`: what is fixed in the output, selected from it, or known of the nodes of a log."""
+"""`--set`, `--nodes` and `--comments`: what is fixed in the output, and selected from it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from ..language import notation
 from ..model.edition import Edition
 from ..model.message import Direction
 from ..model.types import Assignment
-from ..recordings.nodes import EDITION, NodeSetting
 from ..semantics import parameters
 from ..targets.base import Options, Specification, TargetWithOptions
 from ..targets.registry import target, target_names
@@ -20,7 +19,7 @@ def assignment(specifications: Sequence[Specification], settings: Sequence[str])
     result: dict[str, str] = {}
     for setting in settings:
         name, _, value = setting.partition("=")
-        _check([one.edition for one in specifications], setting, name, value, "")
+        check_value([one.edition for one in specifications], setting, name, value, "")
         if result.setdefault(name, value) != value:
             stop(f"--set {setting}: `{name}` is already set to {result[name]}; remove one")
     return result
@@ -60,26 +59,7 @@ def _nodes(specifications: Sequence[Specification], written: str) -> Sequence[in
     return sorted(selected)
 
 
-def node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list[NodeSetting]:
-    """`--set [[BUS:]NODE:]NAME=VALUE`; the name is that of a parameter, or `edition`."""
-    found: dict[tuple[str | None, int | None, str], NodeSetting] = {}
-    by_name = {edition.name: edition for edition in editions}
-    for setting in settings:
-        left, _, value = setting.partition("=")
-        scope, _, name = left.rpartition(":")
-        bus, _, node = scope.rpartition(":")
-        if scope and not (node.isascii() and node.isdigit()):
-            stop(f"--set {setting}: `{node}` is not a node; write NODE:NAME=VALUE, for example 3:{name}={value}")
-        chosen: Edition | str = by_name.get(value, value) if name == EDITION else value
-        if isinstance(chosen, str):
-            _check(editions, setting, name, value, f"{EDITION}={'|'.join(by_name)}")
-        one = NodeSetting(bus or None, int(node) if scope else None, name, chosen)
-        if found.setdefault(one[:3], one) != one:
-            stop(f"--set {setting}: `{left}` is already set to another value; remove one")
-    return list(found.values())
-
-
-def _check(editions: Sequence[Edition], setting: str, name: str, value: str, others: str) -> None:
+def check_value(editions: Sequence[Edition], setting: str, name: str, value: str, others: str) -> None:
     """Stops unless a parameter has this value in some edition; `others` are further settings that are possible."""
     owners = [(edition, p) for edition in editions for p in edition.parameters if p.name == name]
     numbers = [(edition, p) for edition, p in owners if not p.is_choice]

@@ -8,15 +8,16 @@ that both editions decode (`witnesses`, `verdicts`). What names a target exports
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ..model.edition import Edition
-from . import commands, edition_changes, missing_names, renames
 from .catalogue import CHANGES as CHANGES
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
-from .collector import Collector
-from .exported_names import ExportedNames, Exporter
-from .verdicts import examples as examples, judged, reason_without_witness as reason_without_witness
-from .witnesses import REASONS as REASONS, SENTENCES as SENTENCES, Witness as Witness, observe
+from .verdicts import examples as examples, reason_without_witness as reason_without_witness
+from .witnesses.witness import REASONS as REASONS, SENTENCES as SENTENCES, Witness as Witness
+
+if TYPE_CHECKING:
+    from .exported_names import Exporter
 
 _CATEGORIES, _IMPACTS = list(Category), list(Impact)
 
@@ -26,13 +27,9 @@ def compare(old: Edition, new: Edition, exporters: Sequence[Exporter] = ()) -> t
 
     A renamed item is reported with its names in each of the `exporters`, which are targets.
     """
-    names = ExportedNames(exporters, old, new)
-    found = Collector(names, new)
-    renamed = renames.compare(found, old, new)
-    edition_changes.compare(found, renamed, new)
-    commands.compare(found, renamed, new)
-    missing_names.compare(found, names, old)
-    return judged(tuple(found), observe(renamed, new))
+    from .comparison import changes
+
+    return changes(old, new, exporters)
 
 
 def by_impact(changes: tuple[Change, ...]) -> tuple[Change, ...]:

@@ -13,7 +13,7 @@ from ..model.message import Direction, Entry
 from ..model.types import Assignment, Text
 
 if TYPE_CHECKING:
-    from .witnesses import Witness
+    from .witnesses.witness import Witness
 
 
 class Category(str, Enum):

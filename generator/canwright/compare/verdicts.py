@@ -10,7 +10,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.refusal import Refusal
 from .catalogue import CHANGES
 from .change import Category, Change, Impact, Item, Side, Word, worst
-from .witnesses import Aspect, Observation, Witness
+from .witnesses.witness import Aspect, Observation, Witness
 
 MOST_WITNESSES = 16
 """So many witnesses of one change are kept; the worst of each side first."""

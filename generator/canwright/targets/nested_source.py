@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
-WIDTH = 120
+WIDTH = 100
+"""The characters of a table on one line with its indentation."""
 
 
 class Code(str):
@@ -20,7 +20,7 @@ class Code(str):
 class NestedSource:
     """How a language writes tables: the `scalar` values, the `name` that starts an entry, and its brackets.
 
-    An entry of a mapping that is None is left out.
+    An entry of a mapping that is None is left out. Sequences are lists and tuples.
     """
 
     scalar: Callable[[Any], str]
@@ -34,38 +34,22 @@ class NestedSource:
 
     def printed(self, value: Any, indent: int = 0) -> str:
         """A value on one line if it fits, else with one entry on each line."""
-        if _is_scalar(value):
+        if value is None or isinstance(value, (str, int, float)):
             return self.scalar(value)
-        line = self._flat(value, WIDTH - 20 - indent)
-        if line is not None:
-            return line
-        within = indent + self.step
-        opening, closing = self._brackets(value)
-        lines = (f"{' ' * within}{name}{self.printed(item, within)},\n" for name, item in self._entries(value))
-        return f"{opening}\n{''.join(lines)}{' ' * indent}{closing}"
+        is_list = isinstance(value, (list, tuple))
+        opening, closing = self.sequence if is_list else self.mapping
+        margin = " " * (indent + self.step)
+        entries = list(self._list(value, len(margin)) if is_list else self._mapping(value, len(margin)))
+        line = ", ".join(entries)
+        padding = self.padding if entries and not is_list else ""
+        is_short = len(line) + 2 * len(opening + padding) <= WIDTH - indent and "\n" not in line
+        if is_short or not entries:
+            return f"{opening}{padding}{line}{padding}{closing}"
+        lines = f",\n{margin}".join(entries)
+        return f"{opening}\n{margin}{lines},\n{' ' * indent}{closing}"
 
-    def _flat(self, value: Any, room: int) -> str | None:
-        """A table on one line; None if it has more than `room` characters."""
-        parts: list[str] = []
-        left = room
-        for name, item in self._entries(value):
-            part = self.scalar(item) if _is_scalar(item) else self._flat(item, left)
-            left -= len(name) + len(part or "")
-            if part is None or left < 0:
-                return None
-            parts.append(name + part)
-        padding = self.padding if parts and isinstance(value, Mapping) else ""
-        line = padding.join((self._brackets(value)[0], ", ".join(parts), self._brackets(value)[1]))
-        return line if len(line) <= room else None
+    def _list(self, value: Sequence[Any], indent: int) -> Iterator[str]:
+        return (self.printed(item, indent) for item in value)
 
-    def _brackets(self, value: Any) -> tuple[str, str]:
-        return self.mapping if isinstance(value, Mapping) else self.sequence
-
-    def _entries(self, value: Mapping[Any, Any] | Sequence[Any]) -> Iterator[tuple[str, Any]]:
-        if isinstance(value, Mapping):
-            return ((self.name(name), item) for name, item in value.items() if item is not None)
-        return (("", item) for item in value)
-
-
-def _is_scalar(value: object) -> bool:
-    return value is None or isinstance(value, (str, int, float, Fraction))
+    def _mapping(self, value: Mapping[Any, Any], indent: int) -> Iterator[str]:
+        return (self.name(name) + self.printed(item, indent) for name, item in value.items() if item is not None)

@@ -19,12 +19,7 @@ canwright.editions.push({
         unit: "A",
         linear: {
           by: "series",
-          cases: {
-            MS: null,
-            MF: { factor: 33, divisor: 4096 },
-            MH: null,
-            MG: { factor: 33, divisor: 2048 },
-          },
+          cases: { MS: null, MF: { factor: 33, divisor: 4096 }, MH: null, MG: { factor: 33, divisor: 2048 } },
         },
         range: [-2048, 2048],
       },
@@ -217,12 +212,7 @@ canwright.editions.push({
         fields: [
           { name: "temperature", type: 11, elements: [[[1, 0, 8, 0]]] },
           { name: "power", type: 0, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]], only: ["MS"] },
-          {
-            name: "iq",
-            type: 1,
-            elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]],
-            only: ["MF", "MH", "MG"],
-          },
+          { name: "iq", type: 1, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]], only: ["MF", "MH", "MG"] },
           { name: "speed", type: 12, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
           { name: "encoder", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
         ],
@@ -949,10 +939,7 @@ canwright.editions.push({
           zh: "\u589e\u91cf\u4f1a\u7d2f\u52a0\uff0c\u91cd\u590d\u53d1\u9001\u4f1a\u4f7f\u7535\u673a\u518d\u6b21\u8f6c\u52a8",
         },
       },
-      stops: {
-        level: "note",
-        title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" },
-      },
+      stops: { level: "note", title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" } },
       clears_turns: {
         level: "warning",
         title: {
@@ -1200,16 +1187,8 @@ canwright.editions.push({
         manual: "2.25",
         effects: ["clears_errors"],
       },
-      read_status_2: {
-        code: 156,
-        title: { en: "Read status 2", zh: "\u8bfb\u53d6\u72b6\u6001 2" },
-        manual: "2.26",
-      },
-      read_status_3: {
-        code: 157,
-        title: { en: "Read status 3", zh: "\u8bfb\u53d6\u72b6\u6001 3" },
-        manual: "2.27",
-      },
+      read_status_2: { code: 156, title: { en: "Read status 2", zh: "\u8bfb\u53d6\u72b6\u6001 2" }, manual: "2.26" },
+      read_status_3: { code: 157, title: { en: "Read status 3", zh: "\u8bfb\u53d6\u72b6\u6001 3" }, manual: "2.27" },
       broadcast_torque: {
         title: {
           en: "Torque control of four motors",
@@ -1326,12 +1305,7 @@ canwright.editions.push({
         },
       ],
       [{ title: { en: "Multi-turn angle", zh: "\u591a\u5708\u89d2\u5ea6" }, type: 13 }],
-      [
-        {
-          title: { en: "Single-turn angle of the output", zh: "\u5355\u5708\u89d2\u5ea6" },
-          type: 14,
-        },
-      ],
+      [{ title: { en: "Single-turn angle of the output", zh: "\u5355\u5708\u89d2\u5ea6" }, type: 14 }],
       [
         { title: { en: "Motor temperature", zh: "\u7535\u673a\u6e29\u5ea6" }, type: 11 },
         { title: { en: "Supply voltage", zh: "\u7535\u538b" }, type: 15 },

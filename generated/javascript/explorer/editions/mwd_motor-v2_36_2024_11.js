@@ -20,12 +20,7 @@ canwright.editions.push({
         unit: "A",
         linear: {
           by: "series",
-          cases: {
-            MS: null,
-            MF: { factor: 33, divisor: 4096 },
-            MH: null,
-            MG: { factor: 33, divisor: 2048 },
-          },
+          cases: { MS: null, MF: { factor: 33, divisor: 4096 }, MH: null, MG: { factor: 33, divisor: 2048 } },
         },
         range: [-2048, 2048],
       },
@@ -46,12 +41,7 @@ canwright.editions.push({
         unit: "A",
         linear: {
           by: "series",
-          cases: {
-            MS: null,
-            MF: { factor: 33, divisor: 4096 },
-            MH: null,
-            MG: { factor: 33, divisor: 2048 },
-          },
+          cases: { MS: null, MF: { factor: 33, divisor: 4096 }, MH: null, MG: { factor: 33, divisor: 2048 } },
         },
       },
       { width: 16, encoding: "signed", unit: "\u00b0/s" },
@@ -100,12 +90,7 @@ canwright.editions.push({
         unit: "A",
         linear: {
           by: "series",
-          cases: {
-            MS: null,
-            MF: { factor: 33, divisor: 4096 },
-            MH: null,
-            MG: { factor: 33, divisor: 2048 },
-          },
+          cases: { MS: null, MF: { factor: 33, divisor: 4096 }, MH: null, MG: { factor: 33, divisor: 2048 } },
         },
       },
     ],
@@ -284,12 +269,7 @@ canwright.editions.push({
         fields: [
           { name: "temperature", type: 12, elements: [[[1, 0, 8, 0]]] },
           { name: "power", type: 13, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]], only: ["MS"] },
-          {
-            name: "iq",
-            type: 14,
-            elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]],
-            only: ["MF", "MH", "MG"],
-          },
+          { name: "iq", type: 14, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]], only: ["MF", "MH", "MG"] },
           { name: "speed", type: 15, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
           { name: "encoder", type: 16, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
         ],
@@ -1279,10 +1259,7 @@ canwright.editions.push({
           zh: "\u62b1\u95f8\u4f1a\u62b1\u7d27\u6216\u677e\u5f00",
         },
       },
-      stops: {
-        level: "note",
-        title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" },
-      },
+      stops: { level: "note", title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" } },
       clears_turns: {
         level: "warning",
         title: {
@@ -1583,11 +1560,7 @@ canwright.editions.push({
         manual: "19",
         effects: ["writes_ram"],
       },
-      read_encoder: {
-        code: 144,
-        title: { en: "Read encoder", zh: "\u8bfb\u53d6\u7f16\u7801\u5668" },
-        manual: "20",
-      },
+      read_encoder: { code: 144, title: { en: "Read encoder", zh: "\u8bfb\u53d6\u7f16\u7801\u5668" }, manual: "20" },
       write_position_as_zero_rom: {
         code: 25,
         title: {
@@ -1651,10 +1624,7 @@ canwright.editions.push({
         },
       ],
       [
-        {
-          title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u4e0a\u9650" },
-          type: 2,
-        },
+        { title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u4e0a\u9650" }, type: 2 },
         { title: { en: "Target speed", zh: "\u76ee\u6807\u8f6c\u901f" }, type: 3 },
       ],
       [
@@ -1712,12 +1682,7 @@ canwright.editions.push({
         { title: { en: "I", zh: "I" }, type: 8 },
         { title: { en: "D", zh: "D" }, type: 8 },
       ],
-      [
-        {
-          title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u9650\u5236" },
-          type: 9,
-        },
-      ],
+      [{ title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u9650\u5236" }, type: 9 }],
       [{ title: { en: "Speed limit", zh: "\u901f\u5ea6\u9650\u5236" }, type: 10 }],
       [{ title: { en: "Angle limit", zh: "\u89d2\u5ea6\u9650\u5236" }, type: 10 }],
       [{ title: { en: "Current ramp", zh: "\u7535\u6d41\u659c\u7387" }, type: 10 }],
@@ -1762,12 +1727,7 @@ canwright.editions.push({
         },
       ],
       [{ title: { en: "Multi-turn angle", zh: "\u591a\u5708\u89d2\u5ea6" }, type: 17 }],
-      [
-        {
-          title: { en: "Single-turn angle of the output", zh: "\u5355\u5708\u89d2\u5ea6" },
-          type: 18,
-        },
-      ],
+      [{ title: { en: "Single-turn angle of the output", zh: "\u5355\u5708\u89d2\u5ea6" }, type: 18 }],
       [
         { title: { en: "Motor temperature", zh: "\u7535\u673a\u6e29\u5ea6" }, type: 12 },
         { title: { en: "Supply voltage", zh: "\u7535\u538b" }, type: 19 },
@@ -1785,14 +1745,8 @@ canwright.editions.push({
     types: [
       {
         members: {
-          lock: {
-            en: "Lock: brake without power",
-            zh: "\u62b1\u7d27\uff08\u62b1\u95f8\u65ad\u7535\uff09",
-          },
-          release: {
-            en: "Release: brake with power",
-            zh: "\u677e\u5f00\uff08\u62b1\u95f8\u901a\u7535\uff09",
-          },
+          lock: { en: "Lock: brake without power", zh: "\u62b1\u7d27\uff08\u62b1\u95f8\u65ad\u7535\uff09" },
+          release: { en: "Release: brake with power", zh: "\u677e\u5f00\uff08\u62b1\u95f8\u901a\u7535\uff09" },
           read: { en: "Read the state only", zh: "\u4ec5\u8bfb\u53d6\u72b6\u6001" },
         },
       },

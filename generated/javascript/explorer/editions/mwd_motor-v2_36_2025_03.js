@@ -20,12 +20,7 @@ canwright.editions.push({
         unit: "A",
         linear: {
           by: "series",
-          cases: {
-            MS: null,
-            MF: { factor: 33, divisor: 4096 },
-            MH: null,
-            MG: { factor: 33, divisor: 2048 },
-          },
+          cases: { MS: null, MF: { factor: 33, divisor: 4096 }, MH: null, MG: { factor: 33, divisor: 2048 } },
         },
         range: [-2048, 2048],
       },
@@ -79,12 +74,7 @@ canwright.editions.push({
         unit: "A",
         linear: {
           by: "series",
-          cases: {
-            MS: null,
-            MF: { factor: 33, divisor: 4096 },
-            MH: null,
-            MG: { factor: 33, divisor: 2048 },
-          },
+          cases: { MS: null, MF: { factor: 33, divisor: 4096 }, MH: null, MG: { factor: 33, divisor: 2048 } },
         },
       },
       { width: 16, encoding: "signed", unit: "\u00b0/s" },
@@ -136,12 +126,7 @@ canwright.editions.push({
         unit: "A",
         linear: {
           by: "series",
-          cases: {
-            MS: null,
-            MF: { factor: 33, divisor: 4096 },
-            MH: null,
-            MG: { factor: 33, divisor: 2048 },
-          },
+          cases: { MS: null, MF: { factor: 33, divisor: 4096 }, MH: null, MG: { factor: 33, divisor: 2048 } },
         },
       },
       { width: 8, encoding: "unsigned", enum: [[0, "failed"], [1, "saved"]] },
@@ -386,12 +371,7 @@ canwright.editions.push({
         fields: [
           { name: "temperature", type: 21, elements: [[[1, 0, 8, 0]]] },
           { name: "power", type: 22, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]], only: ["MS"] },
-          {
-            name: "iq",
-            type: 23,
-            elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]],
-            only: ["MF", "MH", "MG"],
-          },
+          { name: "iq", type: 23, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]], only: ["MF", "MH", "MG"] },
           { name: "speed", type: 24, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
           { name: "encoder", type: 25, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
         ],
@@ -2162,10 +2142,7 @@ canwright.editions.push({
           zh: "\u7535\u673a\u4f1a\u6765\u56de\u8f6c\u52a8\u6570\u79d2",
         },
       },
-      stops: {
-        level: "note",
-        title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" },
-      },
+      stops: { level: "note", title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" } },
       clears_turns: {
         level: "warning",
         title: {
@@ -2487,11 +2464,7 @@ canwright.editions.push({
         manual: "19",
         effects: ["writes_ram"],
       },
-      read_encoder: {
-        code: 144,
-        title: { en: "Read encoder", zh: "\u8bfb\u53d6\u7f16\u7801\u5668" },
-        manual: "20",
-      },
+      read_encoder: { code: 144, title: { en: "Read encoder", zh: "\u8bfb\u53d6\u7f16\u7801\u5668" }, manual: "20" },
       calibrate_encoder: {
         code: 24,
         title: { en: "Calibrate encoder", zh: "\u6821\u51c6\u7f16\u7801\u5668" },
@@ -2771,10 +2744,7 @@ canwright.editions.push({
         },
       ],
       [
-        {
-          title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u4e0a\u9650" },
-          type: 2,
-        },
+        { title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u4e0a\u9650" }, type: 2 },
         { title: { en: "Target speed", zh: "\u76ee\u6807\u8f6c\u901f" }, type: 3 },
       ],
       [
@@ -2832,12 +2802,7 @@ canwright.editions.push({
         { title: { en: "I", zh: "I" }, type: 8 },
         { title: { en: "D", zh: "D" }, type: 8 },
       ],
-      [
-        {
-          title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u9650\u5236" },
-          type: 9,
-        },
-      ],
+      [{ title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u9650\u5236" }, type: 9 }],
       [{ title: { en: "Speed limit", zh: "\u901f\u5ea6\u9650\u5236" }, type: 10 }],
       [{ title: { en: "Upper angle limit", zh: "\u89d2\u5ea6\u4e0a\u9650" }, type: 11 }],
       [{ title: { en: "Lower angle limit", zh: "\u89d2\u5ea6\u4e0b\u9650" }, type: 11 }],
@@ -2905,12 +2870,7 @@ canwright.editions.push({
         },
       ],
       [{ title: { en: "Multi-turn angle", zh: "\u591a\u5708\u89d2\u5ea6" }, type: 29 }],
-      [
-        {
-          title: { en: "Single-turn angle of the output", zh: "\u5355\u5708\u89d2\u5ea6" },
-          type: 30,
-        },
-      ],
+      [{ title: { en: "Single-turn angle of the output", zh: "\u5355\u5708\u89d2\u5ea6" }, type: 30 }],
       [
         { title: { en: "Motor temperature", zh: "\u7535\u673a\u6e29\u5ea6" }, type: 21 },
         { title: { en: "Supply voltage", zh: "\u7535\u538b" }, type: 31 },
@@ -2932,14 +2892,8 @@ canwright.editions.push({
     types: [
       {
         members: {
-          lock: {
-            en: "Lock: brake without power",
-            zh: "\u62b1\u7d27\uff08\u62b1\u95f8\u65ad\u7535\uff09",
-          },
-          release: {
-            en: "Release: brake with power",
-            zh: "\u677e\u5f00\uff08\u62b1\u95f8\u901a\u7535\uff09",
-          },
+          lock: { en: "Lock: brake without power", zh: "\u62b1\u7d27\uff08\u62b1\u95f8\u65ad\u7535\uff09" },
+          release: { en: "Release: brake with power", zh: "\u677e\u5f00\uff08\u62b1\u95f8\u901a\u7535\uff09" },
           read: { en: "Read the state only", zh: "\u4ec5\u8bfb\u53d6\u72b6\u6001" },
         },
       },

@@ -1,0 +1,29 @@
+"""`--set` of `decode`: what is known of the nodes of a log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..model.edition import Edition
+from ..recordings.nodes import EDITION, NodeSetting
+from .common import stop
+from .settings import check_value
+
+
+def node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list[NodeSetting]:
+    """`--set [[BUS:]NODE:]NAME=VALUE`; the name is that of a parameter, or `edition`."""
+    found: dict[tuple[str | None, int | None, str], NodeSetting] = {}
+    by_name = {edition.name: edition for edition in editions}
+    for setting in settings:
+        left, _, value = setting.partition("=")
+        scope, _, name = left.rpartition(":")
+        bus, _, node = scope.rpartition(":")
+        if scope and not (node.isascii() and node.isdigit()):
+            stop(f"--set {setting}: `{node}` is not a node; write NODE:NAME=VALUE, for example 3:{name}={value}")
+        chosen: Edition | str = by_name.get(value, value) if name == EDITION else value
+        if isinstance(chosen, str):
+            check_value(editions, setting, name, value, f"{EDITION}={'|'.join(by_name)}")
+        one = NodeSetting(bus or None, int(node) if scope else None, name, chosen)
+        if found.setdefault(one[:3], one) != one:
+            stop(f"--set {setting}: `{left}` is already set to another value; remove one")
+    return list(found.values())
