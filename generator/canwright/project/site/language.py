@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import yaml
 from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
 from sphinx.application import Sphinx
 from sphinx.util.console import nocolor
 
+from ...templating.data_files import read_data
 from .build import THEME
 
 _LOCALES = {"en": "en", "zh": "zh_CN"}
@@ -22,7 +22,7 @@ def run(settings: dict[str, Any]) -> int:
     """Builds the pages of a language; prints warnings, which make the result 1 instead of 0."""
     nocolor()
     docs, folder, language = Path(settings["docs"]), Path(settings["folder"]), settings["language"]
-    texts = yaml.safe_load((THEME / "texts.yaml").read_text("utf-8"))[language]
+    texts = read_data(THEME / "texts.yaml")[language]
     locales = folder / f"locale-{language}"
     theme = texts.pop("theme", {})
     _write_catalog(locales, _LOCALES[language], theme)

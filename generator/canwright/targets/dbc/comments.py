@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Mapping
-from typing import Any
-
-import yaml
 
 from ...model.deprecation import Deprecation
 from ...model.types import Text
 from ...templating import resources
+from ...templating.data_files import read_data
 from .text import any_text, in_ascii
 
 ENGLISH = "en"
@@ -60,6 +58,4 @@ def languages() -> Iterable[str]:
 
 @functools.cache
 def _texts() -> Mapping[str, Mapping[str, str]]:
-    text = (resources.TEMPLATES / "dbc/comments.yaml").read_text("utf-8")
-    loaded: Any = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    return loaded  # type: ignore[no-any-return]
+    return read_data(resources.TEMPLATES / "dbc/comments.yaml")  # type: ignore[no-any-return]

@@ -1,11 +1,13 @@
 """The text of a DBC file.
 
 A file repeats its lines for every node, and a template of 50 lines took most of the time of a run; so it is Python.
+The messages of these nodes have one tuple of signals, whose texts are created once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 from .text import text
 from .view import File, Message, Signal
@@ -26,62 +28,73 @@ BA_DEF_DEF_ "GenSigStartValue" 0;
 BA_ "BusType" "CAN";"""
 
 
+class _Texts(NamedTuple):
+    """What the lines of a signal have in common for every node; empty where it has no such line."""
+
+    signal: str
+    start_value: str
+    values: str
+    float_kind: str
+
+
 def printed(file: File) -> str:
     """The file, in the order of sections that the format requires."""
-    return "".join(f"{line}\n" for line in _lines(file))
+    distinct = {id(message.signals): message.signals for message in file.messages}
+    texts = {number: [_texts(signal) for signal in signals] for number, signals in distinct.items()}
+    return "".join(f"{line}\n" for line in _lines(file, [(m, texts[id(m.signals)]) for m in file.messages]))
 
 
-def _lines(file: File) -> Iterator[str]:
+def _texts(signal: Signal) -> _Texts:
+    name = f"{signal.name} {signal.mux}" if signal.mux else signal.name
+    bits = f"{signal.start}|{signal.width}@{0 if signal.big_endian else 1}{'-' if signal.signed else '+'}"
+    numbers = f"({signal.factor},{signal.offset}) [{signal.minimum}|{signal.maximum}]"
+    has_start = signal.start_value or not float(signal.minimum) <= 0 <= float(signal.maximum)
+    values = " ".join(f'{value} "{text(name)}"' for value, name in signal.values)
+    return _Texts(
+        signal=f' SG_ {name} : {bits} {numbers} "{text(signal.unit)}"',
+        start_value=f"{signal.name} {signal.start_value}" if has_start else "",
+        values=f"{signal.name} {values}" if values else "",
+        float_kind=f"{signal.name} : {signal.float_kind}" if signal.float_kind else "",
+    )
+
+
+def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> Iterator[str]:
     yield f'VERSION "{file.version}"\n\nNS_ :\n\nBS_:\n\nBU_: {" ".join(file.nodes)}\n'
-    for message in file.messages:
+    for message, signals in messages:
+        receivers = ",".join(message.receivers)
         yield f"BO_ {message.id} {message.name}: {message.length} {message.senders[0]}"
-        yield from (_signal(signal, message) for signal in message.signals)
+        yield from (f"{one.signal} {receivers}" for one in signals)
         yield ""
     for message in file.messages:
         if len(message.senders) > 1:
             yield f"BO_TX_BU_ {message.id} : {','.join(message.senders)};"
     yield from _comments(file)
     yield _ATTRIBUTES
-    yield from _attributes(file)
-    for message, signal in _signals(file):
-        if signal.values:
-            names = " ".join(f'{value} "{text(name)}"' for value, name in signal.values)
-            yield f"VAL_ {message.id} {signal.name} {names} ;"
-    for message, signal in _signals(file):
-        if signal.float_kind:
-            yield f"SIG_VALTYPE_ {message.id} {signal.name} : {signal.float_kind};"
-
-
-def _signals(file: File) -> Iterator[tuple[Message, Signal]]:
-    return ((message, signal) for message in file.messages for signal in message.signals)
+    yield f'BA_ "DBName" "{text(file.name)}";'
+    for message in file.messages:
+        if message.extended:
+            yield f'BA_ "VFrameFormat" BO_ {message.id} 1;'
+    for message, signals in messages:
+        yield from (f'BA_ "GenSigStartValue" SG_ {message.id} {one.start_value};' for one in signals if one.start_value)
+    for message, signals in messages:
+        yield from (f"VAL_ {message.id} {one.values} ;" for one in signals if one.values)
+    for message, signals in messages:
+        yield from (f"SIG_VALTYPE_ {message.id} {one.float_kind};" for one in signals if one.float_kind)
 
 
 def _comments(file: File) -> Iterator[str]:
     """Each comment once: that of a signal which every node has is in the message of the first node."""
     yield f'CM_ "{file.comment}";'
     seen: set[tuple[str, str]] = {("", "")}
+    listed: set[int] = set()
     for message in file.messages:
         if ("", message.comment) not in seen:
             seen.add(("", message.comment))
             yield f'CM_ BO_ {message.id} "{message.comment}";'
+        if id(message.signals) in listed:
+            continue
+        listed.add(id(message.signals))
         for signal in message.signals:
             if signal.comment and (signal.name, signal.comment) not in seen:
                 seen.add((signal.name, signal.comment))
                 yield f'CM_ SG_ {message.id} {signal.name} "{signal.comment}";'
-
-
-def _attributes(file: File) -> Iterator[str]:
-    yield f'BA_ "DBName" "{text(file.name)}";'
-    for message in file.messages:
-        if message.extended:
-            yield f'BA_ "VFrameFormat" BO_ {message.id} 1;'
-    for message, signal in _signals(file):
-        if signal.start_value or not float(signal.minimum) <= 0 <= float(signal.maximum):
-            yield f'BA_ "GenSigStartValue" SG_ {message.id} {signal.name} {signal.start_value};'
-
-
-def _signal(signal: Signal, message: Message) -> str:
-    name = f"{signal.name} {signal.mux}" if signal.mux else signal.name
-    bits = f"{signal.start}|{signal.width}@{0 if signal.big_endian else 1}{'-' if signal.signed else '+'}"
-    numbers = f"({signal.factor},{signal.offset}) [{signal.minimum}|{signal.maximum}]"
-    return f' SG_ {name} : {bits} {numbers} "{text(signal.unit)}" {",".join(message.receivers)}'

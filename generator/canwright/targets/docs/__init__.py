@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import jinja2
-import yaml
 
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating import resources
+from ...templating.data_files import read_data
 from ...templating.environment import environment
 from ...templating.markup import block, code, markdown, xml
 from ..base import Output, Specification, header
@@ -91,8 +91,7 @@ def _books(specifications: Sequence[Specification], folders: Mapping[Edition, st
 
 def _words(name: str) -> Any:
     """A file with texts of the documents, by language."""
-    text = (resources.TEMPLATES / "docs" / f"{name}.yaml").read_text("utf-8")
-    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    return read_data(resources.TEMPLATES / "docs" / f"{name}.yaml")
 
 
 def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Common]) -> Iterator[Output]:

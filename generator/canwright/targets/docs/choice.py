@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -11,6 +13,7 @@ from ...language.golden_frames import GoldenFrame, GoldenFrames
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
+from ...model.types import Type
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame
@@ -114,14 +117,18 @@ def _list(raw: int | list[int]) -> list[int]:
 
 def _is_extreme(field: Field, raw: int) -> bool:
     """Whether a number is next to a limit of its type, or next to 0."""
-    if not field.type.is_number:
-        return False
-    if abs(raw) <= 1:
-        return True
-    spans = [span for _, span in field.type.raw_range.distinct() if span is not None and span.is_constant]
-    limits = [Fraction(limit) for limit in field.type.raw_limits]
-    limits += [end.constant for span in spans for end in (span.low, span.high)]
-    return any(abs(raw - limit) <= 1 for limit in limits)
+    return field.type.is_number and (abs(raw) <= 1 or raw in _next_to_limits(field.type))
+
+
+@functools.lru_cache(maxsize=1 << 12)
+def _next_to_limits(type_: Type) -> frozenset[int]:
+    """The raw integers that are at most 1 away from a limit of a type."""
+    spans = [span for _, span in type_.raw_range.distinct() if span is not None and span.is_constant]
+    limits: list[int | Fraction] = [
+        *type_.raw_limits,
+        *(end.constant for span in spans for end in (span.low, span.high)),
+    ]
+    return frozenset(near for limit in limits for near in range(math.ceil(limit - 1), math.floor(limit + 1) + 1))
 
 
 def _shown(message: Message | None, frames: Sequence[GoldenFrame], first: GoldenFrame | None) -> Iterator[GoldenFrame]:

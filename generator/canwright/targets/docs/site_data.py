@@ -6,14 +6,13 @@ import json
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-import yaml
-
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, IdRule, Message
 from ...model.types import Type
 from ...templating import resources
+from ...templating.data_files import read_data
 from .links import COMMANDS, command_page
 from .tables import index
 
@@ -44,8 +43,7 @@ def _json(value: object) -> str:
 def _synonyms() -> list[list[str]]:
     """Groups of words with one meaning, in any language: those of the field, then those of protocols."""
     files = (resources.TEMPLATES / "docs" / "synonyms.yaml", resources.SYNONYMS)
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    return [group for file in files for group in yaml.load(file.read_text("utf-8"), Loader=loader)]
+    return [group for file in files for group in read_data(file)]
 
 
 def _records(edition: Edition) -> Iterator[Record]:

@@ -6,9 +6,8 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import yaml
-
 from ...model import formatting
+from ...templating.data_files import read_data
 from ...templating.environment import environment
 from ...templating.resources import TEMPLATES
 from ..base import Output
@@ -35,7 +34,7 @@ def explorer(sources: Sequence[EditionSource]) -> Iterator[Output]:
     yield Output(f"{FOLDER}/index.html", page)
     yield Output(f"{FOLDER}/explorer.css", f"/* {_NOTE} */\n{(_SOURCES / 'explorer.css').read_text('utf-8')}")
     yield Output(f"{FOLDER}/codec.js", f"// {_NOTE}\n{_classic_codec()}")
-    labels = yaml.safe_load((TEMPLATES / "javascript/labels.yaml").read_text("utf-8"))
+    labels = read_data(TEMPLATES / "javascript/labels.yaml")
     yield Output(f"{FOLDER}/labels.js", f"// {_NOTE}\n\ncanwright.labels = {text.printed(labels)};\n")
     for script in _SCRIPTS:
         yield Output(f"{FOLDER}/{script}", f"// {_NOTE}\n{(_SOURCES / script).read_text('utf-8')}")
