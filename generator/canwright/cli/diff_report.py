@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from xml.etree import ElementTree
 
 from ..compare import (
@@ -89,6 +90,14 @@ class Comparison:
         """The counts of changes: `12 changes: 3 wire, 9 doc; 2 silent, 1 loud; 1 more accepted`."""
         more = f"; {len(self.accepted)} more accepted" if self.accepted else ""
         return summary(self.changes) + more
+
+    def fails(self, change: Change) -> bool:
+        """Whether one of the changes fails `diff`."""
+        return id(change) in self._failing
+
+    @cached_property
+    def _failing(self) -> frozenset[int]:
+        return frozenset(map(id, self.failing))
 
     def positions(self, change: Change) -> tuple[Position, Position]:
         """The positions of a change in both specs."""
@@ -263,13 +272,12 @@ def _json(comparison: Comparison) -> dict[str, object]:
     def location(at: Position) -> dict[str, object]:
         return {"file": at.file, "line": at.line, "column": at.column}
 
-    failing = set(map(id, comparison.failing))
     changes = [
         {
             "rule": change.rule.id,
             "category": change.rule.category.value,
             "impact": change.impact.value,
-            "fails": id(change) in failing,
+            "fails": comparison.fails(change),
             "host": [side.value for side in change.verdicts],
             "verdicts": {side.value: impact.value for side, impact in change.verdicts.items()},
             "item": {"kind": change.item.kind, "name": change.item.name},
@@ -301,12 +309,11 @@ def _witness(witness: Witness) -> dict[str, object]:
 
 def _github(comparison: Comparison) -> str:
     """Workflow commands that GitHub shows at the lines of the new spec; what fails `diff` is an error."""
-    failing = set(map(id, comparison.failing))
 
     def line(change: Change) -> str:
         old, new = comparison.positions(change)
         is_broken = change.impact in (Impact.SILENT, Impact.LOUD)
-        level = "error" if id(change) in failing else "warning" if is_broken else "notice"
+        level = "error" if comparison.fails(change) else "warning" if is_broken else "notice"
         affected = f"{change.impact.value}, {_affected(change)}: " if change.sides else ""
         return annotation(
             level, new, change.rule.id, f"{affected}{change.item}: {change.says()} (was {_location(old)})"
@@ -401,12 +408,11 @@ def junit(report: Report) -> str:
         suite = ElementTree.SubElement(suites, "testsuite", {"name": one.title, **counts})
         if not one.changes:
             ElementTree.SubElement(suite, "testcase", classname=one.title, name="no change")
-        failing = set(map(id, one.failing))
         for change in one.changes:
             old, new = map(_location, one.positions(change))
             name = visible(f"{change.item}: {change.says()} [{change.rule.id}]")
             case = ElementTree.SubElement(suite, "testcase", classname=one.title, name=name)
-            if id(change) in failing:
+            if one.fails(change):
                 says = visible(f"{change.impact.value}, {_affected(change)}: {change.says()}")
                 failure = ElementTree.SubElement(case, "failure", message=says, type=change.rule.id)
                 failure.text = "\n".join(map(visible, (f"{old} -> {new}", *_examples(change))))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -61,6 +61,11 @@ class Edition:
 
     def command(self, name: str) -> Command:
         return self._index.commands[name]
+
+    @property
+    def groups(self) -> Mapping[str, Sequence[Command]]:
+        """The forms of each command, by its name in the spec."""
+        return self._index.forms
 
     def forms(self, group: str) -> Sequence[Command]:
         """The commands with a name in the spec: one for each entry if it has a table; none for an unknown name."""

@@ -1,4 +1,4 @@
-"""Escaping of text for Markdown, its tables, and SVG."""
+"""Escaping of text for Markdown, its tables, SVG, and scripts of pages."""
 
 from __future__ import annotations
 
@@ -60,3 +60,8 @@ def block(text: str, language: str) -> str:
 def xml(text: str) -> str:
     """A text escaped for SVG."""
     return html.escape(visible(text))
+
+
+def script_text(json: str) -> str:
+    """JSON that a script of an HTML page may contain: without tags and character references."""
+    return json.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -95,10 +95,6 @@ class Common:
         self._fields: dict[Layout, Sequence[tuple[Field, Sequence[Cells]]]] = {}
         """Rows by layout: many messages share one."""
         self._since: dict[Edition, Sequence[Change]] = {}
-        self.groups: dict[str, list[Command]] = {}
-        """The forms of each command."""
-        for command in edition.commands:
-            self.groups.setdefault(command.group, []).append(command)
         self.sheets = list(self._sheets())
 
     def since(self, old: Edition) -> Sequence[Change]:
@@ -108,7 +104,7 @@ class Common:
         return self._since[old]
 
     def _sheets(self) -> Iterator[Sheet]:
-        groups = list(self.groups.values())
+        groups = list(self.edition.groups.values())
         for previous, group, following in zip((None, *groups), groups, (*groups[1:], None), strict=False):
             first, entry = group[0], group[0].entry
             chosen = [self._choice.of(command) for command in group]

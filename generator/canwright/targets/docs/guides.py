@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.message import Command, Direction
+from ...model.message import Direction
 from ...model.types import Text
 from ...semantics.bus_load import message_bits
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.frame import CanFrame
-from ...templating.markup import code, markdown
+from ...templating.markup import code, markdown, script_text
 from .common import Common, Program, Sheet
 from .links import COMMANDS
 
@@ -99,20 +99,17 @@ def lengths(editions: Sequence[Edition]) -> Sequence[Length]:
 def load_data(listed: Sequence[tuple[str, Edition]], language: str) -> str:
     """The data of the calculator as JSON that HTML can contain."""
     data = [_load(edition, language) for _, edition in listed]
-    text = json.dumps(data, ensure_ascii=True, separators=(",", ":"))
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+    return script_text(json.dumps(data, separators=(",", ":")))
 
 
 def _load(edition: Edition, language: str) -> Mapping[str, Any]:
     within = edition.bus.reply_within_ms
     rates = sorted({rate for mode in edition.bus.modes for rate in mode.bit_rates_kbps}, reverse=True)
-    groups: dict[str, Command] = {}
-    for command in edition.commands:
-        groups.setdefault(command.group, command)
-    first = next((c for c in groups.values() if all(m and m.layout.fields for m in (c.request, c.reply))), None)
+    listed = [forms[0] for forms in edition.groups.values()]
+    first = next((c for c in listed if all(m and m.layout.fields for m in (c.request, c.reply))), None)
     return {
         "edition": f"{edition.family} {edition.name}",
-        "usual": list(groups.values()).index(first) if first else 0,
+        "usual": listed.index(first) if first else 0,
         "rates": rates or [1000, 500, 250, 125],
         "replyMs": None if within is None else float(within),
         "nodes": edition.bus.max_nodes or 1,
@@ -125,7 +122,7 @@ def _load(edition: Edition, language: str) -> Mapping[str, Any]:
                 "reply": message_bits(command.reply) if command.reply else None,
                 "replies": (len(command.from_each) or 1) if command.reply else 0,
             }
-            for command in groups.values()
+            for command in listed
         ],
     }
 

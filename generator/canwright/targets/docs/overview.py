@@ -38,9 +38,7 @@ class Entries:
 
 def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, Any]:
     """Variables of the template."""
-    groups: dict[str, list[Command]] = {}
-    for command in edition.commands:
-        groups.setdefault(command.group, []).append(command)
+    groups = edition.groups
     return {
         "lines": [_line(edition, forms, labels, language) for forms in groups.values()],
         "entries": [found for t in edition.tables if (found := _entries(t, groups, labels, language)).rows],

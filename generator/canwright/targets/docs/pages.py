@@ -149,7 +149,7 @@ class Pages:
 
     def links(self, groups: Sequence[str]) -> str:
         """Links to commands by the names of their groups, from a page of the edition."""
-        return self._links([one.name for group in groups for one in self._common.groups[group]])
+        return self._links([one.name for group in groups for one in self._common.edition.groups[group]])
 
     def _links(self, names: Sequence[str]) -> str:
         links = pages_of(self._common.edition, names).items()

@@ -13,6 +13,7 @@ from ...model.message import Command, Direction, IdRule, Message
 from ...model.types import Type
 from ...templating import resources
 from ...templating.data_files import read_data
+from ...templating.markup import script_text
 from .links import COMMANDS, command_page
 from .tables import index
 
@@ -36,8 +37,7 @@ def _edition(folder: str, edition: Edition) -> str:
 
 
 def _json(value: object) -> str:
-    """JSON without tags of HTML, so that a page may contain it."""
-    return json.dumps(value, ensure_ascii=False).replace("<", "\\u003c")
+    return script_text(json.dumps(value, ensure_ascii=False))
 
 
 def _synonyms() -> list[list[str]]:
@@ -83,10 +83,7 @@ def page_of(command: Command) -> str:
 
 def _commands(edition: Edition) -> Iterator[Record]:
     """The commands, each followed by its entries if it has a table."""
-    groups: dict[str, list[Command]] = {}
-    for command in edition.commands:
-        groups.setdefault(command.group, []).append(command)
-    for name, forms in groups.items():
+    for name, forms in edition.groups.items():
         first = forms[0]
         yield {
             "kind": "command",

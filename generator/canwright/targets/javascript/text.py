@@ -10,6 +10,7 @@ from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
 from ...model.types import Text
+from ...templating.markup import script_text
 from ..nested_source import Code, NestedSource
 
 EXACT = (1 << 53) - 1
@@ -26,7 +27,7 @@ NULL = Code("null")
 
 def quoted(text: str) -> str:
     """A string literal in ASCII that is safe in a script of an HTML page too."""
-    return json.dumps(text).replace("<", "\\u003c").replace(">", "\\u003e")
+    return script_text(json.dumps(text))
 
 
 def comment(text: str) -> str:
