@@ -1,13 +1,12 @@
 """Runs the self-test of every spec on machines of other byte orders and sizes of integers.
 
-`python -m tests.assurance.targets [NAME OF A MACHINE ...]`
-
 zig (from PyPI) compiles for Linux machines, and qemu runs the programs; avr-gcc and simavr serve the microcontroller. The
 exit status is 1 if a case fails, and 2 if a tool is missing.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -132,13 +131,21 @@ def run(machine: Machine, source: Path) -> Result:
     return Result(*map(int, numbers))
 
 
-def main(names: Sequence[str]) -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Prints a table; the exit status."""
+    parser = argparse.ArgumentParser(
+        "python -m tests.assurance.targets",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "machines", nargs="*", metavar="MACHINE", help=f"of {', '.join(one.name for one in MACHINES)} (default: all)"
+    )
+    names = parser.parse_args(arguments).machines
     machines = [machine for machine in MACHINES if not names or machine.name in names]
     unknown = set(names) - {machine.name for machine in machines}
     if unknown:
-        print(f"unknown: {', '.join(sorted(unknown))}; machines are: {', '.join(m.name for m in MACHINES)}")
-        return 2
+        parser.error(f"unknown: {', '.join(sorted(unknown))}; machines are: {', '.join(m.name for m in MACHINES)}")
     failures = 0
     with tempfile.TemporaryDirectory() as folder:
         sources = {called(spec): write(specification(spec), Path(folder) / called(spec)) for spec in SPECS}
@@ -154,4 +161,4 @@ def main(names: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())
