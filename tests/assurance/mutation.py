@@ -36,11 +36,14 @@ from pathlib import Path
 from typing import Any
 
 from ..spec_texts import SPECS, called
-from . import c_survivors, python_survivors
+from . import c_survivors, python_survivors, python_unit_tests
 from .equivalents import Equivalent, judge, read
 
 LANGUAGES: dict[str, Callable[[Path, Path], Any]] = {"c": c_survivors.Subject, "python": python_survivors.Subject}
-RUNTIMES: dict[str, tuple[Callable[[Path], Any], ...]] = {"c": c_survivors.RUNTIME_SUBJECTS, "python": ()}
+RUNTIMES: dict[str, tuple[Callable[[Path], Any], ...]] = {
+    "c": c_survivors.RUNTIME_SUBJECTS,
+    "python": (python_unit_tests.Subject,),
+}
 """What the mutants of the runtime are shown to before the editions."""
 
 PARTS = ("own", "runtime")

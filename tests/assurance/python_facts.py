@@ -31,6 +31,7 @@ def check_package(item: Specification, module: ModuleType) -> None:
     """Raises AssertionError for whatever is not as the model has it."""
     edition = item.edition
     assert (edition.family, edition.name, edition.hash) == (module.FAMILY, module.EDITION, module.SPEC_HASH)
+    assert edition.bus.reply_within_ms == module.REPLY_WITHIN_MS
     _check_enums(edition, module)
     _check_parameters(edition, module)
     for message in edition.all_messages():
@@ -203,17 +204,28 @@ def _check_value(message: Any) -> None:
         _raises(AttributeError, delattr, message, name)
     assert text == f"{cls.__name__}({', '.join(parts)})"
     for name in set(cls.TYPES) - set(names):
-        assert "it has" in str(_raises(AttributeError, getattr, message, name))
+        for one in (name, f"{name}_raw"):
+            assert "it has" in str(_raises(AttributeError, getattr, message, one))
         _raises((TypeError, ValueError), message.replace, **{name: 0})
     _raises(AttributeError, getattr, message, "no_such_field")
     _raises(TypeError, message.replace, no_such_field=1)
     _raises(TypeError, cls.from_raw, **known, **message.raw(), no_such_field=1)
     _check_node(message)
+    _check_without_parameters(message)
 
 
 def _is_exact(raw: int | list[int] | tuple[int, ...]) -> bool:
     """Whether raw integers are small enough for values that lead back to them."""
     return all(abs(one) < EXACT for one in ([raw] if isinstance(raw, int) else raw))
+
+
+def _check_without_parameters(message: Any) -> None:
+    """Parameters that are not given are unknown; a message without fields has none."""
+    cls, known = type(message), {"node": message.node, **message.raw()}
+    unknown = sys.modules[cls.__module__].UNKNOWN
+    wanted, found = _outcome(cls.from_raw, **known, parameters=unknown), _outcome(cls.from_raw, **known)
+    assert found == wanted
+    assert isinstance(found, Rejected) or found.parameters is (unknown if cls.TYPES else None)
 
 
 def _check_node(message: Any) -> None:

@@ -65,6 +65,8 @@ class _Finder:
     def __init__(self, file: str, text: str) -> None:
         self._file, self._text = file, text
         self._scope = text
+        self._outside: ast.stmt | None = None
+        """The statement outside of functions and classes that is mutated: all its lines identify a mutant."""
         self._lines = [0]
         for line in text.splitlines(keepends=True):
             self._lines.append(self._lines[-1] + len(line))
@@ -77,6 +79,7 @@ class _Finder:
         for node in nodes:
             if isinstance(node, (ast.Import, ast.ImportFrom)) or _is_docstring(node) or _is_for_types(node):
                 continue
+            self._outside = None if function or isinstance(node, (ast.FunctionDef, ast.ClassDef)) else node
             if isinstance(node, ast.FunctionDef):
                 for default in (*node.args.defaults, *(d for d in node.args.kw_defaults if d)):
                     yield from self._expressions(default, function, line)
@@ -134,8 +137,9 @@ class _Finder:
         assert node.end_lineno is not None and node.end_col_offset is not None
         start = self._offset(node.lineno, node.col_offset)
         end = self._offset(node.end_lineno, node.end_col_offset)
-        low = self._lines[node.lineno - 1]
-        high = self._text.find("\n", end)
+        whole = self._outside or node
+        low = self._lines[whole.lineno - 1]
+        high = self._text.find("\n", self._offset(whole.end_lineno or 0, whole.end_col_offset or 0))
         if is_repeated(self._text[low:high], self._scope):
             high = self._text.find("\n", high + 1)
         original = " ".join(self._text[low:high].split())
@@ -200,7 +204,8 @@ def _constants(value: object) -> Iterator[str]:
     elif isinstance(value, str) and value in WORDS:
         yield repr(WORDS[value])
     elif isinstance(value, str) and _FORMAT.fullmatch(value):
-        yield repr({"<": ">", ">": "<"}[value[0]] + value[1:])
+        if set("hHiIlLqQfd") & set(value):  # bytes have no order
+            yield repr({"<": ">", ">": "<"}[value[0]] + value[1:])
         for place, letter in enumerate(value):
             if letter in "bBhHiIqQ":
                 yield repr(value[:place] + letter.swapcase() + value[place + 1 :])

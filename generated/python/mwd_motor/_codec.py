@@ -951,7 +951,7 @@ class Bare(Message):
         self._node = node
         self._parameters = parameters
         self._raws = ()
-        self._checked = False
+        self._checked = True
         return self
 
 

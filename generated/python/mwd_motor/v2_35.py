@@ -306,7 +306,7 @@ class PidGains(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_1(data)
         return self
 
@@ -408,7 +408,7 @@ class WriteAccelerationRam(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -946,7 +946,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -1011,7 +1011,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -1079,7 +1079,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_7(data)
         return self
 
@@ -1323,7 +1323,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -1392,7 +1392,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_7(data)
         return self
 
@@ -2051,7 +2051,7 @@ class ReadAccelerationReply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -2291,7 +2291,7 @@ class ReadMultiTurnAngleReply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = (int.from_bytes(data[1:8], "little", signed=True),)
         return self
 
@@ -2479,7 +2479,7 @@ class ReadStatus3Reply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_13(data)
         return self
 

@@ -347,7 +347,7 @@ class ControlParametersTorqueLimit(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_1(data)
         return self
 
@@ -392,7 +392,7 @@ class ControlParametersAccelerationLimit(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -437,7 +437,7 @@ class ControlParametersSpeedLimit(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -536,7 +536,7 @@ class SetAngle(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -1110,7 +1110,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -1256,7 +1256,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -1324,7 +1324,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_8(data)
         return self
 
@@ -1568,7 +1568,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -1637,7 +1637,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_8(data)
         return self
 
@@ -2580,7 +2580,7 @@ class ReadMultiTurnAngleReply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = (int.from_bytes(data[1:8], "little", signed=True),)
         return self
 
@@ -2768,7 +2768,7 @@ class ReadStatus3Reply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_13(data)
         return self
 

@@ -385,7 +385,7 @@ class PidGains(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_1(data)
         return self
 
@@ -448,7 +448,7 @@ class ControlParametersMaxTorqueCurrent(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_2(data)
         return self
 
@@ -493,7 +493,7 @@ class ControlParametersMaxSpeed(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -538,7 +538,7 @@ class ControlParametersMaxAngle(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -583,7 +583,7 @@ class ControlParametersCurrentRamp(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -628,7 +628,7 @@ class ControlParametersSpeedRamp(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -673,7 +673,7 @@ class SetAngle(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -1329,7 +1329,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -1397,7 +1397,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_8(data)
         return self
 
@@ -1641,7 +1641,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -1710,7 +1710,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_8(data)
         return self
 
@@ -3018,7 +3018,7 @@ class ReadMultiTurnAngleReply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = (int.from_bytes(data[1:8], "little", signed=True),)
         return self
 
@@ -3206,7 +3206,7 @@ class ReadStatus3Reply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_13(data)
         return self
 

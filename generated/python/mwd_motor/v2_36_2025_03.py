@@ -725,7 +725,7 @@ class ControlParametersUpperAngle(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -772,7 +772,7 @@ class ControlParametersLowerAngle(Message):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -1893,7 +1893,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -1961,7 +1961,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_9(data)
         return self
 
@@ -2205,7 +2205,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_3(data)
         return self
 
@@ -2274,7 +2274,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_9(data)
         return self
 
@@ -3466,7 +3466,7 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         constant(data[1], 5, "group")
         constant(data[2], 250, "key")
         self._raws = ()
@@ -4290,7 +4290,7 @@ class ReadMultiTurnAngleReply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = (int.from_bytes(data[1:8], "little", signed=True),)
         return self
 
@@ -4479,7 +4479,7 @@ class ReadStatus3Reply(Reply):
         self = new(cls)
         self._node = node
         self._parameters = parameters
-        self._checked = False
+        self._checked = True
         self._raws = _UNPACK_15(data)
         return self
 

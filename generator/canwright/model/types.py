@@ -232,6 +232,12 @@ class Type:
         return not self.enum and not self.flags
 
     @property
+    def accepts_every_raw(self) -> bool:
+        """True if it is a number without limits, so that the bits of any frame are valid."""
+        is_limited = any(span is not None for _, span in self.raw_range.distinct())
+        return self.is_number and self.encoding is not Encoding.FLOAT and not is_limited
+
+    @property
     def is_plain(self) -> bool:
         """True if the value is the raw integer."""
         return self.is_number and self.encoding is not Encoding.FLOAT and self.linear == Dependent.always(IDENTITY)

@@ -47,6 +47,8 @@ class BodyView:
     """The statement of the constructor that stores the raw integers."""
     has_node: bool
     depends: bool
+    is_always_valid: bool
+    """Whether every decoded message can be encoded again."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +99,7 @@ class ClassBodies:
             to_raws=to_raws,
             has_node=has_node,
             depends=depends,
+            is_always_valid=all(one.type.accepts_every_raw for one in stored),
         )
 
     def _set(self, layout: Layout, one: Field) -> str:
