@@ -369,6 +369,22 @@ def test_raw_integers_need_no_parameters(v2_35: ModuleType) -> None:
     assert repr(request) == "SetTorqueRequest(node=1, iq_raw=5)"
 
 
+def test_a_field_that_does_not_exist_under_the_parameters_is_absent_everywhere(v2_35: ModuleType) -> None:
+    motor = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=18)
+    reply = v2_35.decode_reply(0x141, bytes.fromhex("A1 32 9B 00 F4 01 00 80"), motor)
+    raw = {"node": 1, "parameters": motor, **reply.raw()}
+    for attempt in (
+        lambda: reply.power,
+        lambda: reply.replace(power=3),
+        lambda: reply.from_raw(**raw, power=3),
+        lambda: v2_35.SetTorqueReply(node=1, temperature=1, power=3, speed=1, encoder=1, parameters=motor),
+    ):
+        with pytest.raises(v2_35.FieldAbsent, match="SetTorqueReply has no power under"):
+            attempt()
+    with pytest.raises(v2_35.FieldAbsent, match="SetTorqueReply has no iq under"):
+        reply.replace(parameters=v2_35.Parameters(series=v2_35.Series.MS))
+
+
 def test_an_array_of_enums_or_flags(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     array = "level: {at: 2, type: level, array: 1..2}, faults: {at: 4, type: faults, array: 1..2}"
