@@ -6,6 +6,7 @@ import ast
 import subprocess
 import sys
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
@@ -373,14 +374,14 @@ def test_a_field_that_does_not_exist_under_the_parameters_is_absent_everywhere(v
     motor = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=18)
     reply = v2_35.decode_reply(0x141, bytes.fromhex("A1 32 9B 00 F4 01 00 80"), motor)
     raw = {"node": 1, "parameters": motor, **reply.raw()}
-    for attempt in (
-        lambda: reply.power,
-        lambda: reply.replace(power=3),
-        lambda: reply.from_raw(**raw, power=3),
-        lambda: v2_35.SetTorqueReply(node=1, temperature=1, power=3, speed=1, encoder=1, parameters=motor),
+    for attempt, given in (
+        (partial(getattr, reply, "power"), {}),
+        (reply.replace, {"power": 3}),
+        (reply.from_raw, {**raw, "power": 3}),
+        (v2_35.SetTorqueReply, {**raw, "iq": None, "power": 3}),
     ):
         with pytest.raises(v2_35.FieldAbsent, match="SetTorqueReply has no power under"):
-            attempt()
+            attempt(**given)
     with pytest.raises(v2_35.FieldAbsent, match="SetTorqueReply has no iq under"):
         reply.replace(parameters=v2_35.Parameters(series=v2_35.Series.MS))
 
