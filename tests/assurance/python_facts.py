@@ -204,7 +204,7 @@ def _check_value(message: Any) -> None:
     assert text == f"{cls.__name__}({', '.join(parts)})"
     for name in set(cls.TYPES) - set(names):
         assert "it has" in str(_raises(AttributeError, getattr, message, name))
-        _raises((TypeError, ValueError), message.replace, **{name: 0})
+        _raises((AttributeError, ValueError), message.replace, **{name: 0})
     _raises(AttributeError, getattr, message, "no_such_field")
     _raises(TypeError, message.replace, no_such_field=1)
     _raises(TypeError, cls.from_raw, **known, **message.raw(), no_such_field=1)
