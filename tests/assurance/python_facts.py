@@ -272,7 +272,9 @@ def _check_nodes(edition: Edition, module: ModuleType, nodes: ModuleType) -> Non
             assert found == (wanted if there else Rejected(Refusal.UNKNOWN_ID.value)), (message.name, node)
     for message in edition.all_messages():
         if message.id.nodes == numbers and not message.layout.fields:
-            assert first.make(getattr(module, class_name(message.name))).node == numbers[0]
+            made = getattr(module, class_name(message.name))
+            assert first.make(made).node == numbers[0]
+            assert "sets node itself" in str(_raises(TypeError, first.make, made, node=numbers[0]))
     _raises(TypeError, first.make, nodes.Message)
 
 
