@@ -8,6 +8,9 @@ from fractions import Fraction
 
 from canwright.model.types import Encoding, Linear, Type
 
+CODES = {32: ("<f", "<I"), 64: ("<d", "<Q")}
+"""The struct codes of a float and of its bits, by width."""
+
 
 def nearest_integer(number: Fraction) -> int:
     """The nearest integer, ties away from zero."""
@@ -31,7 +34,7 @@ def raw_of_double(value: float, linear: Linear, times: Fraction = Fraction(1)) -
 
 def bits_of_double(value: float, type_: Type, linear: Linear) -> int | None:
     """The bits of the number of a float field; None beyond the largest one."""
-    code = {32: ("<f", "<I"), 64: ("<d", "<Q")}[type_.width]
+    code = CODES[type_.width]
     number = quotient(value, linear)
     try:
         bits: int = struct.unpack(code[1], struct.pack(code[0], number))[0]
@@ -40,13 +43,27 @@ def bits_of_double(value: float, type_: Type, linear: Linear) -> int | None:
     return bits if math.isfinite(number) else None
 
 
+def float_of(bits: int, width: int) -> float:
+    """The float with these bits."""
+    code = CODES[width]
+    number: float = struct.unpack(code[0], struct.pack(code[1], bits))[0]
+    return number
+
+
 def effective(value: Fraction, type_: Type, linear: Linear, times: Fraction = Fraction(1)) -> Fraction:
-    """The exact value of the raw integer that a double is converted to; other fractions, and floats, themselves."""
+    """The exact value of the raw integer that a double is converted to; other fractions themselves.
+
+    So is a value whose float is too large, or is 0, as a fraction has no sign of 0.
+    """
     try:
         number = float(value)
     except OverflowError:
         return value
-    if type_.encoding is Encoding.FLOAT or number != value:
+    if number != value:
         return value
+    if type_.encoding is Encoding.FLOAT:
+        bits = bits_of_double(number, type_, linear)
+        found = 0.0 if bits is None else float_of(bits, type_.width)
+        return Fraction(found) * linear.scale + linear.offset if found else value
     factor = times if linear.times else 1
     return (raw_of_double(number, linear, times) * linear.scale + linear.offset) * factor

@@ -206,7 +206,7 @@ def _check_value(message: Any) -> None:
     for name in set(cls.TYPES) - set(names):
         for one in (name, f"{name}_raw"):
             assert "it has" in str(_raises(AttributeError, getattr, message, one))
-        _raises((TypeError, ValueError), message.replace, **{name: 0})
+        _raises((AttributeError, ValueError), message.replace, **{name: 0})
     _raises(AttributeError, getattr, message, "no_such_field")
     _raises(TypeError, message.replace, no_such_field=1)
     _raises(TypeError, cls.from_raw, **known, **message.raw(), no_such_field=1)
@@ -284,7 +284,9 @@ def _check_nodes(edition: Edition, module: ModuleType, nodes: ModuleType) -> Non
             assert found == (wanted if there else Rejected(Refusal.UNKNOWN_ID.value)), (message.name, node)
     for message in edition.all_messages():
         if message.id.nodes == numbers and not message.layout.fields:
-            assert first.make(getattr(module, class_name(message.name))).node == numbers[0]
+            made = getattr(module, class_name(message.name))
+            assert first.make(made).node == numbers[0]
+            assert "sets node itself" in str(_raises(TypeError, first.make, made, node=numbers[0]))
     _raises(TypeError, first.make, nodes.Message)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import random
-import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -20,6 +19,7 @@ from canwright.semantics.decoder import linear_of
 from canwright.semantics.encoder import Encoder, Encoders
 from canwright.semantics.parameters import number
 
+from ..float_rule import float_of
 from ..semantics.random_frames import random_frame
 from .adapter import Adapter, CanFrame, Decoded, Encoded, Parameters, Raw, Refused
 
@@ -287,6 +287,20 @@ class Questions:
                     yield "encode between", self._of_raw(encoder, field, raw, sign * part)
         if type_.is_number:
             yield from (("encode between", value) for value in ("nan", "inf", "-inf", *HUGE))
+        if type_.encoding is Encoding.FLOAT:
+            yield from (("encode between", value) for value in self._near_ties(encoder, field))
+
+    def _near_ties(self, encoder: Encoder, field: Field) -> Iterator[Fraction]:
+        """Doubles between the floats next to the value 0, where an offset takes all digits that decide on the nearest."""
+        type_, linear = field.type, linear_of(field.type, encoder.assignment)
+        at_zero = encoder.nearest_raw(field, Fraction(0))
+        if linear is None or not isinstance(at_zero, int):
+            return
+        for raw in (at_zero, at_zero + 1):
+            low, high = (Fraction(_number(type_.encoding, type_.width, one)) for one in (raw, raw + 1))
+            tie = (low + high) / 2 * linear.scale + linear.offset
+            for part in (-1, 0, 1):
+                yield Fraction(float(tie * (1 + Fraction(part, 1 << 50))))
 
     def _replies(self, message: Message) -> Iterator[Question]:
         """Replies to a request, and frames that differ from them in one part."""
@@ -354,8 +368,7 @@ def _number(encoding: Encoding, width: int, raw: int) -> Fraction | int:
     """The number that raw bits are."""
     if encoding is not Encoding.FLOAT:
         return raw
-    code = {32: ("<f", "<I"), 64: ("<d", "<Q")}[width]
-    found: float = struct.unpack(code[0], struct.pack(code[1], raw))[0]
+    found = float_of(raw, width)
     return Fraction(found) if math.isfinite(found) else 0
 
 

@@ -55,13 +55,20 @@ INCORRECT = (
     "set(request, field::iq, 2.5, motor)",
     "state.errors = error_flags::low_voltage",
 )
+IGNORED = (
+    "set(request, field::iq, 2.5, motor)",
+    "encode(1u, request)",
+    "decode(reply, received, motor)",
+    "get(reply, field::speed)",
+    "check_reply(received, received)",
+)
 
 
-def compiled(statement: str, compiler: Compiler, standard: str, folder: Path) -> None:
+def compiled(statement: str, compiler: Compiler, standard: str, folder: Path, *flags: str) -> None:
     """Compiles a program with a statement. Raises AssertionError with the messages of the compiler."""
     unit = folder / "unit.cpp"
     unit.write_text(PROGRAM % statement, "utf-8")
-    compiler.check(standard, *STRICT, f"-I{INCLUDE}", "-c", unit, "-o", folder / "unit.o")
+    compiler.check(standard, *STRICT, *flags, f"-I{INCLUDE}", "-c", unit, "-o", folder / "unit.o")
 
 
 @each_compiler
@@ -76,6 +83,14 @@ def test_what_does_not_fit_does_not_compile(tmp_path: Path) -> None:
     first = PROGRAM.partition("%s")[0].count("\n") + 1
     reported = {int(line) for line in re.findall(r"unit\.cpp:(\d+):\d+: error:", str(raised.value))}
     assert reported == {*range(first, first + len(INCORRECT))}
+
+
+@each_compiler
+def test_an_ignored_result_does_not_compile_unless_switched_off(compiler: Compiler, tmp_path: Path) -> None:
+    for statement in IGNORED:
+        with pytest.raises(AssertionError, match="unused-result"):
+            compiled(statement, compiler, "c++17", tmp_path)
+    compiled(";\n    ".join(IGNORED), compiler, "c++17", tmp_path, "-DCANWRIGHT_CHECKED=")
 
 
 @pytest.mark.parametrize("spec", [MAIN, *SMALL[::3]], ids=called)

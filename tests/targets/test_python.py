@@ -6,6 +6,7 @@ import ast
 import subprocess
 import sys
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
@@ -367,6 +368,22 @@ def test_raw_integers_need_no_parameters(v2_35: ModuleType) -> None:
     request = v2_35.SetTorqueRequest.from_raw(node=1, iq=5)
     assert (request.parameters, request.encode()[4]) == (v2_35.UNKNOWN, 5)
     assert repr(request) == "SetTorqueRequest(node=1, iq_raw=5)"
+
+
+def test_a_field_that_does_not_exist_under_the_parameters_is_absent_everywhere(v2_35: ModuleType) -> None:
+    motor = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=18)
+    reply = v2_35.decode_reply(0x141, bytes.fromhex("A1 32 9B 00 F4 01 00 80"), motor)
+    raw = {"node": 1, "parameters": motor, **reply.raw()}
+    for attempt, given in (
+        (partial(getattr, reply, "power"), {}),
+        (reply.replace, {"power": 3}),
+        (reply.from_raw, {**raw, "power": 3}),
+        (v2_35.SetTorqueReply, {**raw, "iq": None, "power": 3}),
+    ):
+        with pytest.raises(v2_35.FieldAbsent, match="SetTorqueReply has no power under"):
+            attempt(**given)
+    with pytest.raises(v2_35.FieldAbsent, match="SetTorqueReply has no iq under"):
+        reply.replace(parameters=v2_35.Parameters(series=v2_35.Series.MS))
 
 
 def test_an_array_of_enums_or_flags(tmp_path: Path) -> None:

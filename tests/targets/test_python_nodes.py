@@ -90,6 +90,13 @@ def test_a_broadcast_made_by_a_node_is_for_every_node(nodes: Any, package: dict[
         first.make(package["v2_35"].BroadcastTorqueRequest, node=1, iq=(1, 0, 0, -1))
 
 
+def test_a_node_sets_its_number_and_its_parameters(nodes: Any, package: dict[str, ModuleType]) -> None:
+    first, _, _ = nodes
+    for name, value in (("node", 3), ("parameters", package["v2_35"].UNKNOWN)):
+        with pytest.raises(TypeError, match=rf"^Node\(v2.35, 1\) sets {name} itself; leave it out$"):
+            first.make(package["v2_35"].SetTorqueRequest, iq=1, **{name: value})
+
+
 def test_a_request_to_nodes_of_two_editions_is_refused(package: dict[str, ModuleType]) -> None:
     """Nodes that differ in the ids of their replies only."""
     old, middle, new = (package[name] for name in NAMES[:3])

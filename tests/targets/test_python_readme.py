@@ -37,6 +37,9 @@ threading.Thread(target=simulated_node, daemon=True).start()
 ready.wait()
 """
 
+PATIENT = "TIMEOUT = 60"
+"""A time-out that a busy machine keeps."""
+
 
 def programs(folder: Path) -> list[str]:
     """The programs of the README, each of which continues the one before it."""
@@ -55,7 +58,7 @@ def test_all_programs(spec: Path, tmp_path: Path) -> None:
     x = example([item])
     assert item.frames is not None and isinstance(x, Example)
     node = NODE.format(id=x.reply_id, data=x.data, extended=x.extended)
-    done = run(folder, VIRTUAL, node, *programs(folder))
+    done = run(folder, VIRTUAL, node, *(re.sub(r"^TIMEOUT = .*", PATIENT, one, flags=re.M) for one in programs(folder)))
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     requests = [frame for frame in item.frames.frames if frame.request]

@@ -254,6 +254,19 @@ def test_a_number_converts_in_both_directions() -> None:
         LEVEL.raw("1", UNKNOWN, "level")  # type: ignore[arg-type]
 
 
+def test_a_value_that_looks_like_the_end_of_a_wide_range_is_rejected_with_its_raw_integer() -> None:
+    """The floats of the last raw integers of 56 bits are those of raw integers beyond the range."""
+    angle = Number(-(2**55), 2**55 - 1, "deg", scale=(1, 100, 0))
+    for raw, sign in ((2**55 - 1, ""), (-(2**55), "-")):
+        value = angle.value(raw, UNKNOWN, "it")
+        assert rejected(Refusal.OUT_OF_RANGE, angle.raw, value, UNKNOWN, "it") == (
+            f"it={sign}360287970189639.7 deg (raw {sign}36028797018963969) is out of range "
+            "-360287970189639.7..360287970189639.7 deg (raw -36028797018963968..36028797018963967)"
+        )
+        assert angle.raw(Fraction(raw, 100), UNKNOWN, "it") == raw
+    assert "(raw" not in rejected(Refusal.OUT_OF_RANGE, angle.raw, 1e300, UNKNOWN, "it").partition("is out of range")[0]
+
+
 def test_scale_and_range_depend_on_parameters() -> None:
     number = Number(
         *(-100, 100),

@@ -406,7 +406,9 @@ class Number(FieldType):
             raise self._out_of_range(shown(value) + self._suffix, parameters, field) from None
         low, high = self.raw_range(parameters)
         if not low <= raw <= high:
-            raise self._out_of_range(shown(value) + self._suffix, parameters, field)
+            # floats this large look equal although their raw integers differ
+            found = f" (raw {raw})" if COARSE <= abs(raw) < 1 << 64 else ""
+            raise self._out_of_range(shown(value) + self._suffix + found, parameters, field)
         return raw
 
     def _quotient(self, value: float, parameters: object, field: str) -> float:
@@ -780,10 +782,9 @@ class Message:
         return self.encode_unchecked()
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received.
+        """The data bytes of this frame, also where `encode` refuses: every field of a decoded frame as it was received.
 
-        Every field has the bits that it was decoded from. A message does not store selectors and reserved bits: they
-        are those of the specification.
+        A message does not store selectors and reserved bits: they are those of the specification.
         """
         raise TypeError(f"{type(self).__name__} is only a base class")
 
@@ -807,11 +808,18 @@ class Message:
 
     @classmethod
     def from_raw(cls, *, node: int | None = None, parameters: Any = None, **raw: Any) -> Self:
-        """The message with these raw integers, by field. Raises CodecError where one is out of range."""
+        """The message with these raw integers, by field.
+
+        Raises CodecError (a raw integer is out of range), FieldAbsent (a field does not exist under the parameters),
+        TypeError (other names, or a field is missing).
+        """
         self = new(cls)
         self._node = self._known_node(node)
         self._parameters = cls.DEFAULTS if parameters is None else parameters
         names = self._in_order_of_checks()
+        for name in raw:
+            if name in cls.TYPES and name not in names:
+                raise self._absent(name)
         if set(raw) != set(names):
             raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(names) or 'no field'}")
         checked = {name: cls.TYPES[name].check(raw[name], self._parameters, name) for name in names}
@@ -822,7 +830,8 @@ class Message:
     def replace(self, **values: Any) -> Self:
         """A copy with other values of some fields; `node` and `parameters` can be replaced too.
 
-        The other fields keep their raw integers. Raises CodecError as `check` does, and TypeError for other names.
+        The other fields keep their raw integers. Raises CodecError as `check` does, FieldAbsent where a field does not
+        exist under the parameters, and TypeError for other names.
         """
         parameters = values.pop("parameters", self._parameters)
         node = self._known_node(values.pop("node", self._node))

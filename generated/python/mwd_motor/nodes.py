@@ -64,6 +64,9 @@ class Node(Generic[Q, A]):
         if message.__module__ != getattr(self.edition, "__name__", None):
             raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
         own = {"node": self.node, "parameters": self.parameters}
+        for name in own:
+            if name in values:
+                raise TypeError(f"{self!r} sets {name} itself; leave it out")
         taken = message.__init__.__annotations__
         return _made(message, **values, **{name: value for name, value in own.items() if name in taken})
 

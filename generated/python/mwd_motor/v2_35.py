@@ -365,7 +365,7 @@ class PidGains(Message):
         return self._raws[5]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_1(
             self.CODE,
             self._raws[0],
@@ -425,7 +425,7 @@ class WriteAccelerationRam(Message):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(self.CODE, self._raws[0])
 
 
@@ -479,7 +479,7 @@ class WriteEncoderOffsetRom(Message):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_3(self.CODE, self._raws[0])
 
 
@@ -621,7 +621,7 @@ class MotionFeedback(Message):
         return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_4(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
@@ -700,7 +700,7 @@ class Status1(Message):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_5(self.CODE, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -833,7 +833,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_6(0xA0, self._raws[0])
 
 
@@ -899,7 +899,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_6(0xA1, self._raws[0])
 
 
@@ -963,7 +963,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(0xA2, self._raws[0])
 
 
@@ -1028,7 +1028,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(0xA3, self._raws[0])
 
 
@@ -1108,7 +1108,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_7(0xA4, self._raws[0], self._raws[1])
 
 
@@ -1185,7 +1185,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_8(0xA5, self._raws[0], self._raws[1])
 
 
@@ -1276,7 +1276,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_9(0xA6, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -1340,7 +1340,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(0xA7, self._raws[0])
 
 
@@ -1421,7 +1421,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_7(0xA8, self._raws[0], self._raws[1])
 
 
@@ -1782,7 +1782,7 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(self._raws[0][0], self._raws[0][1], self._raws[0][2], self._raws[0][3])
 
 
@@ -2068,7 +2068,7 @@ class ReadAccelerationReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(0x33, self._raws[0])
 
 
@@ -2175,7 +2175,7 @@ class ReadEncoderReply(Reply):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0x90, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2250,7 +2250,7 @@ class WritePositionAsZeroRomReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_3(0x19, self._raws[0])
 
 
@@ -2308,7 +2308,7 @@ class ReadMultiTurnAngleReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
         return int.to_bytes(little, 8, "little")
 
@@ -2369,7 +2369,7 @@ class ReadSingleTurnAngleReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0x94, self._raws[0])
 
 
@@ -2532,7 +2532,7 @@ class ReadStatus3Reply(Reply):
         return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 

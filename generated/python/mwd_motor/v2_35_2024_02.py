@@ -501,7 +501,7 @@ class WriteEncoderOffsetRom(Message):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_1(self.CODE, self._raws[0])
 
 
@@ -553,7 +553,7 @@ class SetAngle(Message):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(self.CODE, self._raws[0])
 
 
@@ -694,7 +694,7 @@ class MotionFeedback(Message):
         return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_3(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
@@ -804,7 +804,7 @@ class Status1(Message):
         return self._raws[4]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_4(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3], self._raws[4])
 
 
@@ -931,7 +931,7 @@ class BrakeRequest(Request["BrakeReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_5(0x8C, self._raws[0])
 
 
@@ -997,7 +997,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_6(0xA0, self._raws[0])
 
 
@@ -1063,7 +1063,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_6(0xA1, self._raws[0])
 
 
@@ -1127,7 +1127,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(0xA2, self._raws[0])
 
 
@@ -1208,7 +1208,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_7(0xAD, self._raws[0], self._raws[1])
 
 
@@ -1273,7 +1273,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(0xA3, self._raws[0])
 
 
@@ -1353,7 +1353,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_8(0xA4, self._raws[0], self._raws[1])
 
 
@@ -1430,7 +1430,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_9(0xA5, self._raws[0], self._raws[1])
 
 
@@ -1521,7 +1521,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xA6, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -1585,7 +1585,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(0xA7, self._raws[0])
 
 
@@ -1666,7 +1666,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_8(0xA8, self._raws[0], self._raws[1])
 
 
@@ -1749,7 +1749,7 @@ class WriteControlParameterRamTorqueLimitRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xB1, 0x0A, self._raws[0])
 
 
@@ -1778,7 +1778,7 @@ class WriteControlParameterRamAccelerationLimitRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xB1, 0x0C, self._raws[0])
 
 
@@ -1807,7 +1807,7 @@ class WriteControlParameterRamSpeedLimitRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xB1, 0x0E, self._raws[0])
 
 
@@ -2108,7 +2108,7 @@ class BrakeReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_5(0x8C, self._raws[0])
 
 
@@ -2277,7 +2277,7 @@ class ReadControlParameterTorqueLimitReply(ControlParametersTorqueLimit, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xB0, 0x0A, self._raws[0])
 
 
@@ -2296,7 +2296,7 @@ class ReadControlParameterAccelerationLimitReply(ControlParametersAccelerationLi
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xB0, 0x0C, self._raws[0])
 
 
@@ -2315,7 +2315,7 @@ class ReadControlParameterSpeedLimitReply(ControlParametersSpeedLimit, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xB0, 0x0E, self._raws[0])
 
 
@@ -2334,7 +2334,7 @@ class WriteControlParameterRamTorqueLimitReply(ControlParametersTorqueLimit, Rep
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xB1, 0x0A, self._raws[0])
 
 
@@ -2353,7 +2353,7 @@ class WriteControlParameterRamAccelerationLimitReply(ControlParametersAccelerati
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xB1, 0x0C, self._raws[0])
 
 
@@ -2372,7 +2372,7 @@ class WriteControlParameterRamSpeedLimitReply(ControlParametersSpeedLimit, Reply
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xB1, 0x0E, self._raws[0])
 
 
@@ -2464,7 +2464,7 @@ class ReadEncoderReply(Reply):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x90, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2539,7 +2539,7 @@ class WritePositionAsZeroRomReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_1(0x19, self._raws[0])
 
 
@@ -2597,7 +2597,7 @@ class ReadMultiTurnAngleReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
         return int.to_bytes(little, 8, "little")
 
@@ -2658,7 +2658,7 @@ class ReadSingleTurnAngleReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_14(0x94, self._raws[0])
 
 
@@ -2821,7 +2821,7 @@ class ReadStatus3Reply(Reply):
         return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 

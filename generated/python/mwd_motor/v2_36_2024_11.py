@@ -690,7 +690,7 @@ class SetAngle(Message):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_1(self.CODE, self._raws[0])
 
 
@@ -831,7 +831,7 @@ class MotionFeedback(Message):
         return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
@@ -941,7 +941,7 @@ class Status1(Message):
         return self._raws[4]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_3(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3], self._raws[4])
 
 
@@ -1068,7 +1068,7 @@ class BrakeRequest(Request["BrakeReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_4(0x8C, self._raws[0])
 
 
@@ -1134,7 +1134,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_5(0xA0, self._raws[0])
 
 
@@ -1200,7 +1200,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_5(0xA1, self._raws[0])
 
 
@@ -1281,7 +1281,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_6(0xA2, self._raws[0], self._raws[1])
 
 
@@ -1346,7 +1346,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_1(0xA3, self._raws[0])
 
 
@@ -1426,7 +1426,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_7(0xA4, self._raws[0], self._raws[1])
 
 
@@ -1503,7 +1503,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_8(0xA5, self._raws[0], self._raws[1])
 
 
@@ -1594,7 +1594,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_9(0xA6, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -1658,7 +1658,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_1(0xA7, self._raws[0])
 
 
@@ -1739,7 +1739,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_7(0xA8, self._raws[0], self._raws[1])
 
 
@@ -1909,7 +1909,7 @@ class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlPar
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -1935,7 +1935,7 @@ class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlPar
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -1961,7 +1961,7 @@ class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlP
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -1990,7 +1990,7 @@ class WriteControlParameterRamMaxTorqueCurrentRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xC1, 0x1E, self._raws[0])
 
 
@@ -2019,7 +2019,7 @@ class WriteControlParameterRamMaxSpeedRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x20, self._raws[0])
 
 
@@ -2048,7 +2048,7 @@ class WriteControlParameterRamMaxAngleRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x22, self._raws[0])
 
 
@@ -2077,7 +2077,7 @@ class WriteControlParameterRamCurrentRampRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x24, self._raws[0])
 
 
@@ -2106,7 +2106,7 @@ class WriteControlParameterRamSpeedRampRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x26, self._raws[0])
 
 
@@ -2386,7 +2386,7 @@ class BrakeReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_4(0x8C, self._raws[0])
 
 
@@ -2540,7 +2540,7 @@ class ReadControlParameterAnglePidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC0, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2559,7 +2559,7 @@ class ReadControlParameterSpeedPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC0, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2578,7 +2578,7 @@ class ReadControlParameterCurrentPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC0, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2597,7 +2597,7 @@ class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurren
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xC0, 0x1E, self._raws[0])
 
 
@@ -2616,7 +2616,7 @@ class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC0, 0x20, self._raws[0])
 
 
@@ -2635,7 +2635,7 @@ class ReadControlParameterMaxAngleReply(ControlParametersMaxAngle, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC0, 0x22, self._raws[0])
 
 
@@ -2654,7 +2654,7 @@ class ReadControlParameterCurrentRampReply(ControlParametersCurrentRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC0, 0x24, self._raws[0])
 
 
@@ -2673,7 +2673,7 @@ class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC0, 0x26, self._raws[0])
 
 
@@ -2692,7 +2692,7 @@ class WriteControlParameterRamAnglePidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2711,7 +2711,7 @@ class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2730,7 +2730,7 @@ class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2749,7 +2749,7 @@ class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCu
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xC1, 0x1E, self._raws[0])
 
 
@@ -2768,7 +2768,7 @@ class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x20, self._raws[0])
 
 
@@ -2787,7 +2787,7 @@ class WriteControlParameterRamMaxAngleReply(ControlParametersMaxAngle, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x22, self._raws[0])
 
 
@@ -2806,7 +2806,7 @@ class WriteControlParameterRamCurrentRampReply(ControlParametersCurrentRamp, Rep
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x24, self._raws[0])
 
 
@@ -2825,7 +2825,7 @@ class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x26, self._raws[0])
 
 
@@ -2917,7 +2917,7 @@ class ReadEncoderReply(Reply):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x90, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2977,7 +2977,7 @@ class WritePositionAsZeroRomReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_14(0x19, self._raws[0])
 
 
@@ -3035,7 +3035,7 @@ class ReadMultiTurnAngleReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
         return int.to_bytes(little, 8, "little")
 
@@ -3096,7 +3096,7 @@ class ReadSingleTurnAngleReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x94, self._raws[0])
 
 
@@ -3259,7 +3259,7 @@ class ReadStatus3Reply(Reply):
         return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_16(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 

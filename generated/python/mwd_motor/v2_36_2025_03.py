@@ -1395,7 +1395,7 @@ class MotionFeedback(Message):
         return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_1(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
@@ -1505,7 +1505,7 @@ class Status1(Message):
         return self._raws[4]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_2(self.CODE, self._raws[0], self._raws[1], self._raws[2], self._raws[3], self._raws[4])
 
 
@@ -1632,7 +1632,7 @@ class BrakeRequest(Request["BrakeReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_3(0x8C, self._raws[0])
 
 
@@ -1698,7 +1698,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_4(0xA0, self._raws[0])
 
 
@@ -1764,7 +1764,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_4(0xA1, self._raws[0])
 
 
@@ -1845,7 +1845,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_5(0xA2, self._raws[0], self._raws[1])
 
 
@@ -1910,7 +1910,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_6(0xA3, self._raws[0])
 
 
@@ -1990,7 +1990,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_7(0xA4, self._raws[0], self._raws[1])
 
 
@@ -2067,7 +2067,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_8(0xA5, self._raws[0], self._raws[1])
 
 
@@ -2158,7 +2158,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_9(0xA6, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2222,7 +2222,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_6(0xA7, self._raws[0])
 
 
@@ -2303,7 +2303,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         return self._raws[1]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_7(0xA8, self._raws[0], self._raws[1])
 
 
@@ -2473,7 +2473,7 @@ class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlPar
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2499,7 +2499,7 @@ class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlPar
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2525,7 +2525,7 @@ class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlP
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -2554,7 +2554,7 @@ class WriteControlParameterRamMaxTorqueCurrentRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xC1, 0x1E, self._raws[0])
 
 
@@ -2583,7 +2583,7 @@ class WriteControlParameterRamMaxSpeedRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x20, self._raws[0])
 
 
@@ -2612,7 +2612,7 @@ class WriteControlParameterRamUpperAngleRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x22, self._raws[0])
 
 
@@ -2641,7 +2641,7 @@ class WriteControlParameterRamLowerAngleRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x23, self._raws[0])
 
 
@@ -2670,7 +2670,7 @@ class WriteControlParameterRamSpeedRampRequest(
     EFFECTS = ("writes_ram",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x26, self._raws[0])
 
 
@@ -3117,7 +3117,7 @@ class StageStoredSettingDriverIdRequest(StoredSettingsDriverId, Request["StageSt
     EFFECTS = ("stages", "moves_contact")
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x42, 0x05, 0x0A, self._raws[0])
 
 
@@ -3145,7 +3145,7 @@ class StageStoredSettingBusTypeRequest(StoredSettingsBusType, Request["StageStor
     EFFECTS = ("stages", "moves_contact")
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x42, 0x05, 0x0B, self._raws[0])
 
 
@@ -3176,7 +3176,7 @@ class StageStoredSettingRs485BaudRateRequest(
     EFFECTS = ("stages", "moves_contact")
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x42, 0x05, 0x0C, self._raws[0])
 
 
@@ -3204,7 +3204,7 @@ class StageStoredSettingCanBaudRateRequest(StoredSettingsCanBaudRate, Request["S
     EFFECTS = ("stages", "moves_contact")
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x42, 0x05, 0x0D, self._raws[0])
 
 
@@ -3231,7 +3231,7 @@ class StageStoredSettingMaxPowerRequest(StoredSettingsMaxPower, Request["StageSt
     EFFECTS = ("stages",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_14(0x42, 0x05, 0xB0, self._raws[0])
 
 
@@ -3258,7 +3258,7 @@ class StageStoredSettingMaxSpeedRequest(StoredSettingsMaxSpeed, Request["StageSt
     EFFECTS = ("stages",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x42, 0x05, 0xB2, self._raws[0])
 
 
@@ -3285,7 +3285,7 @@ class StageStoredSettingMaxAngleRequest(StoredSettingsMaxAngle, Request["StageSt
     EFFECTS = ("stages",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x42, 0x05, 0xB4, self._raws[0])
 
 
@@ -3312,7 +3312,7 @@ class StageStoredSettingCurrentRampRequest(StoredSettingsCurrentRamp, Request["S
     EFFECTS = ("stages",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_14(0x42, 0x05, 0xBA, self._raws[0])
 
 
@@ -3339,7 +3339,7 @@ class StageStoredSettingSpeedRampRequest(StoredSettingsSpeedRamp, Request["Stage
     EFFECTS = ("stages",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x42, 0x05, 0xBC, self._raws[0])
 
 
@@ -3366,7 +3366,7 @@ class StageStoredSettingAnglePidRequest(PidGains, Request["StageStoredSettingAng
     EFFECTS = ("stages",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x42, 0xA0, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3393,7 +3393,7 @@ class StageStoredSettingSpeedPidRequest(PidGains, Request["StageStoredSettingSpe
     EFFECTS = ("stages",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x42, 0xA4, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3420,7 +3420,7 @@ class StageStoredSettingCurrentPidRequest(PidGains, Request["StageStoredSettingC
     EFFECTS = ("stages",)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x42, 0xA8, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3473,7 +3473,7 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
         return self
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_16(0x44, 0x5, 0xFA)
 
 
@@ -3576,7 +3576,7 @@ class BrakeReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_3(0x8C, self._raws[0])
 
 
@@ -3730,7 +3730,7 @@ class ReadControlParameterAnglePidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC0, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3749,7 +3749,7 @@ class ReadControlParameterSpeedPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC0, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3768,7 +3768,7 @@ class ReadControlParameterCurrentPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC0, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3787,7 +3787,7 @@ class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurren
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xC0, 0x1E, self._raws[0])
 
 
@@ -3806,7 +3806,7 @@ class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC0, 0x20, self._raws[0])
 
 
@@ -3825,7 +3825,7 @@ class ReadControlParameterUpperAngleReply(ControlParametersUpperAngle, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC0, 0x22, self._raws[0])
 
 
@@ -3844,7 +3844,7 @@ class ReadControlParameterLowerAngleReply(ControlParametersLowerAngle, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC0, 0x23, self._raws[0])
 
 
@@ -3863,7 +3863,7 @@ class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC0, 0x26, self._raws[0])
 
 
@@ -3882,7 +3882,7 @@ class WriteControlParameterRamAnglePidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0A, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3901,7 +3901,7 @@ class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0B, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3920,7 +3920,7 @@ class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0xC1, 0x0C, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -3939,7 +3939,7 @@ class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCu
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_11(0xC1, 0x1E, self._raws[0])
 
 
@@ -3958,7 +3958,7 @@ class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x20, self._raws[0])
 
 
@@ -3977,7 +3977,7 @@ class WriteControlParameterRamUpperAngleReply(ControlParametersUpperAngle, Reply
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x22, self._raws[0])
 
 
@@ -3996,7 +3996,7 @@ class WriteControlParameterRamLowerAngleReply(ControlParametersLowerAngle, Reply
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x23, self._raws[0])
 
 
@@ -4015,7 +4015,7 @@ class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_12(0xC1, 0x26, self._raws[0])
 
 
@@ -4107,7 +4107,7 @@ class ReadEncoderReply(Reply):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_17(0x90, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -4189,7 +4189,7 @@ class CalibrateEncoderReply(Reply):
         return self._raws[2]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_18(0x18, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -4249,7 +4249,7 @@ class WritePositionAsZeroRomReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_19(0x19, self._raws[0])
 
 
@@ -4307,7 +4307,7 @@ class ReadMultiTurnAngleReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         little = 0x92 & 0xFF | (self._raws[0] & 0xFFFFFFFFFFFFFF) << 8
         return int.to_bytes(little, 8, "little")
 
@@ -4368,7 +4368,7 @@ class ReadSingleTurnAngleReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_20(0x94, self._raws[0])
 
 
@@ -4532,7 +4532,7 @@ class ReadStatus3Reply(Reply):
         return self._raws[3]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_21(0x9D, self._raws[0], self._raws[1], self._raws[2], self._raws[3])
 
 
@@ -4551,7 +4551,7 @@ class ReadStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x40, 0x05, 0x0A, self._raws[0])
 
 
@@ -4570,7 +4570,7 @@ class ReadStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x40, 0x05, 0x0B, self._raws[0])
 
 
@@ -4589,7 +4589,7 @@ class ReadStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x40, 0x05, 0x0C, self._raws[0])
 
 
@@ -4608,7 +4608,7 @@ class ReadStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x40, 0x05, 0x0D, self._raws[0])
 
 
@@ -4627,7 +4627,7 @@ class ReadStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_14(0x40, 0x05, 0xB0, self._raws[0])
 
 
@@ -4646,7 +4646,7 @@ class ReadStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x40, 0x05, 0xB2, self._raws[0])
 
 
@@ -4665,7 +4665,7 @@ class ReadStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x40, 0x05, 0xB4, self._raws[0])
 
 
@@ -4684,7 +4684,7 @@ class ReadStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_14(0x40, 0x05, 0xBA, self._raws[0])
 
 
@@ -4703,7 +4703,7 @@ class ReadStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x40, 0x05, 0xBC, self._raws[0])
 
 
@@ -4722,7 +4722,7 @@ class ReadStoredSettingAnglePidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x40, 0xA0, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -4741,7 +4741,7 @@ class ReadStoredSettingSpeedPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x40, 0xA4, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -4760,7 +4760,7 @@ class ReadStoredSettingCurrentPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x40, 0xA8, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -4779,7 +4779,7 @@ class StageStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x42, 0x05, 0x0A, self._raws[0])
 
 
@@ -4798,7 +4798,7 @@ class StageStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x42, 0x05, 0x0B, self._raws[0])
 
 
@@ -4817,7 +4817,7 @@ class StageStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x42, 0x05, 0x0C, self._raws[0])
 
 
@@ -4836,7 +4836,7 @@ class StageStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_13(0x42, 0x05, 0x0D, self._raws[0])
 
 
@@ -4855,7 +4855,7 @@ class StageStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_14(0x42, 0x05, 0xB0, self._raws[0])
 
 
@@ -4874,7 +4874,7 @@ class StageStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x42, 0x05, 0xB2, self._raws[0])
 
 
@@ -4893,7 +4893,7 @@ class StageStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x42, 0x05, 0xB4, self._raws[0])
 
 
@@ -4912,7 +4912,7 @@ class StageStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_14(0x42, 0x05, 0xBA, self._raws[0])
 
 
@@ -4931,7 +4931,7 @@ class StageStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_15(0x42, 0x05, 0xBC, self._raws[0])
 
 
@@ -4950,7 +4950,7 @@ class StageStoredSettingAnglePidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x42, 0xA0, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -4969,7 +4969,7 @@ class StageStoredSettingSpeedPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x42, 0xA4, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -4988,7 +4988,7 @@ class StageStoredSettingCurrentPidReply(PidGains, Reply):
     NODES = (1, 32)
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_10(0x42, 0xA8, self._raws[0], self._raws[1], self._raws[2])
 
 
@@ -5044,7 +5044,7 @@ class SaveStoredSettingsReply(Reply):
         return self._raws[0]
 
     def encode_unchecked(self) -> bytes:
-        """The data bytes of this frame, also where `encode` refuses: a decoded frame as it was received."""
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
         return _PACK_16(0x44, 0x5, self._raws[0])
 
 

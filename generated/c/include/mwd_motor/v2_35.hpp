@@ -70,7 +70,7 @@ enum class command : int {
 };
 
 /** The name of a value; an empty text if it has none. */
-[[nodiscard]] static inline const char *name(command value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(command value) noexcept
 {
     return ::mwd_motor_v2_35_command_name(static_cast<::mwd_motor_v2_35_command_t>(value));
 }
@@ -99,7 +99,7 @@ enum class spin_direction : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(spin_direction value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(spin_direction value) noexcept
 {
     return ::mwd_motor_v2_35_spin_direction_name(static_cast<::uint8_t>(value));
 }
@@ -111,7 +111,7 @@ enum class error_flags : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(error_flags value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(error_flags value) noexcept
 {
     return ::mwd_motor_v2_35_error_flags_name(static_cast<::uint8_t>(value));
 }
@@ -413,14 +413,14 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 };
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
 {
     return ::mwd_motor_v2_35_temperature_to_double(message.temperature);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -428,14 +428,14 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
 {
     return ::mwd_motor_v2_35_temperature_to_float(message.temperature);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -443,35 +443,35 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>) noexcept
 {
     return ::mwd_motor_v2_35_power_to_double(message.power);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>, double value) noexcept
 {
     return ::mwd_motor_v2_35_power_from_double(&message.power, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>) noexcept
 {
     return ::mwd_motor_v2_35_power_to_float(message.power);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>, float value) noexcept
 {
     return ::mwd_motor_v2_35_power_from_float(&message.power, value);
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -483,7 +483,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, double value,
     const parameters &known) noexcept
 {
@@ -491,7 +491,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -503,7 +503,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, float value,
     const parameters &known) noexcept
 {
@@ -511,7 +511,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -523,7 +523,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, int32_t value,
     const parameters &known) noexcept
 {
@@ -531,35 +531,35 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>) noexcept
 {
     return ::mwd_motor_v2_35_speed_i16_to_double(message.speed);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>, double value) noexcept
 {
     return ::mwd_motor_v2_35_speed_i16_from_double(&message.speed, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>) noexcept
 {
     return ::mwd_motor_v2_35_speed_i16_to_float(message.speed);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>, float value) noexcept
 {
     return ::mwd_motor_v2_35_speed_i16_from_float(&message.speed, value);
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -571,7 +571,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>, double value,
     const parameters &known) noexcept
 {
@@ -579,7 +579,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -591,7 +591,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>, float value,
     const parameters &known) noexcept
 {
@@ -599,7 +599,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -611,7 +611,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>, int32_t value,
     const parameters &known) noexcept
 {
@@ -619,245 +619,245 @@ struct read_status_3_reply : ::mwd_motor_v2_35_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KP>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_double(message.angle_kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KP>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.angle_kp, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KP>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_float(message.angle_kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KP>, float value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_float(&message.angle_kp, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KI>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_double(message.angle_ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KI>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.angle_ki, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KI>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_float(message.angle_ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE_KI>, float value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_float(&message.angle_ki, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KP>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_double(message.speed_kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KP>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.speed_kp, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KP>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_float(message.speed_kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KP>, float value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_float(&message.speed_kp, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KI>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_double(message.speed_ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KI>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.speed_ki, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KI>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_float(message.speed_ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED_KI>, float value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_float(&message.speed_ki, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KP>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_double(message.iq_kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KP>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.iq_kp, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KP>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_float(message.iq_kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KP>, float value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_float(&message.iq_kp, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KI>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_double(message.iq_ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KI>, double value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_double(&message.iq_ki, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KI>) noexcept
 {
     return ::mwd_motor_v2_35_gain_to_float(message.iq_ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ_KI>, float value) noexcept
 {
     return ::mwd_motor_v2_35_gain_from_float(&message.iq_ki, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
 {
     return ::mwd_motor_v2_35_temperature_to_double(message.temperature);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>, double value) noexcept
 {
     return ::mwd_motor_v2_35_temperature_from_double(&message.temperature, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
 {
     return ::mwd_motor_v2_35_temperature_to_float(message.temperature);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>, float value) noexcept
 {
     return ::mwd_motor_v2_35_temperature_from_float(&message.temperature, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_35_voltage_to_double(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>, double value) noexcept
 {
     return ::mwd_motor_v2_35_voltage_from_double(&message.voltage, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_35_voltage_to_float(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>, float value) noexcept
 {
     return ::mwd_motor_v2_35_voltage_from_float(&message.voltage, value);
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_35_voltage_to_milli(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_VOLTAGE>, int32_t value) noexcept
 {
     return ::mwd_motor_v2_35_voltage_from_milli(&message.voltage, value);
 }
 
 /** True if a flag is set. */
-[[nodiscard]] static inline bool has(
+CANWRIGHT_CHECKED static inline bool has(
     const ::mwd_motor_v2_35_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ERRORS>, error_flags flag) noexcept
 {
     return (message.errors & static_cast<uint8_t>(flag)) != 0u;
@@ -873,35 +873,35 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>) noexcept
 {
     return ::mwd_motor_v2_35_power_to_double(message.power);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>, double value) noexcept
 {
     return ::mwd_motor_v2_35_power_from_double(&message.power, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>) noexcept
 {
     return ::mwd_motor_v2_35_power_to_float(message.power);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_POWER>, float value) noexcept
 {
     return ::mwd_motor_v2_35_power_from_float(&message.power, value);
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -913,7 +913,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, double value,
     const parameters &known) noexcept
 {
@@ -921,7 +921,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -933,7 +933,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, float value,
     const parameters &known) noexcept
 {
@@ -941,7 +941,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -953,7 +953,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, int32_t value,
     const parameters &known) noexcept
 {
@@ -961,56 +961,56 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>) noexcept
 {
     return ::mwd_motor_v2_35_speed_setpoint_to_double(message.speed);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>, double value) noexcept
 {
     return ::mwd_motor_v2_35_speed_setpoint_from_double(&message.speed, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>) noexcept
 {
     return ::mwd_motor_v2_35_speed_setpoint_to_float(message.speed);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>, float value) noexcept
 {
     return ::mwd_motor_v2_35_speed_setpoint_from_float(&message.speed, value);
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>) noexcept
 {
     return ::mwd_motor_v2_35_speed_setpoint_to_milli(message.speed);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_SPEED>, int64_t value) noexcept
 {
     return ::mwd_motor_v2_35_speed_setpoint_from_milli(&message.speed, value);
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_to_double(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1018,14 +1018,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_to_float(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1033,14 +1033,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_to_milli(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1048,7 +1048,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
 {
@@ -1056,7 +1056,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
     double value) noexcept
 {
@@ -1064,7 +1064,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
 {
@@ -1072,7 +1072,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
     float value) noexcept
 {
@@ -1080,7 +1080,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1088,7 +1088,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1096,7 +1096,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1104,7 +1104,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1112,7 +1112,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1120,7 +1120,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_move_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1128,7 +1128,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline spin_direction get(
+CANWRIGHT_CHECKED static inline spin_direction get(
     const ::mwd_motor_v2_35_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_SPIN_DIRECTION>) noexcept
 {
@@ -1144,14 +1144,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_single_turn_angle_to_double(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1159,14 +1159,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_single_turn_angle_to_float(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1174,14 +1174,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_single_turn_angle_to_milli(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1189,7 +1189,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline spin_direction get(
+CANWRIGHT_CHECKED static inline spin_direction get(
     const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_SPIN_DIRECTION>) noexcept
 {
@@ -1205,7 +1205,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
 {
@@ -1213,7 +1213,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
     double value) noexcept
 {
@@ -1221,7 +1221,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
 {
@@ -1229,7 +1229,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
     float value) noexcept
 {
@@ -1237,7 +1237,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1245,7 +1245,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1253,7 +1253,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1261,7 +1261,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1269,7 +1269,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1277,7 +1277,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1285,14 +1285,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_to_double(message.increment);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>,
     double value) noexcept
 {
@@ -1300,14 +1300,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_to_float(message.increment);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>,
     float value) noexcept
 {
@@ -1315,14 +1315,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
 {
     return ::mwd_motor_v2_35_angle_i32_to_milli(message.increment);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>,
     int64_t value) noexcept
 {
@@ -1330,7 +1330,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
 {
@@ -1338,7 +1338,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
     double value) noexcept
 {
@@ -1346,7 +1346,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>) noexcept
 {
@@ -1354,7 +1354,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_MAX_SPEED>,
     float value) noexcept
 {
@@ -1362,7 +1362,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
 {
@@ -1370,7 +1370,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>,
     double value) noexcept
 {
@@ -1378,7 +1378,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
 {
@@ -1386,7 +1386,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>,
     float value) noexcept
 {
@@ -1394,7 +1394,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>) noexcept
 {
@@ -1402,7 +1402,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_move_by_angle_at_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_INCREMENT>,
     int64_t value) noexcept
 {
@@ -1410,7 +1410,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_write_acceleration_ram_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>) noexcept
 {
@@ -1418,7 +1418,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_write_acceleration_ram_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>,
     double value) noexcept
 {
@@ -1426,7 +1426,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_write_acceleration_ram_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>) noexcept
 {
@@ -1434,7 +1434,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_write_acceleration_ram_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>,
     float value) noexcept
 {
@@ -1442,7 +1442,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
@@ -1454,7 +1454,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     double value, const parameters &known) noexcept
 {
@@ -1462,7 +1462,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
@@ -1474,7 +1474,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     float value, const parameters &known) noexcept
 {
@@ -1482,7 +1482,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
@@ -1494,7 +1494,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_write_encoder_offset_rom_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1502,7 +1502,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     ::std::size_t index) noexcept
 {
@@ -1513,7 +1513,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, ::std::size_t index,
     double value) noexcept
 {
@@ -1524,7 +1524,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     ::std::size_t index) noexcept
 {
@@ -1535,7 +1535,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, ::std::size_t index,
     float value) noexcept
 {
@@ -1546,7 +1546,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>,
     ::std::size_t index) noexcept
 {
@@ -1557,7 +1557,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_broadcast_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_IQ>, ::std::size_t index,
     int32_t value) noexcept
 {
@@ -1568,7 +1568,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_read_acceleration_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>) noexcept
 {
@@ -1576,7 +1576,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_acceleration_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>,
     double value) noexcept
 {
@@ -1584,7 +1584,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_read_acceleration_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>) noexcept
 {
@@ -1592,7 +1592,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_acceleration_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ACCELERATION>,
     float value) noexcept
 {
@@ -1600,7 +1600,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1612,7 +1612,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>, double value,
     const parameters &known) noexcept
 {
@@ -1620,7 +1620,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1632,7 +1632,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>, float value,
     const parameters &known) noexcept
 {
@@ -1640,7 +1640,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1652,7 +1652,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER>, int32_t value,
     const parameters &known) noexcept
 {
@@ -1660,7 +1660,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
     const parameters &known) noexcept
 {
@@ -1672,7 +1672,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
     double value, const parameters &known) noexcept
 {
@@ -1680,7 +1680,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
     const parameters &known) noexcept
 {
@@ -1692,7 +1692,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>, float value,
     const parameters &known) noexcept
 {
@@ -1700,7 +1700,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
     const parameters &known) noexcept
 {
@@ -1712,7 +1712,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_MEASURED>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1720,7 +1720,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
@@ -1732,7 +1732,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, double value,
     const parameters &known) noexcept
 {
@@ -1740,7 +1740,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
@@ -1752,7 +1752,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, float value,
     const parameters &known) noexcept
 {
@@ -1760,7 +1760,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     const parameters &known) noexcept
 {
@@ -1772,7 +1772,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, int32_t value,
     const parameters &known) noexcept
 {
@@ -1780,7 +1780,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1792,7 +1792,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     double value, const parameters &known) noexcept
 {
@@ -1800,7 +1800,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1812,7 +1812,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     float value, const parameters &known) noexcept
 {
@@ -1820,7 +1820,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1832,7 +1832,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1840,14 +1840,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_multi_turn_angle_to_double(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1855,14 +1855,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_multi_turn_angle_to_float(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1870,7 +1870,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int64_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int64_t> get_milli(
     const ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
     int64_t value = 0;
@@ -1881,7 +1881,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_read_multi_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1889,7 +1889,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1897,7 +1897,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>, double value,
     const parameters &known) noexcept
 {
@@ -1905,7 +1905,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1913,7 +1913,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>, float value,
     const parameters &known) noexcept
 {
@@ -1921,7 +1921,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>) noexcept
 {
@@ -1929,7 +1929,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_read_single_turn_angle_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_ANGLE>,
     int64_t value, const parameters &known) noexcept
 {
@@ -1937,14 +1937,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
 {
     return ::mwd_motor_v2_35_temperature_to_double(message.temperature);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -1952,14 +1952,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>) noexcept
 {
     return ::mwd_motor_v2_35_temperature_to_float(message.temperature);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -1967,14 +1967,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_double(message.phase_a);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>,
     double value) noexcept
 {
@@ -1982,14 +1982,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_float(message.phase_a);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>,
     float value) noexcept
 {
@@ -1997,14 +1997,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_milli(message.phase_a);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_A>,
     int32_t value) noexcept
 {
@@ -2012,14 +2012,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_double(message.phase_b);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>,
     double value) noexcept
 {
@@ -2027,14 +2027,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_float(message.phase_b);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>,
     float value) noexcept
 {
@@ -2042,14 +2042,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_milli(message.phase_b);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_B>,
     int32_t value) noexcept
 {
@@ -2057,14 +2057,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_C>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_double(message.phase_c);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_C>,
     double value) noexcept
 {
@@ -2072,14 +2072,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_C>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_float(message.phase_c);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_C>,
     float value) noexcept
 {
@@ -2087,14 +2087,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_C>) noexcept
 {
     return ::mwd_motor_v2_35_phase_current_to_milli(message.phase_c);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_FIELD_PHASE_C>,
     int32_t value) noexcept
 {
@@ -2102,7 +2102,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_off, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2114,7 +2114,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_off; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_off_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2126,7 +2126,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_on, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2138,7 +2138,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_on; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_on_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2150,7 +2150,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_stop, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2162,7 +2162,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_stop; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2174,7 +2174,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2186,7 +2186,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2198,7 +2198,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2210,7 +2210,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_torque; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2222,7 +2222,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2234,7 +2234,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2246,7 +2246,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2258,7 +2258,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2270,7 +2270,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2282,7 +2282,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2294,7 +2294,7 @@ static inline void set(
 }
 
 /** Encodes a request of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2306,7 +2306,7 @@ static inline void set(
 }
 
 /** Decodes a request of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2318,7 +2318,7 @@ static inline void set(
 }
 
 /** Encodes a request of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2330,7 +2330,7 @@ static inline void set(
 }
 
 /** Decodes a request of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2342,7 +2342,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_by_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2354,7 +2354,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_by_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2366,7 +2366,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2378,7 +2378,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2390,7 +2390,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2402,7 +2402,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2414,7 +2414,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_pid_ram, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_pid_ram_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2426,7 +2426,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_pid_ram; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_pid_ram_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2438,7 +2438,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_pid_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_pid_rom_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2450,7 +2450,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_pid_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_pid_rom_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2462,7 +2462,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_acceleration, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_acceleration_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2474,7 +2474,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_acceleration; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_acceleration_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2486,7 +2486,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_acceleration_ram, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_acceleration_ram_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2498,7 +2498,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_acceleration_ram; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_acceleration_ram_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2510,7 +2510,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2522,7 +2522,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2534,7 +2534,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_encoder_offset_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_encoder_offset_rom_request &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -2547,7 +2547,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_encoder_offset_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_encoder_offset_rom_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2559,7 +2559,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2571,7 +2571,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2583,7 +2583,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2595,7 +2595,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2607,7 +2607,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2619,7 +2619,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2631,7 +2631,7 @@ static inline void set(
 }
 
 /** Encodes a request of clear_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2643,7 +2643,7 @@ static inline void set(
 }
 
 /** Decodes a request of clear_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2655,7 +2655,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_1, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2667,7 +2667,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_1; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2679,7 +2679,7 @@ static inline void set(
 }
 
 /** Encodes a request of clear_errors, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2691,7 +2691,7 @@ static inline void set(
 }
 
 /** Decodes a request of clear_errors; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2703,7 +2703,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_2, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2715,7 +2715,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_2; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2727,7 +2727,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_3, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2739,7 +2739,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_3; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2751,7 +2751,7 @@ static inline void set(
 }
 
 /** Encodes a request of broadcast_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     const broadcast_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2763,7 +2763,7 @@ static inline void set(
 }
 
 /** Decodes a request of broadcast_torque; the result is the node, which is 0 as the id contains none. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     broadcast_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2775,7 +2775,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_off, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2787,7 +2787,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_off; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_off_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2799,7 +2799,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_on, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2811,7 +2811,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_on; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_on_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2823,7 +2823,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_stop, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2835,7 +2835,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_stop; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2847,7 +2847,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2859,7 +2859,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_power_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2871,7 +2871,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2883,7 +2883,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_torque; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_torque_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2895,7 +2895,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2907,7 +2907,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2919,7 +2919,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2931,7 +2931,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2943,7 +2943,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -2956,7 +2956,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2968,7 +2968,7 @@ static inline void set(
 }
 
 /** Encodes a reply of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2980,7 +2980,7 @@ static inline void set(
 }
 
 /** Decodes a reply of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2992,7 +2992,7 @@ static inline void set(
 }
 
 /** Encodes a reply of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3005,7 +3005,7 @@ static inline void set(
 }
 
 /** Decodes a reply of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3017,7 +3017,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_by_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3029,7 +3029,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_by_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3041,7 +3041,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3054,7 +3054,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3066,7 +3066,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3078,7 +3078,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3090,7 +3090,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_pid_ram, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_pid_ram_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3102,7 +3102,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_pid_ram; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_pid_ram_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3114,7 +3114,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_pid_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_pid_rom_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3126,7 +3126,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_pid_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_pid_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3138,7 +3138,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_acceleration, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_acceleration_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3150,7 +3150,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_acceleration; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_acceleration_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3162,7 +3162,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_acceleration_ram, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_acceleration_ram_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3174,7 +3174,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_acceleration_ram; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_acceleration_ram_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3186,7 +3186,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3198,7 +3198,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3210,7 +3210,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_encoder_offset_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_encoder_offset_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3223,7 +3223,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_encoder_offset_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_encoder_offset_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3235,7 +3235,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3248,7 +3248,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3260,7 +3260,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3272,7 +3272,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3284,7 +3284,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3297,7 +3297,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3309,7 +3309,7 @@ static inline void set(
 }
 
 /** Encodes a reply of clear_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_angle_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3321,7 +3321,7 @@ static inline void set(
 }
 
 /** Decodes a reply of clear_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_angle_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3333,7 +3333,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_1, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3345,7 +3345,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_1; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3357,7 +3357,7 @@ static inline void set(
 }
 
 /** Encodes a reply of clear_errors, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3369,7 +3369,7 @@ static inline void set(
 }
 
 /** Decodes a reply of clear_errors; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3381,7 +3381,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_2, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3393,7 +3393,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_2; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3405,7 +3405,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_3, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3417,7 +3417,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_3; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3432,14 +3432,14 @@ static inline void set(
 struct any_request : ::mwd_motor_v2_35_any_request_t {
     constexpr any_request() noexcept : ::mwd_motor_v2_35_any_request_t{} {}
     /** The command that the frame belongs to. */
-    [[nodiscard]] constexpr ::mwd_motor::v2_35::command which() const noexcept
+    CANWRIGHT_CHECKED constexpr ::mwd_motor::v2_35::command which() const noexcept
     {
         return static_cast<::mwd_motor::v2_35::command>(command);
     }
 };
 
 /** Decodes any request. */
-[[nodiscard]] static inline ::std::optional<any_request> decode_request(
+CANWRIGHT_CHECKED static inline ::std::optional<any_request> decode_request(
     const frame &from, status *why = nullptr) noexcept
 {
     any_request found;
@@ -3454,14 +3454,14 @@ struct any_request : ::mwd_motor_v2_35_any_request_t {
 struct any_reply : ::mwd_motor_v2_35_any_reply_t {
     constexpr any_reply() noexcept : ::mwd_motor_v2_35_any_reply_t{} {}
     /** The command that the frame belongs to. */
-    [[nodiscard]] constexpr ::mwd_motor::v2_35::command which() const noexcept
+    CANWRIGHT_CHECKED constexpr ::mwd_motor::v2_35::command which() const noexcept
     {
         return static_cast<::mwd_motor::v2_35::command>(command);
     }
 };
 
 /** Decodes any reply. */
-[[nodiscard]] static inline ::std::optional<any_reply> decode_reply(
+CANWRIGHT_CHECKED static inline ::std::optional<any_reply> decode_reply(
     const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     any_reply found;
@@ -3473,7 +3473,7 @@ struct any_reply : ::mwd_motor_v2_35_any_reply_t {
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */
-[[nodiscard]] static inline status check_reply(const frame &request, const frame &reply) noexcept
+CANWRIGHT_CHECKED static inline status check_reply(const frame &request, const frame &reply) noexcept
 {
     return ::mwd_motor_v2_35_check_reply(&request, &reply);
 }

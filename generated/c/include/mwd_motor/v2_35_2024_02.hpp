@@ -72,7 +72,7 @@ enum class command : int {
 };
 
 /** The name of a value; an empty text if it has none. */
-[[nodiscard]] static inline const char *name(command value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(command value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_command_name(static_cast<::mwd_motor_v2_35_2024_02_command_t>(value));
 }
@@ -101,7 +101,7 @@ enum class spin_direction : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(spin_direction value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(spin_direction value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_spin_direction_name(static_cast<::uint8_t>(value));
 }
@@ -114,7 +114,7 @@ enum class brake_action : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(brake_action value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(brake_action value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_brake_action_name(static_cast<::uint8_t>(value));
 }
@@ -126,7 +126,7 @@ enum class brake_state : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(brake_state value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(brake_state value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_brake_state_name(static_cast<::uint8_t>(value));
 }
@@ -138,7 +138,7 @@ enum class motor_state : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(motor_state value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(motor_state value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_motor_state_name(static_cast<::uint8_t>(value));
 }
@@ -150,7 +150,7 @@ enum class error_flags : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(error_flags value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(error_flags value) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_error_flags_name(static_cast<::uint8_t>(value));
 }
@@ -480,7 +480,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 };
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
 {
@@ -488,7 +488,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -496,7 +496,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
 {
@@ -504,7 +504,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -512,7 +512,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
 {
@@ -520,7 +520,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
     double value) noexcept
 {
@@ -528,7 +528,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
 {
@@ -536,7 +536,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
     float value) noexcept
 {
@@ -544,7 +544,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -556,7 +556,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>, double value,
     const parameters &known) noexcept
 {
@@ -564,7 +564,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -576,7 +576,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>, float value,
     const parameters &known) noexcept
 {
@@ -584,7 +584,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -596,7 +596,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     int32_t value, const parameters &known) noexcept
 {
@@ -604,7 +604,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
 {
@@ -612,7 +612,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
     double value) noexcept
 {
@@ -620,7 +620,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
 {
@@ -628,7 +628,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
     float value) noexcept
 {
@@ -636,7 +636,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -648,7 +648,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     double value, const parameters &known) noexcept
 {
@@ -656,7 +656,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -668,7 +668,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     float value, const parameters &known) noexcept
 {
@@ -676,7 +676,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -688,7 +688,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     int32_t value, const parameters &known) noexcept
 {
@@ -696,7 +696,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
 {
@@ -704,7 +704,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -712,7 +712,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
 {
@@ -720,7 +720,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -728,14 +728,14 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_voltage_to_double(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>,
     double value) noexcept
 {
@@ -743,14 +743,14 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_voltage_to_float(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>,
     float value) noexcept
 {
@@ -758,14 +758,14 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_voltage_to_milli(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>,
     int32_t value) noexcept
 {
@@ -773,14 +773,14 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_bus_current_to_double(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>,
     double value) noexcept
 {
@@ -788,14 +788,14 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_bus_current_to_float(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>,
     float value) noexcept
 {
@@ -803,14 +803,14 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_bus_current_to_milli(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>,
     int32_t value) noexcept
 {
@@ -818,7 +818,7 @@ struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline motor_state get(
+CANWRIGHT_CHECKED static inline motor_state get(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE>) noexcept
 {
@@ -834,7 +834,7 @@ static inline void set(
 }
 
 /** True if a flag is set. */
-[[nodiscard]] static inline bool has(
+CANWRIGHT_CHECKED static inline bool has(
     const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS>,
     error_flags flag) noexcept
 {
@@ -851,7 +851,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>) noexcept
 {
@@ -859,7 +859,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>, double value) noexcept
 {
@@ -867,7 +867,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>) noexcept
 {
@@ -875,7 +875,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>, float value) noexcept
 {
@@ -883,7 +883,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>) noexcept
 {
@@ -891,7 +891,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>, double value) noexcept
 {
@@ -899,7 +899,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>) noexcept
 {
@@ -907,7 +907,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>, float value) noexcept
 {
@@ -915,7 +915,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>) noexcept
 {
@@ -923,7 +923,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>, double value) noexcept
 {
@@ -931,7 +931,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>) noexcept
 {
@@ -939,7 +939,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>, float value) noexcept
 {
@@ -947,7 +947,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline brake_action get(
+CANWRIGHT_CHECKED static inline brake_action get(
     const ::mwd_motor_v2_35_2024_02_brake_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACTION>) noexcept
 {
@@ -963,7 +963,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_set_power_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
 {
@@ -971,7 +971,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
     double value) noexcept
 {
@@ -979,7 +979,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_set_power_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
 {
@@ -987,7 +987,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
     float value) noexcept
 {
@@ -995,7 +995,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1007,7 +1007,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     double value, const parameters &known) noexcept
 {
@@ -1015,7 +1015,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1027,7 +1027,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     float value, const parameters &known) noexcept
 {
@@ -1035,7 +1035,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1047,7 +1047,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1055,7 +1055,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
 {
@@ -1063,7 +1063,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
     double value) noexcept
 {
@@ -1071,7 +1071,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
 {
@@ -1079,7 +1079,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
     float value) noexcept
 {
@@ -1087,7 +1087,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
 {
@@ -1095,7 +1095,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
     int64_t value) noexcept
 {
@@ -1103,7 +1103,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
 {
@@ -1115,7 +1115,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, double value, const parameters &known) noexcept
 {
@@ -1123,7 +1123,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
 {
@@ -1135,7 +1135,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, float value, const parameters &known) noexcept
 {
@@ -1143,7 +1143,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
 {
@@ -1155,7 +1155,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, int32_t value, const parameters &known) noexcept
 {
@@ -1163,7 +1163,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
 {
@@ -1171,7 +1171,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
     double value) noexcept
 {
@@ -1179,7 +1179,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
 {
@@ -1187,7 +1187,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
     float value) noexcept
 {
@@ -1195,7 +1195,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
 {
@@ -1203,7 +1203,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
     int64_t value) noexcept
 {
@@ -1211,7 +1211,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1219,7 +1219,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1227,7 +1227,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1235,7 +1235,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1243,7 +1243,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1251,7 +1251,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1259,7 +1259,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
 {
@@ -1267,7 +1267,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1275,7 +1275,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
 {
@@ -1283,7 +1283,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1291,7 +1291,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1299,7 +1299,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
 {
@@ -1307,7 +1307,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1315,7 +1315,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
 {
@@ -1323,7 +1323,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1331,7 +1331,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -1339,7 +1339,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline spin_direction get(
+CANWRIGHT_CHECKED static inline spin_direction get(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION>) noexcept
 {
@@ -1355,7 +1355,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1363,7 +1363,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1371,7 +1371,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1379,7 +1379,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1387,7 +1387,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1395,7 +1395,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1403,7 +1403,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline spin_direction get(
+CANWRIGHT_CHECKED static inline spin_direction get(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION>) noexcept
 {
@@ -1419,7 +1419,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
 {
@@ -1427,7 +1427,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1435,7 +1435,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
 {
@@ -1443,7 +1443,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1451,7 +1451,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1459,7 +1459,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
 {
@@ -1467,7 +1467,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1475,7 +1475,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
 {
@@ -1483,7 +1483,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -1491,7 +1491,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -1499,7 +1499,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
 {
@@ -1507,7 +1507,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>,
     double value) noexcept
 {
@@ -1515,7 +1515,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
 {
@@ -1523,7 +1523,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>,
     float value) noexcept
 {
@@ -1531,7 +1531,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
 {
@@ -1539,7 +1539,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>,
     int64_t value) noexcept
 {
@@ -1547,7 +1547,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
 {
@@ -1555,7 +1555,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1563,7 +1563,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
 {
@@ -1571,7 +1571,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1579,7 +1579,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
 {
@@ -1587,7 +1587,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>, double value) noexcept
 {
@@ -1595,7 +1595,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
 {
@@ -1603,7 +1603,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>, float value) noexcept
 {
@@ -1611,7 +1611,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
 {
@@ -1619,7 +1619,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>, int64_t value) noexcept
 {
@@ -1627,7 +1627,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1640,7 +1640,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
 {
@@ -1648,7 +1648,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1660,7 +1660,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
 {
@@ -1668,7 +1668,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1680,7 +1680,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
 {
@@ -1688,14 +1688,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_angle_i32_to_double(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1703,14 +1703,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1718,14 +1718,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1733,7 +1733,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline brake_state get(
+CANWRIGHT_CHECKED static inline brake_state get(
     const ::mwd_motor_v2_35_2024_02_brake_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_STATE>) noexcept
 {
     return static_cast<brake_state>(message.state);
@@ -1748,7 +1748,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1760,7 +1760,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     double value, const parameters &known) noexcept
 {
@@ -1768,7 +1768,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1780,7 +1780,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     float value, const parameters &known) noexcept
 {
@@ -1788,7 +1788,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1800,7 +1800,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1808,7 +1808,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -1821,7 +1821,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, double value, const parameters &known) noexcept
 {
@@ -1829,7 +1829,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -1842,7 +1842,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, float value, const parameters &known) noexcept
 {
@@ -1850,7 +1850,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -1863,7 +1863,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, int32_t value, const parameters &known) noexcept
 {
@@ -1871,7 +1871,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1884,7 +1884,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
 {
@@ -1892,7 +1892,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1904,7 +1904,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
 {
@@ -1912,7 +1912,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1924,7 +1924,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
 {
@@ -1932,7 +1932,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1945,7 +1945,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
 {
@@ -1953,7 +1953,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1965,7 +1965,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
 {
@@ -1973,7 +1973,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -1985,7 +1985,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
 {
@@ -1993,7 +1993,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -2001,7 +2001,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
 {
@@ -2009,7 +2009,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -2017,7 +2017,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
 {
@@ -2025,7 +2025,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int64_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int64_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -2037,7 +2037,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -2045,7 +2045,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -2053,7 +2053,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value, const parameters &known) noexcept
 {
@@ -2061,7 +2061,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -2069,7 +2069,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value, const parameters &known) noexcept
 {
@@ -2077,7 +2077,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
 {
@@ -2085,7 +2085,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, int64_t value, const parameters &known) noexcept
 {
@@ -2093,7 +2093,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
 {
@@ -2101,7 +2101,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -2109,7 +2109,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
 {
@@ -2117,7 +2117,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -2125,7 +2125,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2137,7 +2137,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>,
     double value, const parameters &known) noexcept
 {
@@ -2145,7 +2145,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2157,7 +2157,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>,
     float value, const parameters &known) noexcept
 {
@@ -2165,7 +2165,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2177,7 +2177,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2185,7 +2185,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2197,7 +2197,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>,
     double value, const parameters &known) noexcept
 {
@@ -2205,7 +2205,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2217,7 +2217,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>,
     float value, const parameters &known) noexcept
 {
@@ -2225,7 +2225,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2237,7 +2237,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2245,7 +2245,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -2257,7 +2257,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>,
     double value, const parameters &known) noexcept
 {
@@ -2265,7 +2265,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -2277,7 +2277,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>,
     float value, const parameters &known) noexcept
 {
@@ -2285,7 +2285,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -2297,7 +2297,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2305,7 +2305,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_off, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2317,7 +2317,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_off; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_off_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2329,7 +2329,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_on, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2341,7 +2341,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_on; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_on_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2353,7 +2353,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_stop, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2365,7 +2365,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_stop; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2377,7 +2377,7 @@ static inline void set(
 }
 
 /** Encodes a request of brake, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const brake_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2389,7 +2389,7 @@ static inline void set(
 }
 
 /** Decodes a request of brake; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     brake_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2401,7 +2401,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2413,7 +2413,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2425,7 +2425,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2437,7 +2437,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_torque; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2449,7 +2449,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2461,7 +2461,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2473,7 +2473,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_speed_limited, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_limited_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2485,7 +2485,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_speed_limited; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_limited_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2497,7 +2497,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2509,7 +2509,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2521,7 +2521,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2533,7 +2533,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2545,7 +2545,7 @@ static inline void set(
 }
 
 /** Encodes a request of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2557,7 +2557,7 @@ static inline void set(
 }
 
 /** Decodes a request of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2569,7 +2569,7 @@ static inline void set(
 }
 
 /** Encodes a request of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2581,7 +2581,7 @@ static inline void set(
 }
 
 /** Decodes a request of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2593,7 +2593,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_by_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2605,7 +2605,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_by_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2617,7 +2617,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2629,7 +2629,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2641,7 +2641,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_torque_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_torque_limit_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2653,7 +2653,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_torque_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_torque_limit_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2665,7 +2665,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_acceleration_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_acceleration_limit_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2677,7 +2677,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_acceleration_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_acceleration_limit_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2689,7 +2689,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_speed_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_limit_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2701,7 +2701,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_speed_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_limit_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2713,7 +2713,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_torque_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_torque_limit_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2725,7 +2725,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_torque_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_torque_limit_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2737,7 +2737,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_acceleration_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_acceleration_limit_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2749,7 +2749,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_acceleration_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_acceleration_limit_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2761,7 +2761,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_speed_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_limit_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2773,7 +2773,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_speed_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_limit_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2785,7 +2785,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2797,7 +2797,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2809,7 +2809,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_encoder_offset_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_encoder_offset_rom_request &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -2823,7 +2823,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_encoder_offset_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_encoder_offset_rom_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2835,7 +2835,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2847,7 +2847,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2859,7 +2859,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2871,7 +2871,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2883,7 +2883,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2895,7 +2895,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2907,7 +2907,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2919,7 +2919,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2931,7 +2931,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_1, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2943,7 +2943,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_1; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2955,7 +2955,7 @@ static inline void set(
 }
 
 /** Encodes a request of clear_errors, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2967,7 +2967,7 @@ static inline void set(
 }
 
 /** Decodes a request of clear_errors; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2979,7 +2979,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_2, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2991,7 +2991,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_2; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3003,7 +3003,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_3, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3015,7 +3015,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_3; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3027,7 +3027,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_off, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3039,7 +3039,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_off; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_off_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3051,7 +3051,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_on, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3063,7 +3063,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_on; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_on_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3075,7 +3075,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_stop, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3087,7 +3087,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_stop; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3099,7 +3099,7 @@ static inline void set(
 }
 
 /** Encodes a reply of brake, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const brake_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3111,7 +3111,7 @@ static inline void set(
 }
 
 /** Decodes a reply of brake; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     brake_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3123,7 +3123,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3135,7 +3135,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_power_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3147,7 +3147,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3159,7 +3159,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_torque; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_torque_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3171,7 +3171,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3183,7 +3183,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3195,7 +3195,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_speed_limited, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_limited_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3208,7 +3208,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_speed_limited; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_limited_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3220,7 +3220,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3232,7 +3232,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3244,7 +3244,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3257,7 +3257,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3269,7 +3269,7 @@ static inline void set(
 }
 
 /** Encodes a reply of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3281,7 +3281,7 @@ static inline void set(
 }
 
 /** Decodes a reply of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3293,7 +3293,7 @@ static inline void set(
 }
 
 /** Encodes a reply of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3306,7 +3306,7 @@ static inline void set(
 }
 
 /** Decodes a reply of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3318,7 +3318,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_by_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3330,7 +3330,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_by_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3342,7 +3342,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3355,7 +3355,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3367,7 +3367,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_torque_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_torque_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3379,7 +3379,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_torque_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_torque_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3391,7 +3391,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_acceleration_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_acceleration_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3403,7 +3403,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_acceleration_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_acceleration_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3415,7 +3415,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_speed_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3427,7 +3427,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_speed_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3439,7 +3439,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_torque_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_torque_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3451,7 +3451,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_torque_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_torque_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3463,7 +3463,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_acceleration_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_acceleration_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3475,7 +3475,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_acceleration_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_acceleration_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3487,7 +3487,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_speed_limit, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_limit_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3499,7 +3499,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_speed_limit; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_limit_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3511,7 +3511,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3523,7 +3523,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3535,7 +3535,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_encoder_offset_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_encoder_offset_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3548,7 +3548,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_encoder_offset_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_encoder_offset_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3560,7 +3560,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3574,7 +3574,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3586,7 +3586,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3598,7 +3598,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3610,7 +3610,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3623,7 +3623,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3635,7 +3635,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3647,7 +3647,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3659,7 +3659,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_1, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3671,7 +3671,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_1; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3683,7 +3683,7 @@ static inline void set(
 }
 
 /** Encodes a reply of clear_errors, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3695,7 +3695,7 @@ static inline void set(
 }
 
 /** Decodes a reply of clear_errors; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3707,7 +3707,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_2, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3719,7 +3719,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_2; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3731,7 +3731,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_3, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3743,7 +3743,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_3; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3758,14 +3758,14 @@ static inline void set(
 struct any_request : ::mwd_motor_v2_35_2024_02_any_request_t {
     constexpr any_request() noexcept : ::mwd_motor_v2_35_2024_02_any_request_t{} {}
     /** The command that the frame belongs to. */
-    [[nodiscard]] constexpr ::mwd_motor::v2_35_2024_02::command which() const noexcept
+    CANWRIGHT_CHECKED constexpr ::mwd_motor::v2_35_2024_02::command which() const noexcept
     {
         return static_cast<::mwd_motor::v2_35_2024_02::command>(command);
     }
 };
 
 /** Decodes any request. */
-[[nodiscard]] static inline ::std::optional<any_request> decode_request(
+CANWRIGHT_CHECKED static inline ::std::optional<any_request> decode_request(
     const frame &from, status *why = nullptr) noexcept
 {
     any_request found;
@@ -3780,14 +3780,14 @@ struct any_request : ::mwd_motor_v2_35_2024_02_any_request_t {
 struct any_reply : ::mwd_motor_v2_35_2024_02_any_reply_t {
     constexpr any_reply() noexcept : ::mwd_motor_v2_35_2024_02_any_reply_t{} {}
     /** The command that the frame belongs to. */
-    [[nodiscard]] constexpr ::mwd_motor::v2_35_2024_02::command which() const noexcept
+    CANWRIGHT_CHECKED constexpr ::mwd_motor::v2_35_2024_02::command which() const noexcept
     {
         return static_cast<::mwd_motor::v2_35_2024_02::command>(command);
     }
 };
 
 /** Decodes any reply. */
-[[nodiscard]] static inline ::std::optional<any_reply> decode_reply(
+CANWRIGHT_CHECKED static inline ::std::optional<any_reply> decode_reply(
     const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     any_reply found;
@@ -3799,7 +3799,7 @@ struct any_reply : ::mwd_motor_v2_35_2024_02_any_reply_t {
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */
-[[nodiscard]] static inline status check_reply(const frame &request, const frame &reply) noexcept
+CANWRIGHT_CHECKED static inline status check_reply(const frame &request, const frame &reply) noexcept
 {
     return ::mwd_motor_v2_35_2024_02_check_reply(&request, &reply);
 }

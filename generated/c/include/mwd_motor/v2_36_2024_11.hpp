@@ -80,7 +80,7 @@ enum class command : int {
 };
 
 /** The name of a value; an empty text if it has none. */
-[[nodiscard]] static inline const char *name(command value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(command value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_command_name(static_cast<::mwd_motor_v2_36_2024_11_command_t>(value));
 }
@@ -109,7 +109,7 @@ enum class spin_direction : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(spin_direction value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(spin_direction value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_spin_direction_name(static_cast<::uint8_t>(value));
 }
@@ -122,7 +122,7 @@ enum class brake_action : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(brake_action value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(brake_action value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_brake_action_name(static_cast<::uint8_t>(value));
 }
@@ -134,7 +134,7 @@ enum class brake_state : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(brake_state value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(brake_state value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_brake_state_name(static_cast<::uint8_t>(value));
 }
@@ -146,7 +146,7 @@ enum class motor_state : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(motor_state value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(motor_state value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_motor_state_name(static_cast<::uint8_t>(value));
 }
@@ -164,7 +164,7 @@ enum class error_flags : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(error_flags value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(error_flags value) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_error_flags_name(static_cast<::uint8_t>(value));
 }
@@ -568,7 +568,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 };
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
 {
@@ -576,7 +576,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -584,7 +584,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
 {
@@ -592,7 +592,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -600,7 +600,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>) noexcept
 {
@@ -608,7 +608,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>,
     double value) noexcept
 {
@@ -616,7 +616,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>) noexcept
 {
@@ -624,7 +624,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>,
     float value) noexcept
 {
@@ -632,7 +632,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -644,7 +644,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>, double value,
     const parameters &known) noexcept
 {
@@ -652,7 +652,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -664,7 +664,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>, float value,
     const parameters &known) noexcept
 {
@@ -672,7 +672,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -684,7 +684,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     int32_t value, const parameters &known) noexcept
 {
@@ -692,7 +692,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>) noexcept
 {
@@ -700,7 +700,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>,
     double value) noexcept
 {
@@ -708,7 +708,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>) noexcept
 {
@@ -716,7 +716,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>,
     float value) noexcept
 {
@@ -724,7 +724,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -736,7 +736,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     double value, const parameters &known) noexcept
 {
@@ -744,7 +744,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -756,7 +756,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     float value, const parameters &known) noexcept
 {
@@ -764,7 +764,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -776,7 +776,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     int32_t value, const parameters &known) noexcept
 {
@@ -784,14 +784,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KP>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_gain_to_double(message.kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KP>,
     double value) noexcept
 {
@@ -799,14 +799,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KP>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_gain_to_float(message.kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KP>,
     float value) noexcept
 {
@@ -814,14 +814,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KI>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_gain_to_double(message.ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KI>,
     double value) noexcept
 {
@@ -829,14 +829,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KI>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_gain_to_float(message.ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KI>,
     float value) noexcept
 {
@@ -844,14 +844,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KD>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_gain_to_double(message.kd);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KD>,
     double value) noexcept
 {
@@ -859,14 +859,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KD>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_gain_to_float(message.kd);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_KD>,
     float value) noexcept
 {
@@ -874,7 +874,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
 {
@@ -882,7 +882,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -890,7 +890,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
 {
@@ -898,7 +898,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -906,14 +906,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_voltage_to_double(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>,
     double value) noexcept
 {
@@ -921,14 +921,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_voltage_to_float(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>,
     float value) noexcept
 {
@@ -936,14 +936,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_voltage_to_milli(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_VOLTAGE>,
     int32_t value) noexcept
 {
@@ -951,14 +951,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_bus_current_to_double(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT>,
     double value) noexcept
 {
@@ -966,14 +966,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_bus_current_to_float(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT>,
     float value) noexcept
 {
@@ -981,14 +981,14 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_bus_current_to_milli(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT>,
     int32_t value) noexcept
 {
@@ -996,7 +996,7 @@ struct read_status_3_reply : ::mwd_motor_v2_36_2024_11_read_status_3_reply_t {
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline motor_state get(
+CANWRIGHT_CHECKED static inline motor_state get(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE>) noexcept
 {
@@ -1012,7 +1012,7 @@ static inline void set(
 }
 
 /** True if a flag is set. */
-[[nodiscard]] static inline bool has(
+CANWRIGHT_CHECKED static inline bool has(
     const ::mwd_motor_v2_36_2024_11_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ERRORS>,
     error_flags flag) noexcept
 {
@@ -1029,7 +1029,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_TORQUE_CURRENT>) noexcept
 {
@@ -1037,7 +1037,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_TORQUE_CURRENT>, double value) noexcept
 {
@@ -1045,7 +1045,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_TORQUE_CURRENT>) noexcept
 {
@@ -1053,7 +1053,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_TORQUE_CURRENT>, float value) noexcept
 {
@@ -1061,7 +1061,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
 {
@@ -1069,7 +1069,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1077,7 +1077,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
 {
@@ -1085,7 +1085,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1093,7 +1093,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_control_parameters_max_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_ANGLE>) noexcept
 {
@@ -1101,7 +1101,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_control_parameters_max_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_ANGLE>, double value) noexcept
 {
@@ -1109,7 +1109,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_control_parameters_max_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_ANGLE>) noexcept
 {
@@ -1117,7 +1117,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_control_parameters_max_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_ANGLE>, float value) noexcept
 {
@@ -1125,7 +1125,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT_RAMP>) noexcept
 {
@@ -1133,7 +1133,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT_RAMP>, double value) noexcept
 {
@@ -1141,7 +1141,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT_RAMP>) noexcept
 {
@@ -1149,7 +1149,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_CURRENT_RAMP>, float value) noexcept
 {
@@ -1157,7 +1157,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED_RAMP>) noexcept
 {
@@ -1165,7 +1165,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED_RAMP>, double value) noexcept
 {
@@ -1173,7 +1173,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED_RAMP>) noexcept
 {
@@ -1181,7 +1181,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED_RAMP>, float value) noexcept
 {
@@ -1189,7 +1189,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline brake_action get(
+CANWRIGHT_CHECKED static inline brake_action get(
     const ::mwd_motor_v2_36_2024_11_brake_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ACTION>) noexcept
 {
@@ -1205,7 +1205,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_set_power_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>) noexcept
 {
@@ -1213,7 +1213,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>,
     double value) noexcept
 {
@@ -1221,7 +1221,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_set_power_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>) noexcept
 {
@@ -1229,7 +1229,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_POWER>,
     float value) noexcept
 {
@@ -1237,7 +1237,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1249,7 +1249,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     double value, const parameters &known) noexcept
 {
@@ -1257,7 +1257,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1269,7 +1269,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     float value, const parameters &known) noexcept
 {
@@ -1277,7 +1277,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1289,7 +1289,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1297,7 +1297,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
     const parameters &known) noexcept
 {
@@ -1309,7 +1309,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
     double value, const parameters &known) noexcept
 {
@@ -1317,7 +1317,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
     const parameters &known) noexcept
 {
@@ -1329,7 +1329,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
     float value, const parameters &known) noexcept
 {
@@ -1337,7 +1337,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
     const parameters &known) noexcept
 {
@@ -1349,7 +1349,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1357,7 +1357,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>) noexcept
 {
@@ -1365,7 +1365,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>,
     double value) noexcept
 {
@@ -1373,7 +1373,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>) noexcept
 {
@@ -1381,7 +1381,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>,
     float value) noexcept
 {
@@ -1389,7 +1389,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>) noexcept
 {
@@ -1397,7 +1397,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPEED>,
     int64_t value) noexcept
 {
@@ -1405,7 +1405,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1413,7 +1413,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1421,7 +1421,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1429,7 +1429,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1437,7 +1437,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1445,7 +1445,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1453,7 +1453,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
 {
@@ -1461,7 +1461,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1469,7 +1469,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
 {
@@ -1477,7 +1477,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1485,7 +1485,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1493,7 +1493,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, double value) noexcept
 {
@@ -1501,7 +1501,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1509,7 +1509,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, float value) noexcept
 {
@@ -1517,7 +1517,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1525,7 +1525,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -1533,7 +1533,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline spin_direction get(
+CANWRIGHT_CHECKED static inline spin_direction get(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPIN_DIRECTION>) noexcept
 {
@@ -1549,7 +1549,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1557,7 +1557,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1565,7 +1565,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1573,7 +1573,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1581,7 +1581,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1589,7 +1589,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1597,7 +1597,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline spin_direction get(
+CANWRIGHT_CHECKED static inline spin_direction get(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_SPIN_DIRECTION>) noexcept
 {
@@ -1613,7 +1613,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
 {
@@ -1621,7 +1621,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1629,7 +1629,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
 {
@@ -1637,7 +1637,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1645,7 +1645,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1653,7 +1653,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, double value) noexcept
 {
@@ -1661,7 +1661,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1669,7 +1669,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, float value) noexcept
 {
@@ -1677,7 +1677,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -1685,7 +1685,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -1693,7 +1693,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
 {
@@ -1701,7 +1701,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>,
     double value) noexcept
 {
@@ -1709,7 +1709,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
 {
@@ -1717,7 +1717,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>,
     float value) noexcept
 {
@@ -1725,7 +1725,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
 {
@@ -1733,7 +1733,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>,
     int64_t value) noexcept
 {
@@ -1741,7 +1741,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
 {
@@ -1749,7 +1749,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1757,7 +1757,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>) noexcept
 {
@@ -1765,7 +1765,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1773,7 +1773,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
 {
@@ -1781,7 +1781,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>, double value) noexcept
 {
@@ -1789,7 +1789,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
 {
@@ -1797,7 +1797,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>, float value) noexcept
 {
@@ -1805,7 +1805,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>) noexcept
 {
@@ -1813,7 +1813,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_INCREMENT>, int64_t value) noexcept
 {
@@ -1821,14 +1821,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_set_angle_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_angle_i32_to_double(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_set_angle_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1836,14 +1836,14 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_set_angle_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_angle_i32_to_float(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_set_angle_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -1851,14 +1851,14 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_set_angle_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_angle_i32_to_milli(message.angle);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_set_angle_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -1866,7 +1866,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline brake_state get(
+CANWRIGHT_CHECKED static inline brake_state get(
     const ::mwd_motor_v2_36_2024_11_brake_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_STATE>) noexcept
 {
     return static_cast<brake_state>(message.state);
@@ -1881,7 +1881,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1893,7 +1893,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     double value, const parameters &known) noexcept
 {
@@ -1901,7 +1901,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1913,7 +1913,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     float value, const parameters &known) noexcept
 {
@@ -1921,7 +1921,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1933,7 +1933,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1941,7 +1941,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -1954,7 +1954,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, double value, const parameters &known) noexcept
 {
@@ -1962,7 +1962,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -1975,7 +1975,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, float value, const parameters &known) noexcept
 {
@@ -1983,7 +1983,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -1996,7 +1996,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED>, int32_t value, const parameters &known) noexcept
 {
@@ -2004,7 +2004,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2017,7 +2017,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
 {
@@ -2025,7 +2025,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2037,7 +2037,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
 {
@@ -2045,7 +2045,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2057,7 +2057,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
 {
@@ -2065,7 +2065,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2078,7 +2078,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
 {
@@ -2086,7 +2086,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2098,7 +2098,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
 {
@@ -2106,7 +2106,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2118,7 +2118,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
 {
@@ -2126,7 +2126,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -2134,7 +2134,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, double value) noexcept
 {
@@ -2142,7 +2142,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -2150,7 +2150,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, float value) noexcept
 {
@@ -2158,7 +2158,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int64_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int64_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -2170,7 +2170,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -2178,7 +2178,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -2186,7 +2186,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, double value, const parameters &known) noexcept
 {
@@ -2194,7 +2194,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -2202,7 +2202,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, float value, const parameters &known) noexcept
 {
@@ -2210,7 +2210,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>) noexcept
 {
@@ -2218,7 +2218,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE>, int64_t value, const parameters &known) noexcept
 {
@@ -2226,7 +2226,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
 {
@@ -2234,7 +2234,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -2242,7 +2242,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>) noexcept
 {
@@ -2250,7 +2250,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -2258,7 +2258,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2270,7 +2270,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_A>,
     double value, const parameters &known) noexcept
 {
@@ -2278,7 +2278,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2290,7 +2290,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_A>,
     float value, const parameters &known) noexcept
 {
@@ -2298,7 +2298,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2310,7 +2310,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_A>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2318,7 +2318,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2330,7 +2330,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_B>,
     double value, const parameters &known) noexcept
 {
@@ -2338,7 +2338,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2350,7 +2350,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_B>,
     float value, const parameters &known) noexcept
 {
@@ -2358,7 +2358,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2370,7 +2370,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_B>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2378,7 +2378,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -2390,7 +2390,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_C>,
     double value, const parameters &known) noexcept
 {
@@ -2398,7 +2398,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -2410,7 +2410,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_C>,
     float value, const parameters &known) noexcept
 {
@@ -2418,7 +2418,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -2430,7 +2430,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2024_11_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2024_11_FIELD_PHASE_C>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2438,7 +2438,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_off, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2450,7 +2450,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_off; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_off_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2462,7 +2462,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_on, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2474,7 +2474,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_on; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_on_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2486,7 +2486,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_stop, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2498,7 +2498,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_stop; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2510,7 +2510,7 @@ static inline void set(
 }
 
 /** Encodes a request of brake, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const brake_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2522,7 +2522,7 @@ static inline void set(
 }
 
 /** Decodes a request of brake; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     brake_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2534,7 +2534,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2546,7 +2546,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2558,7 +2558,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2570,7 +2570,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_torque; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2582,7 +2582,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2594,7 +2594,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2606,7 +2606,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2618,7 +2618,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2630,7 +2630,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2642,7 +2642,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2654,7 +2654,7 @@ static inline void set(
 }
 
 /** Encodes a request of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2666,7 +2666,7 @@ static inline void set(
 }
 
 /** Decodes a request of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2678,7 +2678,7 @@ static inline void set(
 }
 
 /** Encodes a request of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2690,7 +2690,7 @@ static inline void set(
 }
 
 /** Decodes a request of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2702,7 +2702,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_by_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2714,7 +2714,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_by_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2726,7 +2726,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2738,7 +2738,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2750,7 +2750,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_angle_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2762,7 +2762,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_angle_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2774,7 +2774,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2786,7 +2786,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2798,7 +2798,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_current_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2810,7 +2810,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_current_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2822,7 +2822,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_max_torque_current, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_torque_current_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2834,7 +2834,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_max_torque_current; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_torque_current_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2846,7 +2846,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_speed_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2858,7 +2858,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_speed_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2870,7 +2870,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_max_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2882,7 +2882,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_max_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2894,7 +2894,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_current_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_current_ramp_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2906,7 +2906,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_current_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_current_ramp_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2918,7 +2918,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_ramp_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2930,7 +2930,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_ramp_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2942,7 +2942,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_angle_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2954,7 +2954,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_angle_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2966,7 +2966,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -2978,7 +2978,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -2990,7 +2990,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_current_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3002,7 +3002,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_current_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3014,7 +3014,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_max_torque_current, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_torque_current_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3026,7 +3026,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_max_torque_current; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_torque_current_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3038,7 +3038,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3050,7 +3050,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3062,7 +3062,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_max_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3074,7 +3074,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_max_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3086,7 +3086,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_current_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_current_ramp_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3098,7 +3098,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_current_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_current_ramp_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3110,7 +3110,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_ramp_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3122,7 +3122,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_ramp_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3134,7 +3134,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3146,7 +3146,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3158,7 +3158,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3170,7 +3170,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3182,7 +3182,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3194,7 +3194,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3206,7 +3206,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3218,7 +3218,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3230,7 +3230,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3242,7 +3242,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3254,7 +3254,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_1, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3266,7 +3266,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_1; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3278,7 +3278,7 @@ static inline void set(
 }
 
 /** Encodes a request of clear_errors, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3290,7 +3290,7 @@ static inline void set(
 }
 
 /** Decodes a request of clear_errors; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3302,7 +3302,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_2, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3314,7 +3314,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_2; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3326,7 +3326,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_3, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3338,7 +3338,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_3; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3350,7 +3350,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_off, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3362,7 +3362,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_off; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_off_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3374,7 +3374,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_on, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3386,7 +3386,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_on; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_on_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3398,7 +3398,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_stop, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3410,7 +3410,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_stop; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3422,7 +3422,7 @@ static inline void set(
 }
 
 /** Encodes a reply of brake, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const brake_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3434,7 +3434,7 @@ static inline void set(
 }
 
 /** Decodes a reply of brake; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     brake_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3446,7 +3446,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3458,7 +3458,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_power_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3470,7 +3470,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3482,7 +3482,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_torque; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_torque_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3494,7 +3494,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3506,7 +3506,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3518,7 +3518,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3530,7 +3530,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3542,7 +3542,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3555,7 +3555,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3567,7 +3567,7 @@ static inline void set(
 }
 
 /** Encodes a reply of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3579,7 +3579,7 @@ static inline void set(
 }
 
 /** Decodes a reply of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3591,7 +3591,7 @@ static inline void set(
 }
 
 /** Encodes a reply of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3604,7 +3604,7 @@ static inline void set(
 }
 
 /** Decodes a reply of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3616,7 +3616,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_by_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3628,7 +3628,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_by_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3640,7 +3640,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3653,7 +3653,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3665,7 +3665,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3677,7 +3677,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3689,7 +3689,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3701,7 +3701,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3713,7 +3713,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3725,7 +3725,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3737,7 +3737,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_max_torque_current, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_torque_current_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3749,7 +3749,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_max_torque_current; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_torque_current_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3761,7 +3761,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3773,7 +3773,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3785,7 +3785,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_max_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3797,7 +3797,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_max_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3809,7 +3809,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_current_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_current_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3821,7 +3821,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_current_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_current_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3833,7 +3833,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3845,7 +3845,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3857,7 +3857,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3869,7 +3869,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3881,7 +3881,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3893,7 +3893,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3905,7 +3905,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3917,7 +3917,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3929,7 +3929,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_max_torque_current, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_torque_current_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3941,7 +3941,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_max_torque_current; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_torque_current_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3953,7 +3953,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3965,7 +3965,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3977,7 +3977,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_max_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3989,7 +3989,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_max_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4001,7 +4001,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_current_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_current_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4013,7 +4013,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_current_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_current_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4025,7 +4025,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4037,7 +4037,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4049,7 +4049,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4061,7 +4061,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4073,7 +4073,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -4087,7 +4087,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4099,7 +4099,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4111,7 +4111,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4123,7 +4123,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -4136,7 +4136,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4148,7 +4148,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4160,7 +4160,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4172,7 +4172,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_1, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4184,7 +4184,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_1; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4196,7 +4196,7 @@ static inline void set(
 }
 
 /** Encodes a reply of clear_errors, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4208,7 +4208,7 @@ static inline void set(
 }
 
 /** Decodes a reply of clear_errors; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4220,7 +4220,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_2, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4232,7 +4232,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_2; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4244,7 +4244,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_3, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4256,7 +4256,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_3; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4271,14 +4271,14 @@ static inline void set(
 struct any_request : ::mwd_motor_v2_36_2024_11_any_request_t {
     constexpr any_request() noexcept : ::mwd_motor_v2_36_2024_11_any_request_t{} {}
     /** The command that the frame belongs to. */
-    [[nodiscard]] constexpr ::mwd_motor::v2_36_2024_11::command which() const noexcept
+    CANWRIGHT_CHECKED constexpr ::mwd_motor::v2_36_2024_11::command which() const noexcept
     {
         return static_cast<::mwd_motor::v2_36_2024_11::command>(command);
     }
 };
 
 /** Decodes any request. */
-[[nodiscard]] static inline ::std::optional<any_request> decode_request(
+CANWRIGHT_CHECKED static inline ::std::optional<any_request> decode_request(
     const frame &from, status *why = nullptr) noexcept
 {
     any_request found;
@@ -4293,14 +4293,14 @@ struct any_request : ::mwd_motor_v2_36_2024_11_any_request_t {
 struct any_reply : ::mwd_motor_v2_36_2024_11_any_reply_t {
     constexpr any_reply() noexcept : ::mwd_motor_v2_36_2024_11_any_reply_t{} {}
     /** The command that the frame belongs to. */
-    [[nodiscard]] constexpr ::mwd_motor::v2_36_2024_11::command which() const noexcept
+    CANWRIGHT_CHECKED constexpr ::mwd_motor::v2_36_2024_11::command which() const noexcept
     {
         return static_cast<::mwd_motor::v2_36_2024_11::command>(command);
     }
 };
 
 /** Decodes any reply. */
-[[nodiscard]] static inline ::std::optional<any_reply> decode_reply(
+CANWRIGHT_CHECKED static inline ::std::optional<any_reply> decode_reply(
     const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     any_reply found;
@@ -4312,7 +4312,7 @@ struct any_reply : ::mwd_motor_v2_36_2024_11_any_reply_t {
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */
-[[nodiscard]] static inline status check_reply(const frame &request, const frame &reply) noexcept
+CANWRIGHT_CHECKED static inline status check_reply(const frame &request, const frame &reply) noexcept
 {
     return ::mwd_motor_v2_36_2024_11_check_reply(&request, &reply);
 }

@@ -106,7 +106,7 @@ enum class command : int {
 };
 
 /** The name of a value; an empty text if it has none. */
-[[nodiscard]] static inline const char *name(command value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(command value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_command_name(static_cast<::mwd_motor_v2_36_2025_03_command_t>(value));
 }
@@ -135,7 +135,7 @@ enum class spin_direction : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(spin_direction value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(spin_direction value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_spin_direction_name(static_cast<::uint8_t>(value));
 }
@@ -148,7 +148,7 @@ enum class brake_action : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(brake_action value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(brake_action value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_brake_action_name(static_cast<::uint8_t>(value));
 }
@@ -160,7 +160,7 @@ enum class brake_state : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(brake_state value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(brake_state value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_brake_state_name(static_cast<::uint8_t>(value));
 }
@@ -172,7 +172,7 @@ enum class motor_state : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(motor_state value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(motor_state value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_motor_state_name(static_cast<::uint8_t>(value));
 }
@@ -190,7 +190,7 @@ enum class error_flags : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(error_flags value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(error_flags value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_error_flags_name(static_cast<::uint8_t>(value));
 }
@@ -202,7 +202,7 @@ enum class align_state : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(align_state value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(align_state value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_align_state_name(static_cast<::uint8_t>(value));
 }
@@ -215,7 +215,7 @@ enum class bus_type : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(bus_type value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(bus_type value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_bus_type_name(static_cast<::uint8_t>(value));
 }
@@ -236,7 +236,7 @@ enum class rs485_baud_rate : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(rs485_baud_rate value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(rs485_baud_rate value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_rs485_baud_rate_name(static_cast<::uint8_t>(value));
 }
@@ -251,7 +251,7 @@ enum class can_baud_rate : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(can_baud_rate value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(can_baud_rate value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_can_baud_rate_name(static_cast<::uint8_t>(value));
 }
@@ -263,7 +263,7 @@ enum class save_result : uint8_t {
 };
 
 /** The name of a value; a null pointer if it has none. */
-[[nodiscard]] static inline const char *name(save_result value) noexcept
+CANWRIGHT_CHECKED static inline const char *name(save_result value) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_save_result_name(static_cast<::uint8_t>(value));
 }
@@ -906,7 +906,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 };
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
 {
@@ -914,7 +914,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -922,7 +922,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
 {
@@ -930,7 +930,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -938,7 +938,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>) noexcept
 {
@@ -946,7 +946,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>,
     double value) noexcept
 {
@@ -954,7 +954,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>) noexcept
 {
@@ -962,7 +962,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>,
     float value) noexcept
 {
@@ -970,7 +970,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -982,7 +982,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>, double value,
     const parameters &known) noexcept
 {
@@ -990,7 +990,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1002,7 +1002,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>, float value,
     const parameters &known) noexcept
 {
@@ -1010,7 +1010,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1022,7 +1022,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1030,7 +1030,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>) noexcept
 {
@@ -1038,7 +1038,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>,
     double value) noexcept
 {
@@ -1046,7 +1046,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>) noexcept
 {
@@ -1054,7 +1054,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>,
     float value) noexcept
 {
@@ -1062,7 +1062,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1074,7 +1074,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     double value, const parameters &known) noexcept
 {
@@ -1082,7 +1082,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1094,7 +1094,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     float value, const parameters &known) noexcept
 {
@@ -1102,7 +1102,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -1114,7 +1114,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1122,14 +1122,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KP>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_gain_to_double(message.kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KP>,
     double value) noexcept
 {
@@ -1137,14 +1137,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KP>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_gain_to_float(message.kp);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KP>,
     float value) noexcept
 {
@@ -1152,14 +1152,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KI>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_gain_to_double(message.ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KI>,
     double value) noexcept
 {
@@ -1167,14 +1167,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KI>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_gain_to_float(message.ki);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KI>,
     float value) noexcept
 {
@@ -1182,14 +1182,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KD>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_gain_to_double(message.kd);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KD>,
     double value) noexcept
 {
@@ -1197,14 +1197,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KD>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_gain_to_float(message.kd);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_pid_gains_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_KD>,
     float value) noexcept
 {
@@ -1212,7 +1212,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
 {
@@ -1220,7 +1220,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -1228,7 +1228,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
 {
@@ -1236,7 +1236,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -1244,14 +1244,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_voltage_to_double(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>,
     double value) noexcept
 {
@@ -1259,14 +1259,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_voltage_to_float(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>,
     float value) noexcept
 {
@@ -1274,14 +1274,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_voltage_to_milli(message.voltage);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_VOLTAGE>,
     int32_t value) noexcept
 {
@@ -1289,14 +1289,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_bus_current_to_double(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT>,
     double value) noexcept
 {
@@ -1304,14 +1304,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_bus_current_to_float(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT>,
     float value) noexcept
 {
@@ -1319,14 +1319,14 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int32_t get_milli(
+CANWRIGHT_CHECKED static inline int32_t get_milli(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT>) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_bus_current_to_milli(message.current);
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT>,
     int32_t value) noexcept
 {
@@ -1334,7 +1334,7 @@ struct save_settings_reply : ::mwd_motor_v2_36_2025_03_save_settings_reply_t {
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline motor_state get(
+CANWRIGHT_CHECKED static inline motor_state get(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE>) noexcept
 {
@@ -1350,7 +1350,7 @@ static inline void set(
 }
 
 /** True if a flag is set. */
-[[nodiscard]] static inline bool has(
+CANWRIGHT_CHECKED static inline bool has(
     const ::mwd_motor_v2_36_2025_03_status_1_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ERRORS>,
     error_flags flag) noexcept
 {
@@ -1367,7 +1367,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT>) noexcept
 {
@@ -1375,7 +1375,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT>, double value, const parameters &known) noexcept
 {
@@ -1383,7 +1383,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT>) noexcept
 {
@@ -1391,7 +1391,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT>, float value, const parameters &known) noexcept
 {
@@ -1399,7 +1399,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -1407,7 +1407,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1415,7 +1415,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -1423,7 +1423,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_control_parameters_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1431,7 +1431,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_UPPER_ANGLE>) noexcept
 {
@@ -1439,7 +1439,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_UPPER_ANGLE>, double value) noexcept
 {
@@ -1447,7 +1447,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_UPPER_ANGLE>) noexcept
 {
@@ -1455,7 +1455,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_UPPER_ANGLE>, float value) noexcept
 {
@@ -1463,7 +1463,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_LOWER_ANGLE>) noexcept
 {
@@ -1471,7 +1471,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_LOWER_ANGLE>, double value) noexcept
 {
@@ -1479,7 +1479,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_LOWER_ANGLE>) noexcept
 {
@@ -1487,7 +1487,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_LOWER_ANGLE>, float value) noexcept
 {
@@ -1495,7 +1495,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>) noexcept
 {
@@ -1503,7 +1503,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>, double value) noexcept
 {
@@ -1511,7 +1511,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>) noexcept
 {
@@ -1519,7 +1519,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>, float value) noexcept
 {
@@ -1527,7 +1527,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_driver_id_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID>) noexcept
 {
@@ -1535,7 +1535,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_stored_settings_driver_id_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID>, double value) noexcept
 {
@@ -1543,7 +1543,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_stored_settings_driver_id_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID>) noexcept
 {
@@ -1551,7 +1551,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_stored_settings_driver_id_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID>, float value) noexcept
 {
@@ -1559,7 +1559,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline bus_type get(
+CANWRIGHT_CHECKED static inline bus_type get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_bus_type_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE>) noexcept
 {
@@ -1575,7 +1575,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline rs485_baud_rate get(
+CANWRIGHT_CHECKED static inline rs485_baud_rate get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE>) noexcept
 {
@@ -1591,7 +1591,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline can_baud_rate get(
+CANWRIGHT_CHECKED static inline can_baud_rate get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE>) noexcept
 {
@@ -1607,7 +1607,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_max_power_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER>) noexcept
 {
@@ -1615,7 +1615,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_stored_settings_max_power_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER>, double value, const parameters &known) noexcept
 {
@@ -1623,7 +1623,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_stored_settings_max_power_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER>) noexcept
 {
@@ -1631,7 +1631,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_stored_settings_max_power_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER>, float value, const parameters &known) noexcept
 {
@@ -1639,7 +1639,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -1647,7 +1647,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_stored_settings_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -1655,7 +1655,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_stored_settings_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -1663,7 +1663,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_stored_settings_max_speed_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -1671,7 +1671,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_max_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE>) noexcept
 {
@@ -1679,7 +1679,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_stored_settings_max_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE>, double value) noexcept
 {
@@ -1687,7 +1687,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_stored_settings_max_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE>) noexcept
 {
@@ -1695,7 +1695,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_stored_settings_max_angle_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE>, float value) noexcept
 {
@@ -1703,7 +1703,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP>) noexcept
 {
@@ -1711,7 +1711,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP>, double value) noexcept
 {
@@ -1719,7 +1719,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP>) noexcept
 {
@@ -1727,7 +1727,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP>, float value) noexcept
 {
@@ -1735,7 +1735,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>) noexcept
 {
@@ -1743,7 +1743,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>, double value) noexcept
 {
@@ -1751,7 +1751,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>) noexcept
 {
@@ -1759,7 +1759,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP>, float value) noexcept
 {
@@ -1767,7 +1767,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline brake_action get(
+CANWRIGHT_CHECKED static inline brake_action get(
     const ::mwd_motor_v2_36_2025_03_brake_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ACTION>) noexcept
 {
@@ -1783,7 +1783,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_set_power_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>) noexcept
 {
@@ -1791,7 +1791,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>,
     double value) noexcept
 {
@@ -1799,7 +1799,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_set_power_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>) noexcept
 {
@@ -1807,7 +1807,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_POWER>,
     float value) noexcept
 {
@@ -1815,7 +1815,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1827,7 +1827,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     double value, const parameters &known) noexcept
 {
@@ -1835,7 +1835,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1847,7 +1847,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     float value, const parameters &known) noexcept
 {
@@ -1855,7 +1855,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     const parameters &known) noexcept
 {
@@ -1867,7 +1867,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1875,7 +1875,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
     const parameters &known) noexcept
 {
@@ -1887,7 +1887,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
     double value, const parameters &known) noexcept
 {
@@ -1895,7 +1895,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
     const parameters &known) noexcept
 {
@@ -1907,7 +1907,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
     float value, const parameters &known) noexcept
 {
@@ -1915,7 +1915,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
     const parameters &known) noexcept
 {
@@ -1927,7 +1927,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT>,
     int32_t value, const parameters &known) noexcept
 {
@@ -1935,7 +1935,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>) noexcept
 {
@@ -1943,7 +1943,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>,
     double value) noexcept
 {
@@ -1951,7 +1951,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>) noexcept
 {
@@ -1959,7 +1959,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>,
     float value) noexcept
 {
@@ -1967,7 +1967,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_set_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>) noexcept
 {
@@ -1975,7 +1975,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPEED>,
     int64_t value) noexcept
 {
@@ -1983,7 +1983,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -1991,7 +1991,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -1999,7 +1999,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2007,7 +2007,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -2015,7 +2015,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2023,7 +2023,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -2031,7 +2031,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -2039,7 +2039,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -2047,7 +2047,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -2055,7 +2055,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -2063,7 +2063,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2071,7 +2071,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, double value) noexcept
 {
@@ -2079,7 +2079,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2087,7 +2087,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, float value) noexcept
 {
@@ -2095,7 +2095,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2103,7 +2103,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -2111,7 +2111,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline spin_direction get(
+CANWRIGHT_CHECKED static inline spin_direction get(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION>) noexcept
 {
@@ -2127,7 +2127,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2135,7 +2135,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>,
     double value) noexcept
 {
@@ -2143,7 +2143,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2151,7 +2151,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>,
     float value) noexcept
 {
@@ -2159,7 +2159,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2167,7 +2167,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>,
     int64_t value) noexcept
 {
@@ -2175,7 +2175,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline spin_direction get(
+CANWRIGHT_CHECKED static inline spin_direction get(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION>) noexcept
 {
@@ -2191,7 +2191,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -2199,7 +2199,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -2207,7 +2207,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -2215,7 +2215,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -2223,7 +2223,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2231,7 +2231,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, double value) noexcept
 {
@@ -2239,7 +2239,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2247,7 +2247,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, float value) noexcept
 {
@@ -2255,7 +2255,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2263,7 +2263,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -2271,7 +2271,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
 {
@@ -2279,7 +2279,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>,
     double value) noexcept
 {
@@ -2287,7 +2287,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
 {
@@ -2295,7 +2295,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>,
     float value) noexcept
 {
@@ -2303,7 +2303,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
 {
@@ -2311,7 +2311,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>,
     int64_t value) noexcept
 {
@@ -2319,7 +2319,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -2327,7 +2327,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, double value) noexcept
 {
@@ -2335,7 +2335,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>) noexcept
 {
@@ -2343,7 +2343,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED>, float value) noexcept
 {
@@ -2351,7 +2351,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
 {
@@ -2359,7 +2359,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>, double value) noexcept
 {
@@ -2367,7 +2367,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
 {
@@ -2375,7 +2375,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>, float value) noexcept
 {
@@ -2383,7 +2383,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>) noexcept
 {
@@ -2391,7 +2391,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_INCREMENT>, int64_t value) noexcept
 {
@@ -2399,7 +2399,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline brake_state get(
+CANWRIGHT_CHECKED static inline brake_state get(
     const ::mwd_motor_v2_36_2025_03_brake_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_STATE>) noexcept
 {
     return static_cast<brake_state>(message.state);
@@ -2414,7 +2414,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -2426,7 +2426,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     double value, const parameters &known) noexcept
 {
@@ -2434,7 +2434,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -2446,7 +2446,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     float value, const parameters &known) noexcept
 {
@@ -2454,7 +2454,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     const parameters &known) noexcept
 {
@@ -2466,7 +2466,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2474,7 +2474,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -2487,7 +2487,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, double value, const parameters &known) noexcept
 {
@@ -2495,7 +2495,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -2508,7 +2508,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, float value, const parameters &known) noexcept
 {
@@ -2516,7 +2516,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
 {
@@ -2529,7 +2529,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED>, int32_t value, const parameters &known) noexcept
 {
@@ -2537,7 +2537,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2550,7 +2550,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
 {
@@ -2558,7 +2558,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2570,7 +2570,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
 {
@@ -2578,7 +2578,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2590,7 +2590,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_read_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
 {
@@ -2598,7 +2598,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_VALUE>) noexcept
 {
@@ -2606,7 +2606,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_VALUE>, double value) noexcept
 {
@@ -2614,7 +2614,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_VALUE>) noexcept
 {
@@ -2622,7 +2622,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_VALUE>, float value) noexcept
 {
@@ -2630,7 +2630,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_RATIO>) noexcept
 {
@@ -2638,7 +2638,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_RATIO>, double value) noexcept
 {
@@ -2646,7 +2646,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_RATIO>) noexcept
 {
@@ -2654,7 +2654,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_RATIO>, float value) noexcept
 {
@@ -2662,7 +2662,7 @@ static inline void set(
 }
 
 /** True if a flag is set. */
-[[nodiscard]] static inline bool has(
+CANWRIGHT_CHECKED static inline bool has(
     const ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE>, align_state flag) noexcept
 {
@@ -2679,7 +2679,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2692,7 +2692,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
 {
@@ -2700,7 +2700,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2712,7 +2712,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
 {
@@ -2720,7 +2720,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
 {
@@ -2732,7 +2732,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
 {
@@ -2740,7 +2740,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2748,7 +2748,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, double value) noexcept
 {
@@ -2756,7 +2756,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2764,7 +2764,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, float value) noexcept
 {
@@ -2772,7 +2772,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int64_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int64_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2784,7 +2784,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, int64_t value) noexcept
 {
@@ -2792,7 +2792,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2800,7 +2800,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, double value, const parameters &known) noexcept
 {
@@ -2808,7 +2808,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2816,7 +2816,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, float value, const parameters &known) noexcept
 {
@@ -2824,7 +2824,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit. */
-[[nodiscard]] static inline int64_t get_milli(
+CANWRIGHT_CHECKED static inline int64_t get_milli(
     const ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>) noexcept
 {
@@ -2832,7 +2832,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE>, int64_t value, const parameters &known) noexcept
 {
@@ -2840,7 +2840,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline double get(
+CANWRIGHT_CHECKED static inline double get(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
 {
@@ -2848,7 +2848,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
     double value) noexcept
 {
@@ -2856,7 +2856,7 @@ static inline void set(
 }
 
 /** The value in its unit. */
-[[nodiscard]] static inline float get_float(
+CANWRIGHT_CHECKED static inline float get_float(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>) noexcept
 {
@@ -2864,7 +2864,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_TEMPERATURE>,
     float value) noexcept
 {
@@ -2872,7 +2872,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2884,7 +2884,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>,
     double value, const parameters &known) noexcept
 {
@@ -2892,7 +2892,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2904,7 +2904,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>,
     float value, const parameters &known) noexcept
 {
@@ -2912,7 +2912,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>, const parameters &known) noexcept
 {
@@ -2924,7 +2924,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_A>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2932,7 +2932,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2944,7 +2944,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>,
     double value, const parameters &known) noexcept
 {
@@ -2952,7 +2952,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2964,7 +2964,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>,
     float value, const parameters &known) noexcept
 {
@@ -2972,7 +2972,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>, const parameters &known) noexcept
 {
@@ -2984,7 +2984,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_B>,
     int32_t value, const parameters &known) noexcept
 {
@@ -2992,7 +2992,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<double> get(
+CANWRIGHT_CHECKED static inline ::std::optional<double> get(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -3004,7 +3004,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set(
+CANWRIGHT_CHECKED static inline status set(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>,
     double value, const parameters &known) noexcept
 {
@@ -3012,7 +3012,7 @@ static inline void set(
 }
 
 /** The value in its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<float> get_float(
+CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -3024,7 +3024,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_float(
+CANWRIGHT_CHECKED static inline status set_float(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>,
     float value, const parameters &known) noexcept
 {
@@ -3032,7 +3032,7 @@ static inline void set(
 }
 
 /** The value in thousandths of its unit, if it has one. */
-[[nodiscard]] static inline ::std::optional<int32_t> get_milli(
+CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
     const ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>, const parameters &known) noexcept
 {
@@ -3044,7 +3044,7 @@ static inline void set(
 }
 
 /** Sets the nearest raw integer; a value that does not fit is rejected. */
-[[nodiscard]] static inline status set_milli(
+CANWRIGHT_CHECKED static inline status set_milli(
     ::mwd_motor_v2_36_2025_03_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_PHASE_C>,
     int32_t value, const parameters &known) noexcept
 {
@@ -3052,7 +3052,7 @@ static inline void set(
 }
 
 /** The raw integer as a named value, which it may not have. */
-[[nodiscard]] static inline save_result get(
+CANWRIGHT_CHECKED static inline save_result get(
     const ::mwd_motor_v2_36_2025_03_save_settings_reply_t &message,
     field_tag<::MWD_MOTOR_V2_36_2025_03_FIELD_RESULT>) noexcept
 {
@@ -3068,7 +3068,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_off, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3080,7 +3080,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_off; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_off_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3092,7 +3092,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_on, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3104,7 +3104,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_on; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_on_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3116,7 +3116,7 @@ static inline void set(
 }
 
 /** Encodes a request of motor_stop, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3128,7 +3128,7 @@ static inline void set(
 }
 
 /** Decodes a request of motor_stop; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3140,7 +3140,7 @@ static inline void set(
 }
 
 /** Encodes a request of brake, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const brake_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3152,7 +3152,7 @@ static inline void set(
 }
 
 /** Decodes a request of brake; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     brake_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3164,7 +3164,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3176,7 +3176,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3188,7 +3188,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3200,7 +3200,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_torque; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3212,7 +3212,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3224,7 +3224,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3236,7 +3236,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3248,7 +3248,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3260,7 +3260,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3272,7 +3272,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3284,7 +3284,7 @@ static inline void set(
 }
 
 /** Encodes a request of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3296,7 +3296,7 @@ static inline void set(
 }
 
 /** Decodes a request of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3308,7 +3308,7 @@ static inline void set(
 }
 
 /** Encodes a request of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3320,7 +3320,7 @@ static inline void set(
 }
 
 /** Decodes a request of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3332,7 +3332,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_by_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3344,7 +3344,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_by_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3356,7 +3356,7 @@ static inline void set(
 }
 
 /** Encodes a request of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3368,7 +3368,7 @@ static inline void set(
 }
 
 /** Decodes a request of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3380,7 +3380,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_angle_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3392,7 +3392,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_angle_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3404,7 +3404,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3416,7 +3416,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3428,7 +3428,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_current_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3440,7 +3440,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_current_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3452,7 +3452,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_max_torque_current, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_torque_current_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3464,7 +3464,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_max_torque_current; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_torque_current_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3476,7 +3476,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_speed_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3488,7 +3488,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_speed_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3500,7 +3500,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_upper_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_upper_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3512,7 +3512,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_upper_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_upper_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3524,7 +3524,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_lower_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_lower_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3536,7 +3536,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_lower_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_lower_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3548,7 +3548,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_control_parameter_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_ramp_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3560,7 +3560,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_control_parameter_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_ramp_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3572,7 +3572,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_angle_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3584,7 +3584,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_angle_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3596,7 +3596,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3608,7 +3608,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3620,7 +3620,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_current_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3632,7 +3632,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_current_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3644,7 +3644,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_max_torque_current, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_torque_current_request &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -3658,7 +3658,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_max_torque_current; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_torque_current_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3670,7 +3670,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3682,7 +3682,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3694,7 +3694,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_upper_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_upper_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3706,7 +3706,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_upper_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_upper_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3718,7 +3718,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_lower_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_lower_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3730,7 +3730,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_lower_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_lower_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3742,7 +3742,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_control_parameter_ram_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_ramp_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3754,7 +3754,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_control_parameter_ram_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_ramp_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3766,7 +3766,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3778,7 +3778,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3790,7 +3790,7 @@ static inline void set(
 }
 
 /** Encodes a request of calibrate_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const calibrate_encoder_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3802,7 +3802,7 @@ static inline void set(
 }
 
 /** Decodes a request of calibrate_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     calibrate_encoder_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3814,7 +3814,7 @@ static inline void set(
 }
 
 /** Encodes a request of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3826,7 +3826,7 @@ static inline void set(
 }
 
 /** Decodes a request of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3838,7 +3838,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3850,7 +3850,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3862,7 +3862,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3874,7 +3874,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3886,7 +3886,7 @@ static inline void set(
 }
 
 /** Encodes a request of set_zero_ram, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_zero_ram_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3898,7 +3898,7 @@ static inline void set(
 }
 
 /** Decodes a request of set_zero_ram; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_zero_ram_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3910,7 +3910,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_1, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3922,7 +3922,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_1; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3934,7 +3934,7 @@ static inline void set(
 }
 
 /** Encodes a request of clear_errors, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3946,7 +3946,7 @@ static inline void set(
 }
 
 /** Decodes a request of clear_errors; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3958,7 +3958,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_2, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3970,7 +3970,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_2; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -3982,7 +3982,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_status_3, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -3994,7 +3994,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_status_3; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4006,7 +4006,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_driver_id, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_driver_id_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4018,7 +4018,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_driver_id; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_driver_id_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4030,7 +4030,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_bus_type, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_bus_type_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4042,7 +4042,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_bus_type; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_bus_type_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4054,7 +4054,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_rs485_baud_rate, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_rs485_baud_rate_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4066,7 +4066,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_rs485_baud_rate; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_rs485_baud_rate_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4078,7 +4078,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_can_baud_rate, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_can_baud_rate_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4090,7 +4090,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_can_baud_rate; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_can_baud_rate_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4102,7 +4102,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_max_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_max_power_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4114,7 +4114,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_max_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_power_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4126,7 +4126,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_max_speed_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4138,7 +4138,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_speed_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4150,7 +4150,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_max_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_max_angle_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4162,7 +4162,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_max_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_angle_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4174,7 +4174,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_current_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_current_ramp_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4186,7 +4186,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_current_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_current_ramp_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4198,7 +4198,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_speed_ramp_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4210,7 +4210,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_speed_ramp_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4222,7 +4222,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_angle_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4234,7 +4234,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_angle_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4246,7 +4246,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_speed_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4258,7 +4258,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_speed_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4270,7 +4270,7 @@ static inline void set(
 }
 
 /** Encodes a request of read_stored_setting_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_current_pid_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4282,7 +4282,7 @@ static inline void set(
 }
 
 /** Decodes a request of read_stored_setting_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_current_pid_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4294,7 +4294,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_driver_id, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_driver_id_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4306,7 +4306,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_driver_id; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_driver_id_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4318,7 +4318,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_bus_type, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_bus_type_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4330,7 +4330,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_bus_type; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_bus_type_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4342,7 +4342,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_rs485_baud_rate, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_rs485_baud_rate_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4354,7 +4354,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_rs485_baud_rate; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_rs485_baud_rate_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4367,7 +4367,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_can_baud_rate, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_can_baud_rate_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4379,7 +4379,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_can_baud_rate; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_can_baud_rate_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4391,7 +4391,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_max_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_max_power_request &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -4404,7 +4404,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_max_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_power_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4416,7 +4416,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_max_speed_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4428,7 +4428,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_speed_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4440,7 +4440,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_max_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_max_angle_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4452,7 +4452,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_max_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_angle_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4464,7 +4464,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_current_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_current_ramp_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4476,7 +4476,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_current_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_current_ramp_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4488,7 +4488,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_speed_ramp_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4500,7 +4500,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_speed_ramp_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4512,7 +4512,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_angle_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4524,7 +4524,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_angle_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4536,7 +4536,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_speed_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4548,7 +4548,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_speed_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4560,7 +4560,7 @@ static inline void set(
 }
 
 /** Encodes a request of stage_stored_setting_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_current_pid_request &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4572,7 +4572,7 @@ static inline void set(
 }
 
 /** Decodes a request of stage_stored_setting_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_current_pid_request &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4584,7 +4584,7 @@ static inline void set(
 }
 
 /** Encodes a request of save_stored_settings, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const save_settings_request &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4596,7 +4596,7 @@ static inline void set(
 }
 
 /** Decodes a request of save_stored_settings; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     save_settings_request &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4608,7 +4608,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_off, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4620,7 +4620,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_off; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_off_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4632,7 +4632,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_on, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4644,7 +4644,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_on; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_on_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4656,7 +4656,7 @@ static inline void set(
 }
 
 /** Encodes a reply of motor_stop, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4668,7 +4668,7 @@ static inline void set(
 }
 
 /** Decodes a reply of motor_stop; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     motor_stop_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4680,7 +4680,7 @@ static inline void set(
 }
 
 /** Encodes a reply of brake, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const brake_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4692,7 +4692,7 @@ static inline void set(
 }
 
 /** Decodes a reply of brake; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     brake_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4704,7 +4704,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4716,7 +4716,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_power_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4728,7 +4728,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_torque, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4740,7 +4740,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_torque; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_torque_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4752,7 +4752,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4764,7 +4764,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4776,7 +4776,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4788,7 +4788,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4800,7 +4800,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -4813,7 +4813,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4825,7 +4825,7 @@ static inline void set(
 }
 
 /** Encodes a reply of turn_to_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4837,7 +4837,7 @@ static inline void set(
 }
 
 /** Decodes a reply of turn_to_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4849,7 +4849,7 @@ static inline void set(
 }
 
 /** Encodes a reply of turn_to_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -4862,7 +4862,7 @@ static inline void set(
 }
 
 /** Decodes a reply of turn_to_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     turn_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4874,7 +4874,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_by_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4886,7 +4886,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_by_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4898,7 +4898,7 @@ static inline void set(
 }
 
 /** Encodes a reply of move_by_angle_at_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -4911,7 +4911,7 @@ static inline void set(
 }
 
 /** Decodes a reply of move_by_angle_at_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     move_by_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4923,7 +4923,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4935,7 +4935,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4947,7 +4947,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4959,7 +4959,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4971,7 +4971,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -4983,7 +4983,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -4995,7 +4995,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_max_torque_current, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_torque_current_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -5009,7 +5009,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_max_torque_current; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_torque_current_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5021,7 +5021,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5033,7 +5033,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5045,7 +5045,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_upper_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_upper_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5057,7 +5057,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_upper_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_upper_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5069,7 +5069,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_lower_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_lower_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5081,7 +5081,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_lower_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_lower_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5093,7 +5093,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_control_parameter_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_param_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5105,7 +5105,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_control_parameter_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_param_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5117,7 +5117,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5129,7 +5129,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5141,7 +5141,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5153,7 +5153,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5165,7 +5165,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5177,7 +5177,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5189,7 +5189,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_max_torque_current, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_torque_current_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -5203,7 +5203,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_max_torque_current; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_torque_current_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5215,7 +5215,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5227,7 +5227,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5239,7 +5239,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_upper_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_upper_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5251,7 +5251,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_upper_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_upper_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5263,7 +5263,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_lower_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_lower_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5275,7 +5275,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_lower_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_lower_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5287,7 +5287,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_control_parameter_ram_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_param_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5299,7 +5299,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_control_parameter_ram_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_param_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5311,7 +5311,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5323,7 +5323,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5335,7 +5335,7 @@ static inline void set(
 }
 
 /** Encodes a reply of calibrate_encoder, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const calibrate_encoder_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5347,7 +5347,7 @@ static inline void set(
 }
 
 /** Decodes a reply of calibrate_encoder; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     calibrate_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5359,7 +5359,7 @@ static inline void set(
 }
 
 /** Encodes a reply of write_position_as_zero_rom, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -5373,7 +5373,7 @@ static inline void set(
 }
 
 /** Decodes a reply of write_position_as_zero_rom; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     write_position_as_zero_rom_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5385,7 +5385,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_multi_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5397,7 +5397,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_multi_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_multi_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5409,7 +5409,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_single_turn_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -5422,7 +5422,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_single_turn_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_single_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5434,7 +5434,7 @@ static inline void set(
 }
 
 /** Encodes a reply of set_zero_ram, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const set_zero_ram_reply &, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5446,7 +5446,7 @@ static inline void set(
 }
 
 /** Decodes a reply of set_zero_ram; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     set_zero_ram_reply &, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5458,7 +5458,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_1, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5470,7 +5470,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_1; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_1_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5482,7 +5482,7 @@ static inline void set(
 }
 
 /** Encodes a reply of clear_errors, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5494,7 +5494,7 @@ static inline void set(
 }
 
 /** Decodes a reply of clear_errors; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     clear_errors_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5506,7 +5506,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_2, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5518,7 +5518,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_2; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_2_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5530,7 +5530,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_status_3, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5542,7 +5542,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_status_3; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_status_3_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5554,7 +5554,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_driver_id, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_driver_id_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5566,7 +5566,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_driver_id; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_driver_id_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5578,7 +5578,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_bus_type, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_bus_type_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5590,7 +5590,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_bus_type; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_bus_type_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5602,7 +5602,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_rs485_baud_rate, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_rs485_baud_rate_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5614,7 +5614,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_rs485_baud_rate; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_rs485_baud_rate_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5626,7 +5626,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_can_baud_rate, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_can_baud_rate_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5638,7 +5638,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_can_baud_rate; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_can_baud_rate_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5650,7 +5650,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_max_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_max_power_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -5663,7 +5663,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_max_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_power_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5675,7 +5675,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5687,7 +5687,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5699,7 +5699,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_max_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_max_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5711,7 +5711,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_max_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_max_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5723,7 +5723,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_current_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_current_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5735,7 +5735,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_current_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_current_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5747,7 +5747,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5759,7 +5759,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5771,7 +5771,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5783,7 +5783,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5795,7 +5795,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5807,7 +5807,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5819,7 +5819,7 @@ static inline void set(
 }
 
 /** Encodes a reply of read_stored_setting_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const read_setting_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5831,7 +5831,7 @@ static inline void set(
 }
 
 /** Decodes a reply of read_stored_setting_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     read_setting_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5843,7 +5843,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_driver_id, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_driver_id_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5855,7 +5855,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_driver_id; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_driver_id_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5867,7 +5867,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_bus_type, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_bus_type_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5879,7 +5879,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_bus_type; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_bus_type_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5891,7 +5891,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_rs485_baud_rate, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_rs485_baud_rate_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5903,7 +5903,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_rs485_baud_rate; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_rs485_baud_rate_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5915,7 +5915,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_can_baud_rate, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_can_baud_rate_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5927,7 +5927,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_can_baud_rate; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_can_baud_rate_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5939,7 +5939,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_max_power, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_max_power_reply &message, const parameters &known,
     status *why = nullptr) noexcept
 {
@@ -5952,7 +5952,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_max_power; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_power_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5964,7 +5964,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_max_speed, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_max_speed_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -5976,7 +5976,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_max_speed; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_speed_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -5988,7 +5988,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_max_angle, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_max_angle_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -6000,7 +6000,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_max_angle; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_max_angle_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -6012,7 +6012,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_current_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_current_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -6024,7 +6024,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_current_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_current_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -6036,7 +6036,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_speed_ramp, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_speed_ramp_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -6048,7 +6048,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_speed_ramp; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_speed_ramp_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -6060,7 +6060,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_angle_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_angle_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -6072,7 +6072,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_angle_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_angle_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -6084,7 +6084,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_speed_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_speed_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -6096,7 +6096,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_speed_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_speed_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -6108,7 +6108,7 @@ static inline void set(
 }
 
 /** Encodes a reply of stage_stored_setting_current_pid, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const stage_setting_current_pid_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -6120,7 +6120,7 @@ static inline void set(
 }
 
 /** Decodes a reply of stage_stored_setting_current_pid; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     stage_setting_current_pid_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -6132,7 +6132,7 @@ static inline void set(
 }
 
 /** Encodes a reply of save_stored_settings, if it is valid. */
-[[nodiscard]] static inline ::std::optional<frame> encode(
+CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     ::std::uint32_t node, const save_settings_reply &message, status *why = nullptr) noexcept
 {
     frame to{};
@@ -6144,7 +6144,7 @@ static inline void set(
 }
 
 /** Decodes a reply of save_stored_settings; the result is the node. */
-[[nodiscard]] static inline ::std::optional<::std::uint32_t> decode(
+CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     save_settings_reply &message, const frame &from, status *why = nullptr) noexcept
 {
     ::std::uint32_t node = 0u;
@@ -6159,14 +6159,14 @@ static inline void set(
 struct any_request : ::mwd_motor_v2_36_2025_03_any_request_t {
     constexpr any_request() noexcept : ::mwd_motor_v2_36_2025_03_any_request_t{} {}
     /** The command that the frame belongs to. */
-    [[nodiscard]] constexpr ::mwd_motor::v2_36_2025_03::command which() const noexcept
+    CANWRIGHT_CHECKED constexpr ::mwd_motor::v2_36_2025_03::command which() const noexcept
     {
         return static_cast<::mwd_motor::v2_36_2025_03::command>(command);
     }
 };
 
 /** Decodes any request. */
-[[nodiscard]] static inline ::std::optional<any_request> decode_request(
+CANWRIGHT_CHECKED static inline ::std::optional<any_request> decode_request(
     const frame &from, status *why = nullptr) noexcept
 {
     any_request found;
@@ -6181,14 +6181,14 @@ struct any_request : ::mwd_motor_v2_36_2025_03_any_request_t {
 struct any_reply : ::mwd_motor_v2_36_2025_03_any_reply_t {
     constexpr any_reply() noexcept : ::mwd_motor_v2_36_2025_03_any_reply_t{} {}
     /** The command that the frame belongs to. */
-    [[nodiscard]] constexpr ::mwd_motor::v2_36_2025_03::command which() const noexcept
+    CANWRIGHT_CHECKED constexpr ::mwd_motor::v2_36_2025_03::command which() const noexcept
     {
         return static_cast<::mwd_motor::v2_36_2025_03::command>(command);
     }
 };
 
 /** Decodes any reply. */
-[[nodiscard]] static inline ::std::optional<any_reply> decode_reply(
+CANWRIGHT_CHECKED static inline ::std::optional<any_reply> decode_reply(
     const frame &from, const parameters &known, status *why = nullptr) noexcept
 {
     any_reply found;
@@ -6200,7 +6200,7 @@ struct any_reply : ::mwd_motor_v2_36_2025_03_any_reply_t {
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */
-[[nodiscard]] static inline status check_reply(const frame &request, const frame &reply) noexcept
+CANWRIGHT_CHECKED static inline status check_reply(const frame &request, const frame &reply) noexcept
 {
     return ::mwd_motor_v2_36_2025_03_check_reply(&request, &reply);
 }
