@@ -71,6 +71,11 @@ class CAdapter(Adapter):
         raw: dict[str, Raw] = {}
         values: dict[str, Value] = {}
         items = [words[i : i + 3] for i in range(0, len(words), 3)]
+        assert words[-2:] != ["not", "clear"], f"{command}: fields of other commands are not 0"
+        present = {field.name for field in variant.fields}
+        assert all(number == "0" for name, number, _ in items if name not in present), (
+            f"{command}: absent fields are not 0"
+        )
         for field in (f for f in variant.fields if f.fixed is None):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]

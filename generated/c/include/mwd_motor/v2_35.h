@@ -4041,9 +4041,8 @@ static inline canwright_status_t mwd_motor_v2_35_decode_request(
     mwd_motor_v2_35_any_request_t *request, const canwright_frame_t *frame)
 {
     /* Some commands lack fields of others: GCC would warn where a switch over the command reads them. */
-    request->as.broadcast_torque.iq[0] = 0;
-    request->as.broadcast_torque.iq[1] = 0;
-    request->as.broadcast_torque.iq[2] = 0;
+    request->as.write_acceleration_ram.acceleration = 0;
+    request->as.turn_to_angle_at_speed.angle = 0;
     request->as.broadcast_torque.iq[3] = 0;
     if (mwd_motor_v2_35_motor_request_node(&request->node, frame->id) == CANWRIGHT_OK) {
         if (frame->dlc != 8u) {
@@ -4267,12 +4266,8 @@ static inline canwright_status_t mwd_motor_v2_35_decode_reply(
     const mwd_motor_v2_35_parameters_t *parameters)
 {
     /* Some commands lack fields of others: GCC would warn where a switch over the command reads them. */
-    reply->as.set_power.temperature = 0;
-    reply->as.set_power.power = 0;
-    reply->as.set_power.iq = 0;
-    reply->as.set_power.speed = 0;
-    reply->as.set_power.encoder = 0;
     reply->as.read_multi_turn_angle.angle = 0;
+    reply->as.set_power.encoder = 0;
     if (mwd_motor_v2_35_motor_reply_node(&reply->node, frame->id) == CANWRIGHT_OK) {
         if (frame->dlc != 8u) {
             return CANWRIGHT_WRONG_LENGTH;

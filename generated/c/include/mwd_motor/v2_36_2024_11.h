@@ -5171,10 +5171,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_request(
     mwd_motor_v2_36_2024_11_any_request_t *request, const canwright_frame_t *frame)
 {
     /* Some commands lack fields of others: GCC would warn where a switch over the command reads them. */
-    request->as.turn_to_angle_at_speed.spin_direction = 0;
-    request->as.turn_to_angle_at_speed.max_speed = 0;
+    request->as.set_angle.angle = 0;
     request->as.turn_to_angle_at_speed.angle = 0;
-    request->as.set_speed.iq_limit = 0;
     if (mwd_motor_v2_36_2024_11_motor_request_node(&request->node, frame->id) == CANWRIGHT_OK) {
         if (frame->dlc != 8u) {
             return CANWRIGHT_WRONG_LENGTH;
@@ -5525,12 +5523,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_decode_reply(
     const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     /* Some commands lack fields of others: GCC would warn where a switch over the command reads them. */
-    reply->as.set_power.temperature = 0;
-    reply->as.set_power.power = 0;
-    reply->as.set_power.iq = 0;
-    reply->as.set_power.speed = 0;
-    reply->as.set_power.encoder = 0;
     reply->as.read_multi_turn_angle.angle = 0;
+    reply->as.set_power.encoder = 0;
     if (mwd_motor_v2_36_2024_11_motor_reply_node(&reply->node, frame->id) == CANWRIGHT_OK) {
         if (frame->dlc != 8u) {
             return CANWRIGHT_WRONG_LENGTH;

@@ -304,9 +304,6 @@ static inline void mwd_motor_v2_36_2024_11_error_flags_write(canwright_printer_t
         const char *name = mwd_motor_v2_36_2024_11_error_flags_name(flag);
         if (name != NULL) {
             canwright_print_text(printer, name);
-        } else {
-            canwright_print_text(printer, "0x");
-            canwright_print_digits(printer, flag, 16u, 1u);
         }
         rest = (uint8_t)(rest ^ flag);
         if (rest != 0u) {

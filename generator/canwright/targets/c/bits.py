@@ -56,12 +56,12 @@ class Write(NamedTuple):
 
 
 def write_key(key: Key, name: str) -> list[Write]:
-    """Writes the value of a key, a variable, into bits that are 0."""
+    """Writes the value of a key, a variable without other bits, into bits that are 0."""
     return [_write_key(key, name, s) for s in key.segments]
 
 
 def _write_key(key: Key, name: str, s: Segment) -> Write:
-    bits = _piece_of(name, working(key.width), s)
+    bits = _piece_of(name, working(key.width), s, is_masked=s.raw_low + s.width < key.width)
     if key.space is Space.ID:
         return Write(None, bits)
     if s.width == 8:
@@ -101,10 +101,10 @@ def _member(field: Field, members: Mapping[str, str], number: int) -> str:
     return f"message->{members[field.name]}" + (f"[{number}]" if field.is_array else "")
 
 
-def _piece_of(number: str, kind: Integer, s: Segment) -> str:
+def _piece_of(number: str, kind: Integer, s: Segment, *, is_masked: bool = True) -> str:
     """The bits of a number in a segment, at their position, as 32 bits."""
     shifted = f"({number} >> {s.raw_low})" if s.raw_low else number
-    masked = f"({shifted} & 0x{(1 << s.width) - 1:X}u)"
+    masked = f"({shifted} & 0x{(1 << s.width) - 1:X}u)" if is_masked else shifted
     if kind.width == 64:
         masked = f"(uint32_t){masked}"
     return f"({masked} << {s.low})" if s.low else masked

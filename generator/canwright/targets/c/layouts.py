@@ -24,7 +24,10 @@ Types = Mapping[str, TypeView]
 
 
 class Place(NamedTuple):
-    """A member, or an element of one, and its bytes in the struct, where an integer is aligned to its size."""
+    """A member, or an element of one, and its bytes in the struct.
+
+    They are those with integers aligned to their size, and as negative numbers those without padding.
+    """
 
     name: str
     bytes: frozenset[int]
@@ -151,13 +154,13 @@ def _numbers(field: Field) -> list[str]:
 
 
 def _places(fields: Iterable[Field]) -> Iterator[Place]:
-    end = 0
+    end = packed = 0
     for field in fields:
         size = integer(field.type).width // 8
         for number in _numbers(field):
             start = -(-end // size) * size
-            end = start + size
-            yield Place(number, frozenset(range(start, end)))
+            end, packed = start + size, packed - size
+            yield Place(number, frozenset((*range(start, end), *range(packed, packed + size))))
 
 
 def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -132,17 +133,17 @@ class DirectionView:
 
     @cached_property
     def cleared(self) -> list[str]:
-        """Fields of the union that cover all its bytes that some commands do not write; those of large structs first."""
+        """Fields of the union that cover all its bytes that some commands do not write: few and large ones, in their order."""
         written = {content: _all_bytes(content.layout) for content in self.shown}
         everywhere = [*written.values(), *([frozenset[int]()] if self.without_fields else [])]
         missing = frozenset[int]().union(*everywhere).difference(frozenset.intersection(*everywhere))
-        found = []
-        for content in sorted(written, key=lambda content: len(written[content]), reverse=True):
-            for place in content.layout.places:
-                if missing & place.bytes:
-                    found.append(f"{content.member}.{place.name}")
-                    missing -= place.bytes
-        return found
+        fields = {place.bytes: f"{some.member}.{place.name}" for some in written for place in some.layout.places}
+        times = Counter(itertools.chain(*fields))
+        for covered in sorted(fields, key=len):
+            if all(times[byte] > 1 for byte in missing & covered):
+                times.subtract(covered)
+                del fields[covered]
+        return [fields[covered] for covered in sorted(fields, key=max)]
 
     @cached_property
     def members(self) -> list[tuple[LayoutView, ContentView]]:
