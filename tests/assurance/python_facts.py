@@ -220,12 +220,12 @@ def _is_exact(raw: int | list[int] | tuple[int, ...]) -> bool:
 
 
 def _check_without_parameters(message: Any) -> None:
-    """Parameters that are not given are unknown; a message without fields has none."""
+    """Parameters that are not given are unknown; a message whose data is always the same has none."""
     cls, known = type(message), {"node": message.node, **message.raw()}
     unknown = sys.modules[cls.__module__].UNKNOWN
     wanted, found = _outcome(cls.from_raw, **known, parameters=unknown), _outcome(cls.from_raw, **known)
     assert found == wanted
-    assert isinstance(found, Rejected) or found.parameters is (unknown if cls.TYPES else None)
+    assert isinstance(found, Rejected) or found.parameters is (None if hasattr(cls, "DATA") else unknown)
 
 
 def _check_node(message: Any) -> None:

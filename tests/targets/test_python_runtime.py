@@ -6,7 +6,9 @@ import ast
 import copy
 import math
 import pickle
+import random
 import sys
+from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
@@ -39,12 +41,16 @@ from canwright.targets.python.runtime._codec import (
     Refusal,
     Reply,
     Request,
+    Scale,
     ToAll,
+    ToNode,
     check_choice,
     check_number,
     constant,
     merge,
     nearest,
+    rounded,
+    to_odd,
 )
 from canwright.targets.python.runtime._dispatch import (
     Answer,
@@ -267,6 +273,58 @@ def test_a_value_that_looks_like_the_end_of_a_wide_range_is_rejected_with_its_ra
     assert "(raw" not in rejected(Refusal.OUT_OF_RANGE, angle.raw, 1e300, UNKNOWN, "it").partition("is out of range")[0]
 
 
+def test_a_float_counts_as_rounded_below_2_to_the_51_and_as_exact_from_there() -> None:
+    """The offset is no float, so a quotient of floats is 1 more than the exact one."""
+    offset = 2**60 + 1
+    number = Number(0, 2**62, scale=(1, 1, offset))
+    for raw, found in ((2**50, 2**50), (2**51, 2**51 - 1), (2**52, 2**52 - 1)):
+        assert number.raw(float(2**60 + raw), UNKNOWN, "it") == found
+        assert number.raw(2**60 + raw, UNKNOWN, "it") == raw - 1
+
+
+def test_integers_of_many_bits_become_the_nearest_raw_integer() -> None:
+    random_values = random.Random(1)
+    for bits in (31, 33, 40, *range(48, 56)):
+        number = Number(-(2**62), 2**62, scale=(3, 10, Fraction(1, 7)), limits=(Bound(-(2**bits)), Bound(10)))
+        for _ in range(200):
+            value = -random_values.randrange(2**bits * 3 // 10)
+            exact = (value - Fraction(1, 7)) * 10 / 3
+            assert number.raw(value, UNKNOWN, "it") == nearest(exact.numerator, exact.denominator)
+
+
+def test_what_is_larger_than_any_float() -> None:
+    assert (rounded(10**400), rounded(-(10**400)), rounded(Fraction(1, 4))) == (math.inf, -math.inf, 0.25)
+    said = rejected(Refusal.OUT_OF_RANGE, LEVEL.raw, 10**400, UNKNOWN, "it")
+    assert said == f"it={10**400} % is out of range 0.0..100.0 % (raw 0..1000)"
+    too_long_to_print = rejected(Refusal.OUT_OF_RANGE, LEVEL.raw, 10**5000, UNKNOWN, "it")
+    assert too_long_to_print == "it=a very large int % is out of range 0.0..100.0 % (raw 0..1000)"
+    large, small = Number(0, 9, scale=(10**400, 1, 0)), Number(0, 9, scale=(1, 10**400, 0))
+    said = rejected(Refusal.OUT_OF_RANGE, large.value, 1, UNKNOWN, "it")
+    assert said == "it is larger than any float under these parameters"
+    assert small.raw(Fraction(3, 10**400), UNKNOWN, "it") == 3
+    with pytest.raises(ValueError, match="top is larger than any float; leave it out"):
+        check_number(10**400, "top", 1, None)
+
+
+class Count:
+    """An integer without `as_integer_ratio`, as other packages have."""
+
+    def __index__(self) -> int:
+        return 7
+
+    def __float__(self) -> float:
+        return 7.0
+
+
+def test_numbers_of_other_packages() -> None:
+    assert LEVEL.raw(Count(), UNKNOWN, "it") == 70  # type: ignore[arg-type]
+    for given in (True, Count()):
+        checked = LEVEL.check(given, UNKNOWN, "it")  # type: ignore[arg-type]
+        assert (checked, type(checked)) == (int(given), int)
+    with pytest.raises(TypeError, match=r"it=1\.5 is no integer"):
+        LEVEL.check(1.5, UNKNOWN, "it")  # type: ignore[arg-type]
+
+
 def test_scale_and_range_depend_on_parameters() -> None:
     number = Number(
         *(-100, 100),
@@ -290,6 +348,38 @@ def test_scale_and_range_depend_on_parameters() -> None:
     assert number.value_range(Parameters(size=1)) == (-5, 50)
     assert Number(0, 10, scale=(-1, 2, 0), limits=(Bound(-5), Bound(20))).value_range(UNKNOWN) == (-5, 0)
     rejected(Refusal.MISSING_PARAMETER, number.value_range, UNKNOWN)
+    for zero in (0, Decimal(0)):
+        rejected(Refusal.OUT_OF_RANGE, number.value, 5, Parameters(size=3, top=zero), "it")
+
+
+def test_values_with_a_table_of_scales_are_the_nearest_floats() -> None:
+    """Whatever factor, offset and number of bits a scale has, and whatever multiplies it."""
+    scales: dict[int, Scale] = {
+        1: (1, 4, 0),
+        2: (1, 4, 1),
+        3: (3, 1, 0),
+        4: (2**53 + 1, 1, 0),
+        5: (1, 1, 1),
+        6: (3, 8, Fraction(1, 2)),
+    }
+    for bits in (8, 53, 54, 55):
+        number = Number(0, 2**bits - 1, scale=scales, scale_by="size")
+        for size, (numerator, denominator, offset) in scales.items():
+            for raw in (1, 3, 2**bits - 1, 2**bits - 3, 2**bits // 3):
+                exact = Fraction(raw * numerator, denominator) + offset
+                assert number.value(raw, Parameters(size=size), "it") == float(exact)
+    number = Number(0, 255, scale=scales, scale_by="size", times={1: "top"})
+    assert number.value(100, Parameters(size=1, top=3), "it") == 75
+    assert number.value(100, Parameters(size=2, top=3), "it") == 26
+
+
+def test_a_scale_and_a_range_that_depend_on_two_parameters() -> None:
+    scales, limits = {1: (1, 10, 0), 2: (1, 2, 0)}, {1: (Bound(0), Bound(50)), 2: (Bound(0), Bound(9))}
+    number = Number(0, 255, scale=scales, scale_by="size", limits=limits, limits_by="top")
+    for size, top, value, raw in ((1, 1, 5, 50), (2, 1, 25, 50), (1, 2, 0.9, 9), (2, 2, 4.5, 9)):
+        parameters = Parameters(size=size, top=top)
+        assert number.raw(value, parameters, "it") == raw
+        rejected(Refusal.OUT_OF_RANGE, number.raw, value * 2, parameters, "it")
 
 
 @pytest.mark.parametrize(("width", "layout"), [(32, "<f"), (64, "<d")])
@@ -305,6 +395,40 @@ def test_a_float_is_its_bit_pattern(width: int, layout: str) -> None:
     assert too_large == "it=5.5 V is out of range -5.0..5.0"
     rejected(Refusal.OUT_OF_RANGE, number.check, 1 << width, UNKNOWN, "it")
     rejected(Refusal.OUT_OF_RANGE, number.raw, 10**400, UNKNOWN, "it")
+    assert number.raw_range(UNKNOWN) == (0, 2**width - 1)
+    assert Float(width).value_range(UNKNOWN) == (-math.inf, math.inf)
+    said = rejected(Refusal.OUT_OF_RANGE, Float(width, scale=(1, 10**10, 0)).raw, 1e305, UNKNOWN, "it")
+    assert said == "it=1e+305 is too large for its float"
+    assert Float(width, scale=(3, 2, 1)).raw(Fraction(5, 2), UNKNOWN, "it") == int.from_bytes(pack(layout, 1), "little")
+    rejected(Refusal.NO_SCALE, Float(width, scale=None).value, 0, UNKNOWN, "it")
+
+
+@pytest.mark.parametrize("limits", [(Bound(2), Bound(0, 1, "top")), (Bound(0, 1, "top"), Bound(2))])
+def test_a_float_is_checked_against_the_end_that_is_known(limits: tuple[Bound, Bound]) -> None:
+    number = Float(64, limits=limits)
+    outside = 1.5 if limits[0].parameter == "" else 2.5
+    for convert, given in ((number.raw, outside), (number.check, int.from_bytes(pack("<d", outside), "little"))):
+        rejected(Refusal.OUT_OF_RANGE, convert, given, UNKNOWN, "it")
+        rejected(Refusal.OUT_OF_RANGE, convert, given, Parameters(top=2), "it")
+    assert number.raw(2, UNKNOWN, "it") == number.raw(2.0, Parameters(top=2), "it")
+
+
+def test_a_fraction_becomes_the_nearest_float_of_either_size() -> None:
+    """Many are so close to the middle between two 32-bit floats that rounding twice is wrong."""
+    random_values = random.Random(1)
+    double, single = Float(64), Float(32)
+    values = [Fraction(1, 10), Fraction(-1, 10), Fraction(1, 3), Fraction(3), Fraction(0)]
+    for _ in range(300):
+        middle = Fraction(2 * random_values.randrange(2**23, 2**24) + 1, 2 ** random_values.randrange(60))
+        values += [sign * middle + Fraction(tiny, 2**120) for sign in (1, -1) for tiny in (1, -1)]
+    for value in values:
+        assert double.raw(value, UNKNOWN, "it") == int.from_bytes(pack("<d", float(value)), "little")
+        raw = single.raw(value, UNKNOWN, "it")
+        neighbours = [Fraction(single.value(raw + step, UNKNOWN, "it")) for step in (0, 1, -1) if raw + step >= 0]
+        assert min(neighbours, key=lambda one: abs(one - value)) == neighbours[0]
+        odd = to_odd(value)
+        assert Fraction(odd) == value or pack("<d", odd)[0] & 1
+        assert abs(Fraction(odd) - value) < math.ulp(odd)
 
 
 class Color(IntEnum):
@@ -319,6 +443,7 @@ class Faults(IntFlag):
 
 def test_checks_of_enums_flags_arrays_and_constants() -> None:
     color, faults, levels = EnumType(Color), FlagsType(Faults, 0x5), ArrayType(LEVEL, 2)
+    assert (color.unit, faults.unit) == ("", "")
     assert (color.raw(Color.BLUE, UNKNOWN, "color"), color.check(4, UNKNOWN, "color")) == (4, 4)
     text = rejected(Refusal.OUT_OF_RANGE, color.check, 2, UNKNOWN, "color")
     assert text == "color=2 is none of the values 1, 4"
@@ -336,6 +461,8 @@ def test_checks_of_enums_flags_arrays_and_constants() -> None:
     assert (levels.unit, levels.value_range(UNKNOWN)) == ("%", (0, 100))
     for convert in (levels.raw, levels.check):
         rejected(Refusal.OUT_OF_RANGE, convert, (1,), UNKNOWN, "level")
+        with pytest.raises(TypeError, match="level=5 is no array; it needs 2 elements"):
+            convert(5, UNKNOWN, "level")  # type: ignore[arg-type]
     rejected(Refusal.OUT_OF_RANGE, levels.check, (1, 1001), UNKNOWN, "level")
     constant(5, 5, "group")
     assert rejected(Refusal.WRONG_CONSTANT, constant, 4, 5, "group") == "group is 0x4, always 0x5 in this frame"
@@ -369,6 +496,45 @@ def test_a_message_holds_raw_integers_and_compares_by_value() -> None:
         DimRequest.from_raw(node=2)
     with pytest.raises(AttributeError, match="'DimRequest' object has no attribute 'label'"):
         _ = request.label  # type: ignore[attr-defined]
+    with pytest.raises(TypeError, match="Message is only a base class; use the class of a request or a reply"):
+        Message.from_raw()
+
+
+class Member(IntEnum):
+    FIRST = 1
+    LAST = 4
+
+
+def test_a_node_is_an_integer_of_any_kind() -> None:
+    for node in (True, Member.FIRST, Member.LAST):
+        request = DimRequest(node=node, level=1)
+        assert (request.node, type(request.node)) == (int(node), int)
+    with pytest.raises(TypeError, match=r"node=2\.0 is no integer"):
+        DimRequest(node=2.0, level=1)  # type: ignore[arg-type]
+
+
+class OnlyRequest(DimRequest):
+    __slots__ = ()
+    NODES = (3, 3)
+
+
+def test_an_address_with_one_node() -> None:
+    assert OnlyRequest(node=3, level=1).can_id == 0x103
+    for node in (2, 4, None):
+        said = rejected(Refusal.UNKNOWN_NODE, OnlyRequest, node=node, level=1)
+        assert said == f"there is no node {node}; nodes are 3..3"
+
+
+class StopRequest(ToNode, Request[Message]):
+    __slots__ = ()
+    COMMAND, DIRECTION, ID, DLC, DATA, NODES = "stop", "request", 0x100, 1, b"\x30", (1, 4)
+
+
+def test_a_message_without_fields() -> None:
+    for request, can_id, data in ((SyncRequest(), 0x80, b"\x01"), (StopRequest(node=2), 0x102, b"\x30")):
+        assert (request.can_id, request.encode(), request.raw(), request.values()) == (can_id, data, {}, {})
+        assert request == type(request).from_raw(node=request.node)
+    assert repr(StopRequest(node=2)) == "StopRequest(node=2)"
 
 
 def test_a_message_is_immutable_and_copied() -> None:
@@ -440,12 +606,60 @@ def test_a_frame_is_decoded_by_its_id_and_selector() -> None:
     assert type(DISPATCHER.requests.decode(0x80, b"\x01")) is SyncRequest
     rejected(Refusal.UNKNOWN_ID, DISPATCHER.requests.decode, 0x105, b"\x10\x01\x00")
     rejected(Refusal.UNKNOWN_ID, DISPATCHER.requests.decode, 0x103, b"\x10\x01\x00", extended=True)
+    assert DISPATCHER.requests.decode(0x103, b"\x10\x01\x00").parameters == UNKNOWN
     rejected(Refusal.UNKNOWN_CODE, DISPATCHER.requests.decode, 0x103, b"\x12\x01\x00")
     rejected(Refusal.WRONG_LENGTH, DISPATCHER.requests.decode, 0x103, b"\x10\x01")
     assert DISPATCHER.node_of("reply", 0x204) == 4
     assert DISPATCHER.node_of("request", 0x80) is None
     assert DISPATCHER.ids_of("request", 1) == ((0x101, 0, False, False),)
     assert DISPATCHER.ids_of("request", 9) == ()
+
+
+def test_data_is_bytes_like() -> None:
+    wide = memoryview(array("H", [int.from_bytes(b"\x10\x01", sys.byteorder)]))
+    short: Router[Parameters, Message] = Router(
+        "request", [Route(0x100, 1, NODES, Select(data_length, {2: StopRequest}, Refusal.WRONG_LENGTH))], UNKNOWN
+    )
+    assert short.decode(0x102, wide) == StopRequest(node=2)
+    for decode in (DISPATCHER.requests.decode, lambda *frame: DISPATCHER.decode_answer(DimRequest, *frame)):
+        with pytest.raises(TypeError, match="a bytes-like object is required"):
+            decode(0x80, [1])  # type: ignore[arg-type]
+    for frames in ((0x101, [0x10, 1, 0], 0x201, b"\x11\x01\x00"), (0x101, b"\x10\x01\x00", 0x201, [0x11, 1, 0])):
+        with pytest.raises(TypeError, match="a bytes-like object is required"):
+            DISPATCHER.check_reply(*frames)
+
+
+def test_an_id_of_another_kind_is_named() -> None:
+    router: Router[Parameters, Message] = Router(
+        "request",
+        [
+            Route(0x80, 1, None, SyncRequest),
+            Route(0x100, 1, NODES, DimRequest, extended=True),
+            Route(0x100, 1, NODES, StopRequest, remote=True),
+        ],
+        UNKNOWN,
+    )
+    assert type(router.decode(0x102, b"", remote=True)) is StopRequest
+    for can_id, extended, remote, text in (
+        (0x80, True, False, "no request has the 29-bit id 0x80; with extended=False there is one"),
+        (0x80, True, True, "no request has the 29-bit remote id 0x80; with extended=False, remote=False there is one"),
+        (0x102, False, False, "no request has the id 0x102; with extended=True there is one"),
+        (0x105, False, True, "no request has the remote id 0x105"),
+    ):
+        assert rejected(Refusal.UNKNOWN_ID, router.find, can_id, extended, remote) == text
+
+
+def test_ids_with_bits_that_messages_fill_in_come_before_later_ones() -> None:
+    first = Route(0x100, 1, NODES, DimRequest, mask=0x400)
+    for later in (Route(0x500, 1, NODES, DimRequest, mask=0x800), Route(0x501, 1, None, SyncRequest)):
+        assert Router("request", [first, later], UNKNOWN).find(0x501, False, False) == (first, 1)
+
+
+def test_a_code_that_decides_before_the_length() -> None:
+    then = Select(DataByte(0), {0x10: DimRequest, 3: StopRequest}, Refusal.UNKNOWN_CODE)
+    router: Router[Parameters, Message] = Router("request", [Route(0x100, 1, NODES, then)], UNKNOWN)
+    assert router.decode(0x101, b"\x10\x0a\x00") == DimRequest(node=1, level=1)
+    assert router.decode(0x101, b"\x03\x0a\x00") == StopRequest(node=1)
 
 
 def test_an_answer_comes_from_the_node_of_the_request() -> None:
@@ -489,6 +703,18 @@ def test_the_node_of_an_answer_may_be_listed_or_in_a_field(answer: Answer, sourc
         dispatcher.check_reply(*frames)
     else:
         assert "went to node" in rejected(Refusal.NOT_ANSWER, dispatcher.check_reply, *frames)
+
+
+def test_the_answer_to_any_request_of_a_class_comes_from_a_listed_node() -> None:
+    dispatcher: Dispatcher[Parameters, Message, Message] = Dispatcher(
+        requests=DISPATCHER.requests.routes,
+        replies=DISPATCHER.replies.routes,
+        answers={DimRequest: Answer(DimReply, (), (2, 3))},
+        unknown=UNKNOWN,
+    )
+    assert dispatcher.decode_answer(DimRequest, 0x203, b"\x11\x01\x00").node == 3
+    said = rejected(Refusal.NOT_ANSWER, dispatcher.decode_answer, DimRequest, 0x201, b"\x11\x01\x00")
+    assert said == "DimRequest went to node 2 or 3, this came from node 1"
 
 
 def test_messages_of_one_code_differ_by_length_further_selectors_or_bits_of_the_id() -> None:
@@ -551,6 +777,8 @@ def test_a_bus_finds_the_node_of_a_frame() -> None:
     assert bus.decode_reply(0x202, b"\x11\x01\x00").parameters == UNKNOWN
     rejected(Refusal.UNKNOWN_ID, bus.decode_reply, 0x203, b"\x11\x01\x00")
     assert type(bus.decode_request(0x80, b"\x01")) is type(first.make(SyncRequest)) is SyncRequest
+    assert first.decode_reply(0x201, b"\x11\x01\x00").parameters == Parameters(size=3)
+    assert first.decode_request(0x101, b"\x10\x01\x00") == DimRequest(node=1, level=0.1)
     with pytest.raises(ValueError, match="both reply with the id 0x201"):
         Nodes([first, Node(edition, 1)])
     mixed = Nodes([first, Node(other, 5)])
@@ -558,6 +786,9 @@ def test_a_bus_finds_the_node_of_a_frame() -> None:
     assert said == "0x80 is a request of Node(v1, 1) and of Node(v2, 5); decode it with one of these nodes"
     edition.ids_of = lambda direction, node: ((0x200 + node, 0x0F, False, False),)
     with pytest.raises(ValueError, match="both reply with the id 0x202"):
+        Nodes([first, Node(edition, 2)])
+    edition.ids_of = lambda direction, node: ((0x200, 0x0F, False, False) if node == 1 else (0x205, 0, False, False),)
+    with pytest.raises(ValueError, match="both reply with the id 0x205"):
         Nodes([first, Node(edition, 2)])
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
@@ -125,10 +126,8 @@ class Nodes(Generic[Q, A]):
         """The nodes that a `request` with this id goes to, or that a `reply` with this id comes from."""
         numbers: dict[int, int | None] = {}
         for edition in self._editions:
-            try:
+            with suppress(CodecError):
                 numbers[id(edition)] = edition.node_of(direction, can_id, extended=extended, remote=remote)
-            except CodecError:
-                continue
         known = (one for one in self._nodes if id(one.edition) in numbers)
         return tuple(one for one in known if numbers[id(one.edition)] in (None, one.node))
 

@@ -554,6 +554,10 @@ class Float(Number):
                 raise CodecError(Refusal.OUT_OF_RANGE, f"{given} is out of range {first}..{last}", field)
         return index(raw)
 
+    def raw_range(self, parameters: object) -> tuple[int, int]:
+        """The range of bit patterns; limits apply to the float."""
+        return self.low, self.high
+
     def value_range(self, parameters: object) -> tuple[float, float]:
         """Smallest and largest value under these parameters."""
         low, high = self._ends(parameters)
