@@ -46,6 +46,9 @@ RUNTIMES: dict[str, tuple[Callable[[Path], Any], ...]] = {
 }
 """What the mutants of the runtime are shown to before the editions."""
 
+CONTEXT = 80
+"""The characters that are shown before and after the change of a long line."""
+
 PARTS = ("own", "runtime")
 """The code of each edition, and the code that is the same for every protocol."""
 
@@ -170,12 +173,29 @@ class Run:
             names = ", ".join(sorted({mutant.function for mutant in unreached}))
             print(f"  not reached, and not in these figures: {len(unreached)} mutants of {names}")
         for mutant in verdict.unlisted:
-            function, original, mutated = mutant.key
+            function, *lines = mutant.key
+            original, mutated = _around_the_change(*lines)
             print(f"  survives: {function or '(outside of functions)'}\n    - {original}\n    + {mutated}")
         for entry, mutant in verdict.killed:
             print(f"  listed as equivalent, but killed: {mutant.key}\n    {entry.reason}")
         sys.stdout.flush()
         self.failed = self.failed or bool(verdict.unlisted or verdict.killed)
+
+
+def _around_the_change(original: str, mutated: str) -> tuple[str, str]:
+    """Two long lines with `...` for what is far from their difference."""
+    start = max(0, _alike(original, mutated) - CONTEXT)
+    end = max(0, _alike(original[start:][::-1], mutated[start:][::-1]) - CONTEXT)
+
+    def shown(line: str) -> str:
+        return f"{'...' if start else ''}{line[start : len(line) - end]}{'...' if end else ''}"
+
+    return shown(original), shown(mutated)
+
+
+def _alike(one: str, other: str) -> int:
+    """The number of characters that two texts have in common at the start."""
+    return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
 if __name__ == "__main__":

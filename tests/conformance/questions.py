@@ -122,7 +122,7 @@ class Questions:
             for length in sorted({0, 8, message.dlc - 1, message.dlc + 1, *others} & set(range(9))):
                 yield frame._replace(data=frame.data[:length].ljust(length, b"\0"))
             fixed = (f for f in message.layout.fields if f.fixed is not None)
-            parts = [(k.space, bits_of(k.segments)) for k in message.keys]
+            parts = [(k.space, bits_of((segment,))) for k in message.keys for segment in k.segments]
             parts += [(f.space, e.bits) for f in fixed for e in f.elements]
             for space, bits_ in parts:
                 yield _flipped(frame, space, chance.choice(list(bits_)))
