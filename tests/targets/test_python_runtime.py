@@ -282,13 +282,17 @@ def test_a_float_counts_as_rounded_below_2_to_the_51_and_as_exact_from_there() -
         assert number.raw(2**60 + raw, UNKNOWN, "it") == raw - 1
 
 
-def test_integers_of_many_bits_become_the_nearest_raw_integer() -> None:
+@pytest.mark.parametrize(("numerator", "denominator", "offset"), [(3, 10, Fraction(1, 7)), (3, 11, Fraction(17, 2))])
+def test_integers_of_many_bits_become_the_nearest_raw_integer(
+    numerator: int, denominator: int, offset: Fraction
+) -> None:
     random_values = random.Random(1)
+    scale = (numerator, denominator, offset)
     for bits in (31, 33, 40, *range(48, 56)):
-        number = Number(-(2**62), 2**62, scale=(3, 10, Fraction(1, 7)), limits=(Bound(-(2**bits)), Bound(10)))
+        number = Number(-(2**62), 2**62, scale=scale, limits=(Bound(-(2**bits)), Bound(10)))
         for _ in range(200):
-            value = -random_values.randrange(2**bits * 3 // 10)
-            exact = (value - Fraction(1, 7)) * 10 / 3
+            value = -random_values.randrange(2**bits * numerator // denominator - 10)
+            exact = (value - offset) * denominator / numerator
             assert number.raw(value, UNKNOWN, "it") == nearest(exact.numerator, exact.denominator)
 
 
@@ -498,6 +502,9 @@ def test_a_message_holds_raw_integers_and_compares_by_value() -> None:
         _ = request.label  # type: ignore[attr-defined]
     with pytest.raises(TypeError, match="Message is only a base class; use the class of a request or a reply"):
         Message.from_raw()
+    for call in (lambda: Message.unpack(1, 0x101, b"", UNKNOWN), object.__new__(Message).encode_unchecked):
+        with pytest.raises(TypeError, match="Message is only a base class"):
+            call()
 
 
 class Member(IntEnum):
@@ -565,6 +572,10 @@ def test_what_is_out_of_range_is_decoded_and_written_back_but_not_encoded() -> N
     assert decoded.replace(level=1).encode() == b"\x10\x0a\x00"
     rejected(Refusal.UNKNOWN_NODE, DimRequest.unpack(9, 0x109, b"\x10\x00\x00", UNKNOWN).encode)
     rejected(Refusal.UNKNOWN_NODE, DimRequest.from_raw, level=1)
+    with pytest.raises(CodecError) as caught:
+        decoded.encode()
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (str(again), again.refusal, again.field) == (str(caught.value), Refusal.OUT_OF_RANGE, "level")
     with pytest.raises(TypeError, match="SyncRequest has no node, its id is fixed"):
         SyncRequest.from_raw(node=1)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import struct
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from enum import Enum, IntEnum, IntFlag
@@ -181,7 +182,7 @@ def line_of(scale: Scale | None) -> Line | None:
     return numerator * (divisor // denominator), int(offset * divisor), divisor
 
 
-class FieldType:
+class FieldType(ABC):
     """How the raw integer of a field becomes a value. `unit` is the name of its unit, empty without one."""
 
     __slots__ = ("unit",)
@@ -189,21 +190,21 @@ class FieldType:
     def __init__(self, unit: str = "") -> None:
         self.unit = unit
 
+    @abstractmethod
     def value(self, raw: Any, parameters: object, field: str) -> Any:
         """The value of a raw integer. Raises CodecError when it has none under these parameters."""
-        raise NotImplementedError
 
+    @abstractmethod
     def raw(self, value: Any, parameters: object, field: str) -> Any:
         """The raw integer of a value. Raises CodecError when it is out of range, TypeError for another kind of value."""
-        raise NotImplementedError
 
+    @abstractmethod
     def check(self, raw: Any, parameters: object, field: str) -> Any:
         """The raw integer itself. Raises CodecError when it is out of range, TypeError when it is no integer."""
-        raise NotImplementedError
 
+    @abstractmethod
     def raw_range(self, parameters: object) -> tuple[int, int]:
         """Smallest and largest raw integer under these parameters."""
-        raise NotImplementedError
 
     def value_range(self, parameters: object) -> tuple[float, float]:
         """Smallest and largest value under these parameters. Raises CodecError when there is no scale."""
