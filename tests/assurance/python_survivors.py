@@ -8,12 +8,10 @@ import importlib.abc
 import importlib.machinery
 import importlib.util
 import itertools
-import os
 import random
 import signal
 import sys
 import time
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +26,7 @@ from ..conformance.adapters.python import PythonAdapter
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Answer, Question, Questions, disagreement
 from ..conformance.runner import Runner
+from .forks import passing
 from .python_facts import check_package
 from .python_mutants import RUNTIME, Mutant, changed, mutants
 
@@ -152,37 +151,17 @@ class Subject:
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants with which every answer is right."""
-        running: deque[tuple[int, Mutant]] = deque()
-        for mutant in (*chosen, *[None] * self.jobs):
-            if running and (mutant is None or len(running) == self.jobs):
-                child, first = running.popleft()
-                if not os.waitpid(child, 0)[1]:
-                    yield first
-            if mutant is not None:
-                child = os.fork()
-                if not child:
-                    self._ask_mutant(mutant)
-                running.append((child, mutant))
+        return passing(chosen, self._ask_mutant, self.jobs)
 
     def _ask_mutant(self, mutant: Mutant) -> None:
-        """Ends the process: with 0 if every answer is right."""
-        status = 1
-        try:
-            signal.setitimer(signal.ITIMER_PROF, SECONDS)
-            null = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(null, 1)
-            os.dup2(null, 2)
-            code = compile(changed(self._texts[mutant.file], mutant), mutant.file, "exec")
-            with self._imported({**self._codes, self._name(mutant.file): code}) as module:
-                adapter = PythonAdapter(self.item.edition, module)
-                for check in self._checks_of(mutant):
-                    signal.setitimer(signal.ITIMER_PROF, check.seconds)
-                    check.ask(adapter, module)
-            status = 0
-        except BaseException:
-            status = 1
-        finally:
-            os._exit(status)
+        """Raises an error for a wrong answer; a mutant that takes too long stops the process."""
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)
+        code = compile(changed(self._texts[mutant.file], mutant), mutant.file, "exec")
+        with self._imported({**self._codes, self._name(mutant.file): code}) as module:
+            adapter = PythonAdapter(self.item.edition, module)
+            for check in self._checks_of(mutant):
+                signal.setitimer(signal.ITIMER_PROF, check.seconds)
+                check.ask(adapter, module)
 
     def _checks_of(self, mutant: Mutant) -> Iterator[_Check]:
         """The checks that call the function of a mutant; all for one that has an effect when the package is imported."""

@@ -8,7 +8,6 @@ import importlib.util
 import os
 import resource
 import sys
-from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -20,6 +19,7 @@ import pytest
 from canwright.targets.python import RUNTIME as FOLDER
 
 from ..spec_texts import ROOT
+from .forks import passing
 from .python_mutants import RUNTIME, Mutant, changed, mutants
 
 FILES = tuple(f"tests/targets/test_python_{name}.py" for name in ("runtime", "nodes"))
@@ -58,7 +58,7 @@ class Subject:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._texts = {file: (FOLDER / file).read_text("utf-8") for file in RUNTIME}
-        assert not self._tested(), "the unit tests of the Python runtime fail"
+        assert list(passing([None], self._test, 1)), "the unit tests of the Python runtime fail"
 
     def all_mutants(self) -> list[Mutant]:
         """All mutants of the runtime."""
@@ -68,40 +68,16 @@ class Subject:
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants with which every test passes."""
-        running: deque[tuple[int, Mutant]] = deque()
-        for mutant in (*chosen, *[None] * self.jobs):
-            if running and (mutant is None or len(running) == self.jobs):
-                child, first = running.popleft()
-                if not os.waitpid(child, 0)[1]:
-                    yield first
-            if mutant is not None:
-                running.append((self._fork(mutant), mutant))
-
-    def _tested(self) -> int:
-        """The exit status of the tests without a mutant."""
-        return os.waitpid(self._fork(None), 0)[1]
-
-    def _fork(self, mutant: Mutant | None) -> int:
-        child = os.fork()
-        if not child:
-            self._test(mutant)
-        return child
+        return passing(chosen, self._test, self.jobs)
 
     def _test(self, mutant: Mutant | None) -> None:
-        """Ends the process: with 0 if every test passes."""
-        status = 1
-        try:
-            resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
-            null = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(null, 1)
-            os.dup2(null, 2)
-            os.chdir(ROOT)
-            if mutant is not None:
-                for name in [name for name in sys.modules if name.startswith("canwright.targets.python")]:
-                    del sys.modules[name]
-                code = compile(changed(self._texts[mutant.file], mutant), mutant.file, "exec")
-                sys.meta_path.insert(0, _Finder(mutant.file.removesuffix(".py"), code))
-            temporary = f"--basetemp={self._folder / str(os.getpid())}"
-            status = int(pytest.main(["-x", "-q", "-n0", "-p", "no:cacheprovider", temporary, *FILES]))
-        finally:
-            os._exit(status)
+        """Raises AssertionError if a test fails."""
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+        os.chdir(ROOT)
+        if mutant is not None:
+            for name in [name for name in sys.modules if name.startswith("canwright.targets.python")]:
+                del sys.modules[name]
+            code = compile(changed(self._texts[mutant.file], mutant), mutant.file, "exec")
+            sys.meta_path.insert(0, _Finder(mutant.file.removesuffix(".py"), code))
+        temporary = f"--basetemp={self._folder / str(os.getpid())}"
+        assert not pytest.main(["-x", "-q", "-n0", "-p", "no:cacheprovider", temporary, *FILES])
