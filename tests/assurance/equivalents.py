@@ -18,12 +18,13 @@ class HasKey(Protocol):
 
 @dataclass(frozen=True)
 class Equivalent:
-    """A pattern of mutants: function, line, and mutated lines; `...` stands for any text."""
+    """A pattern of mutants: function, line, and mutated lines; `...` stands for any text. Of one edition, or of each."""
 
     function: str
     original: str
     mutated: tuple[str, ...]
     reason: str
+    edition: str = ""
 
     def matches(self, mutant: HasKey) -> bool:
         """Whether a mutant is of this pattern. Texts that `...` stands for are alike in both lines, from the left."""

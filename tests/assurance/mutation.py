@@ -166,7 +166,8 @@ class Run:
         self._report("runtime", run, [mutants[key] for key in left & reached], unreached)
 
     def _report(self, name: str, mutants: Sequence[Any], survivors: Sequence[Any], unreached: Sequence[Any]) -> None:
-        verdict = judge(mutants, survivors, self._equivalents)
+        listed = [entry for entry in self._equivalents if entry.edition in ("", name)]
+        verdict = judge(mutants, survivors, listed)
         print(f"{name} {self._language}: {len(mutants)} mutants, {len(survivors)} survive,", end=" ")
         print(f"{verdict.listed} of them listed as equivalent")
         if unreached:

@@ -185,6 +185,8 @@ def _check_value(message: Any) -> None:
         assert message == other and not message != other and hash(message) == hash(other)  # noqa: SIM202
         assert (other.node, other.parameters, other.raw()) == (message.node, message.parameters, message.raw())
         assert other.encode_unchecked() == again.encode() and other.can_id == message.can_id
+    if not cls.TYPES:
+        assert cls(**({} if message.node is None else {"node": message.node})) == message
     assert message != 1 and message.__eq__(1) is NotImplemented
     assert message.raw() == {name: getattr(message, f"{name}_raw") for name in names}
     values = {name: _outcome(getattr, message, name) for name in names}

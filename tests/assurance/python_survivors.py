@@ -33,7 +33,7 @@ from .python_mutants import RUNTIME, Mutant, changed, mutants
 SECONDS, SLOWER = 2, 10
 """A mutant that uses more processor time for one check, and so many times that of the original, is killed."""
 
-QUICK, MOST = 1000, 20_000
+QUICK, MOST = 1000, 50_000
 """So many random questions are asked of each mutant first, and at most so many of a round in all."""
 
 

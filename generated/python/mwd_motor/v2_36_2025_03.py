@@ -475,7 +475,6 @@ _Rs485BaudRate = EnumType(Rs485BaudRate)
 _CanBaudRate = EnumType(CanBaudRate)
 _SaveResult = EnumType(SaveResult)
 U32 = Integer(0, 4294967295)
-U8 = Integer(0, 255)
 _ONLY_1 = {Series.MS}
 _ONLY_2 = {Series.MF, Series.MH, Series.MG}
 _UNPACK_1 = Struct("<2xHHH").unpack
@@ -3445,7 +3444,6 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
     EFFECTS = ("writes_rom", "wears_rom", "needs_power_cycle")
 
     __match_args__ = ()
-    TYPES = {}
     DEFAULTS = UNKNOWN
 
     _raws: tuple[()]

@@ -48,9 +48,12 @@ def parameter_key(parameter: Parameter, value: str) -> str:
 
 
 def type_views(edition: Edition, imports: Imports) -> dict[str, TypeView]:
-    """Every type of the edition, by name."""
+    """The types of the edition by name, without those of numbers that are always constant."""
     parameters = {p.name: p for p in edition.parameters}
-    return {t.name: _view(t, parameters, imports) for t in edition.types}
+    stored = {
+        field.type.name for message in edition.all_messages() for field in message.layout.fields if field.fixed is None
+    }
+    return {t.name: _view(t, parameters, imports) for t in edition.types if not t.is_number or t.name in stored}
 
 
 def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> TypeView:
