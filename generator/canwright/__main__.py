@@ -12,7 +12,9 @@ from .cli import HELP
 CANNOT_PRINT = 2
 
 OBJECTS_BETWEEN_COLLECTIONS = 50_000
-"""Nearly all objects of a run live until its end: with the default of 700, looking for others takes a tenth of the time of a large spec."""
+"""Nearly all objects of a run live until its end. With the default of 700, a tenth of the time of a large spec goes into
+looking for those that do not.
+"""
 
 
 def run() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from ..tools import tool
 
 
 @dataclass(frozen=True, kw_only=True)
-class Machine:
+class Machine(ABC):
     """A kind of computer; `build` makes a program of one C source, `run` returns what it prints.
 
     `properties` is what makes the machine worth a run.
@@ -22,11 +23,11 @@ class Machine:
     name: str
     properties: str
 
-    def build(self, source: Path, include: Path, program: Path) -> None:
-        raise NotImplementedError
+    @abstractmethod
+    def build(self, source: Path, include: Path, program: Path) -> None: ...
 
-    def run(self, program: Path) -> str:
-        raise NotImplementedError
+    @abstractmethod
+    def run(self, program: Path) -> str: ...
 
 
 @dataclass(frozen=True, kw_only=True)
