@@ -7,7 +7,7 @@ import functools
 import itertools
 import pickle
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
@@ -190,6 +190,7 @@ def _check_value(message: Any) -> None:
     assert message != 1 and message.__eq__(1) is NotImplemented
     assert message.raw() == {name: getattr(message, f"{name}_raw") for name in names}
     values = {name: _outcome(getattr, message, name) for name in names}
+    _check_given_node(message, values)
     assert message.values() == {name: None if isinstance(v, Rejected) else v for name, v in values.items()}
     text = repr(message)
     parts = [f"node={message.node}"] if message.node is not None else []
@@ -245,6 +246,30 @@ def _check_node(message: Any) -> None:
         found = _outcome(cls.from_raw, node=node, parameters=parameters, **raw)
         assert found == Rejected(Refusal.UNKNOWN_NODE.value)
     _raises(TypeError, cls.from_raw, node="1", parameters=parameters, **raw)
+
+
+class _Index:
+    """An integer that is no int."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+
+    def __index__(self) -> int:
+        return self._number
+
+
+def _check_given_node(message: Any, values: Mapping[str, Any]) -> None:
+    """A constructor takes any kind of integer as the node, as an int, and no other node than those of the message."""
+    cls = type(message)
+    if message.node is None or any(isinstance(value, Rejected) for value in values.values()):
+        return
+    if "parameters" in cls.__init__.__annotations__:
+        values = {**values, "parameters": message.parameters}
+    made = _outcome(cls, node=_Index(message.node), **values)
+    assert isinstance(made, Rejected) or (type(made.node), made.node) == (int, message.node)
+    for node in (cls.NODES[0] - 1, cls.NODES[1] + 1):
+        assert _outcome(cls, node=node, **values) == Rejected(Refusal.UNKNOWN_NODE.value)
+    _raises(TypeError, cls, node=float(message.node), **values)
 
 
 def _check_all_differ(messages: list[Any]) -> None:
