@@ -288,7 +288,7 @@ class PidGains(Message):
         iq_kp: Real,
         iq_ki: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             GAIN.raw(angle_kp, self._parameters, "angle_kp"),
@@ -397,7 +397,7 @@ class WriteAccelerationRam(Message):
         node: int,
         acceleration: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ACCELERATION.raw(acceleration, self._parameters, "acceleration"),)
         self._checked = True
@@ -450,7 +450,7 @@ class WriteEncoderOffsetRom(Message):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
         self._checked = True
@@ -528,7 +528,7 @@ class MotionFeedback(Message):
         encoder: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
@@ -647,7 +647,7 @@ class Status1(Message):
         voltage: Real,
         errors: ErrorFlags | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             TEMPERATURE.raw(temperature, self._parameters, "temperature"),
@@ -804,7 +804,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         node: int,
         power: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (POWER.raw(power, self._parameters, "power"),)
         self._checked = True
@@ -871,7 +871,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)
         self._checked = True
@@ -935,7 +935,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         node: int,
         speed: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (SPEED_SETPOINT.raw(speed, self._parameters, "speed"),)
         self._checked = True
@@ -1000,7 +1000,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -1065,7 +1065,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
@@ -1145,7 +1145,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         spin_direction: SpinDirection | int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
@@ -1223,7 +1223,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
@@ -1312,7 +1312,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         node: int,
         increment: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(increment, self._parameters, "increment"),)
         self._checked = True
@@ -1378,7 +1378,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         max_speed: Real,
         increment: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
@@ -2040,7 +2040,7 @@ class ReadAccelerationReply(Reply):
         node: int,
         acceleration: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ACCELERATION.raw(acceleration, self._parameters, "acceleration"),)
         self._checked = True
@@ -2116,7 +2116,7 @@ class ReadEncoderReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
@@ -2221,7 +2221,7 @@ class WritePositionAsZeroRomReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
         self._checked = True
@@ -2280,7 +2280,7 @@ class ReadMultiTurnAngleReply(Reply):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (MULTI_TURN_ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -2340,7 +2340,7 @@ class ReadSingleTurnAngleReply(Reply):
         angle: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (SINGLE_TURN_POSITION.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -2463,7 +2463,7 @@ class ReadStatus3Reply(Reply):
         phase_b: Real,
         phase_c: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             TEMPERATURE.raw(temperature, self._parameters, "temperature"),

@@ -336,7 +336,7 @@ class ControlParametersTorqueLimit(Message):
         node: int,
         torque_limit: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (I16.raw(torque_limit, self._parameters, "torque_limit"),)
         self._checked = True
@@ -381,7 +381,7 @@ class ControlParametersAccelerationLimit(Message):
         node: int,
         acceleration_limit: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (I32.raw(acceleration_limit, self._parameters, "acceleration_limit"),)
         self._checked = True
@@ -426,7 +426,7 @@ class ControlParametersSpeedLimit(Message):
         node: int,
         speed_limit: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (I32.raw(speed_limit, self._parameters, "speed_limit"),)
         self._checked = True
@@ -472,7 +472,7 @@ class WriteEncoderOffsetRom(Message):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
         self._checked = True
@@ -525,7 +525,7 @@ class SetAngle(Message):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -602,7 +602,7 @@ class MotionFeedback(Message):
         encoder: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
@@ -728,7 +728,7 @@ class Status1(Message):
         motor_state: MotorState | int,
         errors: ErrorFlags | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             TEMPERATURE.raw(temperature, self._parameters, "temperature"),
@@ -906,7 +906,7 @@ class BrakeRequest(Request["BrakeReply"]):
         node: int,
         action: BrakeAction | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_BrakeAction.raw(action, self._parameters, "action"),)
         self._checked = True
@@ -968,7 +968,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         node: int,
         power: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (POWER.raw(power, self._parameters, "power"),)
         self._checked = True
@@ -1035,7 +1035,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)
         self._checked = True
@@ -1099,7 +1099,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         node: int,
         speed: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (SPEED_SETPOINT.raw(speed, self._parameters, "speed"),)
         self._checked = True
@@ -1165,7 +1165,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
         speed: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             TORQUE_CURRENT.raw(iq_limit, self._parameters, "iq_limit"),
@@ -1245,7 +1245,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -1310,7 +1310,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
@@ -1390,7 +1390,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         spin_direction: SpinDirection | int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
@@ -1468,7 +1468,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
@@ -1557,7 +1557,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         node: int,
         increment: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(increment, self._parameters, "increment"),)
         self._checked = True
@@ -1623,7 +1623,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         max_speed: Real,
         increment: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
@@ -2083,7 +2083,7 @@ class BrakeReply(Reply):
         node: int,
         state: BrakeState | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_BrakeState.raw(state, self._parameters, "state"),)
         self._checked = True
@@ -2405,7 +2405,7 @@ class ReadEncoderReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
@@ -2510,7 +2510,7 @@ class WritePositionAsZeroRomReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
         self._checked = True
@@ -2569,7 +2569,7 @@ class ReadMultiTurnAngleReply(Reply):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (MULTI_TURN_ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -2629,7 +2629,7 @@ class ReadSingleTurnAngleReply(Reply):
         angle: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (SINGLE_TURN_POSITION.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -2752,7 +2752,7 @@ class ReadStatus3Reply(Reply):
         phase_c: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             TEMPERATURE.raw(temperature, self._parameters, "temperature"),

@@ -370,7 +370,7 @@ class PidGains(Message):
         ki: Real,
         kd: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             GAIN.raw(kp, self._parameters, "kp"),
@@ -437,7 +437,7 @@ class ControlParametersMaxTorqueCurrent(Message):
         node: int,
         max_torque_current: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (I16.raw(max_torque_current, self._parameters, "max_torque_current"),)
         self._checked = True
@@ -482,7 +482,7 @@ class ControlParametersMaxSpeed(Message):
         node: int,
         max_speed: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (I32.raw(max_speed, self._parameters, "max_speed"),)
         self._checked = True
@@ -527,7 +527,7 @@ class ControlParametersMaxAngle(Message):
         node: int,
         max_angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (I32.raw(max_angle, self._parameters, "max_angle"),)
         self._checked = True
@@ -572,7 +572,7 @@ class ControlParametersCurrentRamp(Message):
         node: int,
         current_ramp: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (I32.raw(current_ramp, self._parameters, "current_ramp"),)
         self._checked = True
@@ -617,7 +617,7 @@ class ControlParametersSpeedRamp(Message):
         node: int,
         speed_ramp: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (I32.raw(speed_ramp, self._parameters, "speed_ramp"),)
         self._checked = True
@@ -662,7 +662,7 @@ class SetAngle(Message):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -739,7 +739,7 @@ class MotionFeedback(Message):
         encoder: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
@@ -865,7 +865,7 @@ class Status1(Message):
         motor_state: MotorState | int,
         errors: ErrorFlags | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             TEMPERATURE.raw(temperature, self._parameters, "temperature"),
@@ -1043,7 +1043,7 @@ class BrakeRequest(Request["BrakeReply"]):
         node: int,
         action: BrakeAction | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_BrakeAction.raw(action, self._parameters, "action"),)
         self._checked = True
@@ -1105,7 +1105,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         node: int,
         power: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (POWER.raw(power, self._parameters, "power"),)
         self._checked = True
@@ -1172,7 +1172,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)
         self._checked = True
@@ -1238,7 +1238,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         speed: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             TORQUE_CURRENT.raw(iq_limit, self._parameters, "iq_limit"),
@@ -1318,7 +1318,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -1383,7 +1383,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
@@ -1463,7 +1463,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         spin_direction: SpinDirection | int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
@@ -1541,7 +1541,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
@@ -1630,7 +1630,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         node: int,
         increment: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(increment, self._parameters, "increment"),)
         self._checked = True
@@ -1696,7 +1696,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         max_speed: Real,
         increment: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
@@ -2361,7 +2361,7 @@ class BrakeReply(Reply):
         node: int,
         state: BrakeState | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_BrakeState.raw(state, self._parameters, "state"),)
         self._checked = True
@@ -2858,7 +2858,7 @@ class ReadEncoderReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
@@ -2948,7 +2948,7 @@ class WritePositionAsZeroRomReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
         self._checked = True
@@ -3007,7 +3007,7 @@ class ReadMultiTurnAngleReply(Reply):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (MULTI_TURN_ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -3067,7 +3067,7 @@ class ReadSingleTurnAngleReply(Reply):
         angle: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (SINGLE_TURN_POSITION.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -3190,7 +3190,7 @@ class ReadStatus3Reply(Reply):
         phase_c: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             TEMPERATURE.raw(temperature, self._parameters, "temperature"),

@@ -538,7 +538,7 @@ class PidGains(Message):
         ki: Real,
         kd: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             GAIN.raw(kp, self._parameters, "kp"),
@@ -615,7 +615,7 @@ class ControlParametersMaxTorqueCurrent(Message):
         max_torque_current: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (OUTPUT_LIMIT.raw(max_torque_current, self._parameters, "max_torque_current"),)
         self._checked = True
@@ -663,7 +663,7 @@ class ControlParametersMaxSpeed(Message):
         node: int,
         max_speed: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (SPEED_BOUND.raw(max_speed, self._parameters, "max_speed"),)
         self._checked = True
@@ -713,7 +713,7 @@ class ControlParametersUpperAngle(Message):
         node: int,
         upper_angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE_BOUND.raw(upper_angle, self._parameters, "upper_angle"),)
         self._checked = True
@@ -760,7 +760,7 @@ class ControlParametersLowerAngle(Message):
         node: int,
         lower_angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE_BOUND.raw(lower_angle, self._parameters, "lower_angle"),)
         self._checked = True
@@ -805,7 +805,7 @@ class ControlParametersSpeedRamp(Message):
         node: int,
         speed_ramp: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (SPEED_RAMP.raw(speed_ramp, self._parameters, "speed_ramp"),)
         self._checked = True
@@ -853,7 +853,7 @@ class StoredSettingsDriverId(Message):
         node: int,
         driver_id: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (DRIVER_ID.raw(driver_id, self._parameters, "driver_id"),)
         self._checked = True
@@ -901,7 +901,7 @@ class StoredSettingsBusType(Message):
         node: int,
         bus_type: BusType | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_BusType.raw(bus_type, self._parameters, "bus_type"),)
         self._checked = True
@@ -946,7 +946,7 @@ class StoredSettingsRs485BaudRate(Message):
         node: int,
         rs485_baud_rate: Rs485BaudRate | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_Rs485BaudRate.raw(rs485_baud_rate, self._parameters, "rs485_baud_rate"),)
         self._checked = True
@@ -991,7 +991,7 @@ class StoredSettingsCanBaudRate(Message):
         node: int,
         can_baud_rate: CanBaudRate | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_CanBaudRate.raw(can_baud_rate, self._parameters, "can_baud_rate"),)
         self._checked = True
@@ -1037,7 +1037,7 @@ class StoredSettingsMaxPower(Message):
         max_power: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (OUTPUT_LIMIT.raw(max_power, self._parameters, "max_power"),)
         self._checked = True
@@ -1085,7 +1085,7 @@ class StoredSettingsMaxSpeed(Message):
         node: int,
         max_speed: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (SPEED_BOUND.raw(max_speed, self._parameters, "max_speed"),)
         self._checked = True
@@ -1133,7 +1133,7 @@ class StoredSettingsMaxAngle(Message):
         node: int,
         max_angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (MAX_ANGLE.raw(max_angle, self._parameters, "max_angle"),)
         self._checked = True
@@ -1181,7 +1181,7 @@ class StoredSettingsCurrentRamp(Message):
         node: int,
         current_ramp: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (CURRENT_RAMP.raw(current_ramp, self._parameters, "current_ramp"),)
         self._checked = True
@@ -1229,7 +1229,7 @@ class StoredSettingsSpeedRamp(Message):
         node: int,
         speed_ramp: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (SPEED_RAMP.raw(speed_ramp, self._parameters, "speed_ramp"),)
         self._checked = True
@@ -1302,7 +1302,7 @@ class MotionFeedback(Message):
         encoder: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = self._raws_of(temperature=temperature, power=power, iq=iq, speed=speed, encoder=encoder)
         self._checked = True
@@ -1428,7 +1428,7 @@ class Status1(Message):
         motor_state: MotorState | int,
         errors: ErrorFlags | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             TEMPERATURE.raw(temperature, self._parameters, "temperature"),
@@ -1606,7 +1606,7 @@ class BrakeRequest(Request["BrakeReply"]):
         node: int,
         action: BrakeAction | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_BrakeAction.raw(action, self._parameters, "action"),)
         self._checked = True
@@ -1668,7 +1668,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         node: int,
         power: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (POWER.raw(power, self._parameters, "power"),)
         self._checked = True
@@ -1735,7 +1735,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)
         self._checked = True
@@ -1801,7 +1801,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
         speed: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             TORQUE_CURRENT.raw(iq_limit, self._parameters, "iq_limit"),
@@ -1881,7 +1881,7 @@ class MoveToAngleRequest(Request["MoveToAngleReply"]):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -1946,7 +1946,7 @@ class MoveToAngleAtSpeedRequest(Request["MoveToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
@@ -2026,7 +2026,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
         spin_direction: SpinDirection | int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
@@ -2104,7 +2104,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
         max_speed: Real,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             _SpinDirection.raw(spin_direction, self._parameters, "spin_direction"),
@@ -2193,7 +2193,7 @@ class MoveByAngleRequest(Request["MoveByAngleReply"]):
         node: int,
         increment: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (ANGLE.raw(increment, self._parameters, "increment"),)
         self._checked = True
@@ -2259,7 +2259,7 @@ class MoveByAngleAtSpeedRequest(Request["MoveByAngleAtSpeedReply"]):
         max_speed: Real,
         increment: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             SPEED_LIMIT.raw(max_speed, self._parameters, "max_speed"),
@@ -3453,7 +3453,7 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
         *,
         node: int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = ()
         self._checked = True
@@ -3549,7 +3549,7 @@ class BrakeReply(Reply):
         node: int,
         state: BrakeState | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_BrakeState.raw(state, self._parameters, "state"),)
         self._checked = True
@@ -4046,7 +4046,7 @@ class ReadEncoderReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             ENCODER_POSITION.raw(encoder, self._parameters, "encoder"),
@@ -4137,7 +4137,7 @@ class CalibrateEncoderReply(Reply):
         align_ratio: Real,
         align_state: AlignState | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (
             U32.raw(align_value, self._parameters, "align_value"),
@@ -4218,7 +4218,7 @@ class WritePositionAsZeroRomReply(Reply):
         encoder_offset: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (ENCODER_POSITION.raw(encoder_offset, self._parameters, "encoder_offset"),)
         self._checked = True
@@ -4277,7 +4277,7 @@ class ReadMultiTurnAngleReply(Reply):
         node: int,
         angle: Real,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (MULTI_TURN_ANGLE.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -4337,7 +4337,7 @@ class ReadSingleTurnAngleReply(Reply):
         angle: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (SINGLE_TURN_POSITION.raw(angle, self._parameters, "angle"),)
         self._checked = True
@@ -4461,7 +4461,7 @@ class ReadStatus3Reply(Reply):
         phase_c: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (
             TEMPERATURE.raw(temperature, self._parameters, "temperature"),
@@ -5016,7 +5016,7 @@ class SaveStoredSettingsReply(Reply):
         node: int,
         result: SaveResult | int,
     ) -> None:
-        self._node = node if type(node) is int and node in self._nodes else self._known_node(node)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = UNKNOWN
         self._raws = (_SaveResult.raw(result, self._parameters, "result"),)
         self._checked = True
