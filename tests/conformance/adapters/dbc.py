@@ -194,16 +194,17 @@ class DbcAdapter(Adapter):
             written.append(_first(file.write(message, node, given, parameters, scaled) for file in found))
         if all(result is None for result in written):
             raise Cannot("selectors_apart" if len(message.keys) > 1 else "other_value")
+        for one in written:
+            if isinstance(one, Refused) and one.says is Refusal.OUT_OF_RANGE:
+                refused = (f for f in message.layout.fields if f.name == one.field)
+                if any(f.type.raw_range.parameter not in (None, *parameters) for f in refused):
+                    raise Cannot("unknown_range")
         result = _agreed([result for result in written if result is not None])
         if result == Refused(Refusal.MISSING_PARAMETER):
             undecided = (
                 f.name for f in message.layout.fields if f.name in given and set(f.type.parameters) - set(parameters)
             )
             return Refused(Refusal.MISSING_PARAMETER, next(undecided, None))
-        if isinstance(result, Refused) and result.says is Refusal.OUT_OF_RANGE:
-            refused = (f for f in message.layout.fields if f.name == result.field)
-            if any(f.type.raw_range.parameter not in (None, *parameters) for f in refused):
-                raise Cannot("unknown_range")
         return result
 
 
