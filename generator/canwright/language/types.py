@@ -137,8 +137,8 @@ class TypeSpec(Description):
     plausible: Annotated[
         Span | None,
         Doc(
-            "Values in the unit that a working node reports. Only `canwright identify` uses it; no frame is "
-            "rejected because of it.",
+            "Values in the unit that a working node is assumed to report. It is an assumption, unlike `range`, which "
+            "the manual states. Only `canwright identify` uses it; no frame is rejected because of it.",
             examples=("6..100",),
         ),
     ] = None
