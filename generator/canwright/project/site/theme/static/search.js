@@ -9,6 +9,8 @@ const CHINESE = /[\u3400-\u9fff]/u;
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
 const WEIGHTS = { command: 1, entry: 0.97, id: 0.95, page: 0.9, effect: 0.75, field: 0.7, value: 0.65, type: 0.6, table: 0.6, erratum: 0.55, parameter: 0.55, setting: 0.5, mode: 0.5, state: 0.5, heading: 0.8 };
 const ABOUT = 0.3;
+/** Headings of manuals often end with this word, which titles of commands do not contain. */
+const COMMAND = ["command", "命令"];
 const EXACT = 10;
 
 /** Lower case, with single spaces; also between Chinese and Latin text, which people write with and without one. */
@@ -61,7 +63,8 @@ function createSearch(index, language) {
       const titles = Object.values(record.title ?? {});
       const codes = (record.code ?? "").split(", ").flatMap(code => [code, code.replace(/^0x/, "")]);
       const texts = [record.name, ...codes, ...titles, ...(record.units ?? [])].map(normalized).filter(Boolean);
-      const about = [record.about ?? {}, ...(record.notes ?? [])].flatMap(Object.values).map(normalized);
+      const described = [record.about ?? {}, ...(record.notes ?? [])].flatMap(Object.values).map(normalized);
+      const about = record.kind === "command" ? [...described, ...COMMAND] : described;
       const item = { ...record, title: inLanguage(record.title), texts: [...new Set(texts)], about };
       for (const place of record.pages ?? []) {
         const [path, anchor] = place.split("#");
