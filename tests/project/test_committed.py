@@ -110,3 +110,25 @@ def test_output_is_the_same_whatever_the_hash_seed_and_the_locale(tmp_path: Path
         subprocess.run(command, check=True, capture_output=True, cwd=ROOT, env=environment)
         trees.append({f.relative_to(out): f.read_bytes() for f in out.rglob("*") if f.is_file()})
     assert trees[0] == trees[1]
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
+def test_a_manual_is_cited_only_for_frames_that_it_can_print(spec: Path) -> None:
+    """Tables of the manuals print whole frames without numbers; frames with numbers are computed."""
+    golden = yaml.safe_load(frames_file(spec).read_text("utf-8"))
+    cited = [item for items in (golden["frames"], golden["refused"], golden["exchanges"]) for item in items]
+    for item in (item for item in cited if item["source"] == "manual"):
+        assert "request" in item or "reply" in item, item
+        assert not item.get("decode_only") and "parameters" not in item, item
+        assert all(isinstance(value, str) for value in item.get("values", {}).values()), item
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
+def test_errata_name_other_editions_by_their_ids(spec: Path) -> None:
+    """A label does not identify an edition, nor does "later"."""
+    vague = re.compile(r"\bV\d|(?<!all )\b(?:later|earlier|other|another) editions?\b|后续版本|其他版本")
+    for erratum in yaml.safe_load(spec.read_text("utf-8"))["errata"]:
+        if erratum["id"] == "edition_label":
+            continue
+        for text in (text for key in ("printed", "used", "why") for text in erratum[key].values()):
+            assert not vague.search(text.replace("All", "all")), (erratum["id"], text)
