@@ -80,9 +80,9 @@ def test_of_one_id(changes: list[tuple[str, str]], says: list[str], tmp_path: Pa
 
 def test_of_tables(tmp_path: Path) -> None:
     renamed = [(f"{before}stored_settings", f"{before}kept_settings") for before in ("\n  ", "table: ", "tables.")]
+    of_table = ("torque_limit_names", "tool_settings", "max_angle_and_limits", "read_index_of_gains")
     assert impacts(tmp_path, V2_36, *renamed) == [
-        "safe none: erratum torque_limit_names: erratum-moved",
-        "safe none: erratum read_index_of_gains: erratum-moved",
+        *(f"safe none: erratum {erratum}: erratum-moved" for erratum in of_table),
         "build sending: table stored_settings: table-renamed",
     ]
     index = "  control_parameters:\n    index: {at: 1, raw: u8}\n"

@@ -120,7 +120,7 @@ def test_comments_in_chinese_are_utf_8_and_change_nothing_else() -> None:
         assert [x for x in other.splitlines() if x[:3] != "CM_"] == [x for x in text.splitlines() if x[:3] != "CM_"]
     text = chinese["mwd_motor-v2.35-MG-command-zh.dbc"]
     assert f'CM_ "mwd_motor v2.35，规格哈希 {main.edition.hash[:12]}。由 canwright 生成，请勿修改。参数：MG。' in text
-    assert 'CM_ SG_ 321 cA1_iq "转矩闭环控制：目标转矩电流。电机会转动。手册 2.5。";' in text
+    assert 'CM_ SG_ 321 cA1_iq "转矩闭环控制：转矩电流控制值。电机会转动。手册 2.5。";' in text
     assert not re.search(r"[a-z]{4}", " ".join(re.findall(r'CM_ (?:BO|SG)_ .*?"(.*)";', text)).replace("canwright", ""))
 
 
