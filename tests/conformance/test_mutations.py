@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 import yaml
-from canwright.diagnostics.diagnostic import SpecError
-from canwright.document.document import read_document
+from canwright.diagnostics.diagnostic import DocumentPath, Severity, SpecError
+from canwright.document.document import Document, read_document
 from canwright.language.decoder import decode
 from canwright.language.edition import EditionSpec
 from canwright.model.edition import Edition
@@ -51,6 +51,37 @@ EVERYWHERE = {
 }
 """What the targets are shown that take longer."""
 
+OF_ALL_FRAMES = {"addresses", "bus", "byte_order", "selector"}
+"""The keys of an edition that can concern all its frames."""
+
+PLACE = {"overlap", "beyond-frame", "id-bits", "ambiguous-message"}
+ID = {"id-space", "id-collision", "id-bits", "ambiguous-message", "value"}
+REJECTIONS = {
+    "at": PLACE,
+    "bit": {"member-value"},
+    "byte_order": {"overlap"},
+    "constant": {"duplicate-code", "ambiguous-message"},
+    "dlc": {"beyond-frame"},
+    "enum": {"member-value"},
+    "extended": {"id-space", "beyond-frame"},
+    "flags": {"member-value"},
+    "gone": {"overlap", "beyond-width", "ambiguous-message"},
+    "id": ID,
+    "index": {"code-width"},
+    "nodes": {"unknown-node", "id-collision"},
+    "offset": {"two-parameters", "beyond-width"},
+    "range": {"beyond-width", "two-parameters"},
+    "raw": {"code-width", "beyond-width", "beyond-frame", "overlap", "node-field", "member-value"},
+    "raw_range": {"beyond-width"},
+    "remote": {"beyond-frame"},
+    "reply": ID,
+    "request": ID,
+    "scale": {"two-parameters", "value"},
+    "swapped": PLACE,
+    "value": {"member-value"},
+}
+"""The rules that can reject a change of a key of the language."""
+
 JUDGED = 2
 """So many mutants of each small spec that make a golden frame stale are asked what they make of every single one."""
 
@@ -66,6 +97,12 @@ def _spread(names: Sequence[str], most: int) -> list[str]:
 
 _SCHEMA = json.loads((ROOT / "spec/canwright.schema.json").read_text("utf-8"))
 KEYS = {key for concept in (_SCHEMA, *_SCHEMA["$defs"].values()) for key in concept.get("properties", {})}
+
+
+def _rejections(mutant: str) -> set[str]:
+    """The rules that can reject a mutant."""
+    *keys, change = _kind(mutant)
+    return REJECTIONS[keys[-1] if change == "set" else change]
 
 
 def _kind(mutant: str) -> tuple[str, ...]:
@@ -98,18 +135,15 @@ def _case(spec: str, mutant: str, targets: tuple[str, ...], *marks: pytest.MarkD
     return pytest.param(spec, mutant, targets, id=f"{spec}-{mutant}-{'-'.join(targets)}", marks=marks)
 
 
-def _changed(spec: str, change: Change, folder: Path) -> Specification | None:
-    """The changed edition with the golden frames as they are; None when the change is refused as no edition at all."""
+def _changed(spec: str, change: Change, folder: Path) -> Specification:
+    """The changed edition with the golden frames as they are. Raises SpecError if the change is rejected."""
     data = copy.deepcopy(DATA[spec])
     change(data)
     for erratum in data.get("errata", ()):
         erratum["where"] = ["commands"]
     file = folder / "changed.yaml"
     file.write_text(json.dumps(data, ensure_ascii=False, indent=1), "utf-8")  # YAML as well, and written fast
-    try:
-        return Specification(specification(file).edition, ORIGINALS[spec].frames)
-    except SpecError:
-        return None
+    return Specification(specification(file).edition, ORIGINALS[spec].frames)
 
 
 def _replay(item: Specification, target: str, folder: Path) -> list[str]:
@@ -130,24 +164,80 @@ def _says_the_same(edition: Edition, other: Edition) -> bool:
 @pytest.mark.parametrize("spec", ORIGINALS)
 def test_the_unchanged_spec_passes(spec: str, tmp_path: Path) -> None:
     item = _changed(spec, lambda data: None, tmp_path)
-    assert item is not None and item.frames is not None
+    assert item.frames is not None
     assert _says_the_same(item.edition, ORIGINALS[spec].edition)
     assert Runner(item.edition, item.frames, ADAPTERS["python"].create(item, tmp_path)).run().failures == []
 
 
 @pytest.mark.parametrize(("spec", "mutant", "targets"), list(_cases()))
 def test_a_changed_spec_fails(spec: str, mutant: str, targets: tuple[str, ...], tmp_path: Path) -> None:
-    item = _changed(spec, MUTANTS[spec][mutant], tmp_path)
-    if item is not None:
-        for target in targets:
-            assert _replay(item, target, tmp_path), f"{mutant} survives in {spec}, {target}: a golden frame is missing"
+    try:
+        item = _changed(spec, MUTANTS[spec][mutant], tmp_path)
+    except SpecError as error:
+        _check_rejection(mutant, error, read_document(tmp_path / "changed.yaml")[0])
+        return
+    assert targets
+    for target in targets:
+        assert _replay(item, target, tmp_path), f"{mutant} survives in {spec}, {target}: a golden frame is missing"
+
+
+@pytest.mark.parametrize(
+    ("claimed", "complaint"),
+    [
+        ("types.level.scale 2", "by another rule"),
+        ("layouts.state.fields.lamp.at 4", "elsewhere"),
+        ("commands.set_levels.request channel<->levels", "elsewhere"),
+    ],
+)
+def test_a_rejection_for_another_reason_fails(claimed: str, complaint: str, tmp_path: Path) -> None:
+    spec = "mixer/v2-2024-02"
+    with pytest.raises(SpecError) as rejected:
+        _changed(spec, MUTANTS[spec]["commands.mute_group.reply.layout.volume.at 1"], tmp_path)
+    with pytest.raises(AssertionError, match=complaint):
+        _check_rejection(claimed, rejected.value, read_document(tmp_path / "changed.yaml")[0])
+
+
+def _check_rejection(mutant: str, error: SpecError, document: Document) -> None:
+    """Every finding has a rule that can reject such a change; it names the changed item, or is at an affected line."""
+    changed = tuple(mutant.partition(" ")[0].split("."))
+    names = {f"`{step}`" for step in changed if step not in KEYS}
+    lines = _affected_lines(document, changed)
+    assert error.diagnostics
+    for finding in error.diagnostics:
+        assert finding.severity is Severity.ERROR
+        assert finding.rule in _rejections(mutant), f"{mutant} is rejected by another rule: {finding}"
+        named = any(name in finding.message for name in names)
+        about = {finding.position.line, *(related.position.line for related in finding.related)}
+        assert named or about & lines, f"{mutant} is rejected elsewhere: {finding}"
+
+
+def _affected_lines(document: Document, changed: tuple[str, ...]) -> set[int]:
+    """The lines of the item with a changed key, of those that refer to it by name, and of those that it refers to."""
+    items = list(_items(document.data))
+    if changed[0] in OF_ALL_FRAMES:
+        parts: set[DocumentPath] = {()}
+    else:
+        users = {path[:-1] for path, value in items if value == changed[1] and len(path) > 2}
+        layouts = {path[1] for path in users if path[0] == "layouts"}
+        users |= {path[:-1] for path, value in items if str(value) in layouts and path[0] == "commands"}
+        used = {value for path, value in items if path[:2] == changed[:2] and isinstance(value, str)}
+        whole = changed[:2] if changed[0] == "commands" else changed[:-1]
+        parts = {whole, *users, *(path for path, _ in items if len(path) == 2 and path[1] in used)}
+    affected = (path for path, _ in items if any(path[: len(part)] == part for part in parts))
+    return {document.position(path, key=True).line for path in affected}
+
+
+def _items(data: object, path: DocumentPath = ()) -> Iterator[tuple[DocumentPath, object]]:
+    """Everything in a document with its path."""
+    yield path, data
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ():
+        yield from _items(value, (*path, key))
 
 
 @pytest.mark.parametrize("target", ["c", "dbc", "docs", "javascript"])
 @pytest.mark.parametrize(("spec", "mutant"), [(spec, one) for spec, some in EVERYWHERE.items() for one in some])
 def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Path) -> None:
     item = _changed(spec, MUTANTS[spec][mutant], tmp_path)
-    assert item is not None
     assert _replay(item, target, tmp_path), f"{mutant} survives in {target}"
 
 
@@ -178,9 +268,11 @@ def test_check_says_what_a_replay_says(spec: str, tmp_path: Path) -> None:
     for name in _spread(list(MUTANTS[spec]), COMPLETE):
         if seen == JUDGED:
             break
-        item = _changed(spec, MUTANTS[spec][name], tmp_path)
-        if item is None or item.frames is None:
-            continue
+        try:
+            item = _changed(spec, MUTANTS[spec][name], tmp_path)
+        except SpecError:
+            continue  # no golden frame is judged then
+        assert item.frames is not None
         judged = _judged(item, tmp_path / "changed.yaml")
         seen += bool(judged)
         adapter = ADAPTERS["python"].create(item, tmp_path)
