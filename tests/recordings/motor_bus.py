@@ -9,7 +9,6 @@ from __future__ import annotations
 import heapq
 import itertools
 import random
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from canwright.model.message import Direction
@@ -59,45 +58,65 @@ class MotorBus:
         self._chance = random.Random(seed)
         self._buffer = bytearray(8 if conditions.buffer == "clean" else self._chance.randbytes(8))
         self._angles = [self._chance.randrange(36_000) for _ in range(motors)]
-        self._events: list[tuple[int, int, CanFrame, Direction]] = []
-        self._numbers = itertools.count()
+        self._log: list[tuple[int, CanFrame, Direction]] = []
 
     def frames(self, exchanges: int) -> list[Sent]:
         """The log of at least some exchanges."""
         clock = 1_700_000_000 * 1000 * MS
         while exchanges > 0:
-            if self._mix == "control":
-                ends = [self._exchange(motor, 0xA1, clock + motor * 20_000) for motor in range(1, self._motors + 1)]
-                clock, exchanges = max(ends), exchanges - self._motors
-            elif self._mix == "mixed" and self._chance.random() < 0.08:
-                clock, exchanges = self._broadcast(clock), exchanges - 1
-            else:
-                motor = self._chance.randint(1, self._motors)
-                code = self._chance.choice(READS if self._mix == "polling" else [*REQUESTS])
-                clock, exchanges = self._exchange(motor, code, clock), exchanges - 1
+            requests = self._next()
+            exchanges -= len(requests)
+            for _ in range(1 + self._conditions.retries):
+                clock, answered = self._exchange(requests, clock)
+                requests = [request for request in requests if request.id not in answered]
+                if not requests or requests[0].id == BROADCAST:
+                    break
+                clock += self._conditions.latency[1] + self._chance.randint(MS // 2, 2 * MS)
             clock += self._chance.randint(*self._conditions.pause)
-        return [*self._recorded()]
+        log = sorted(self._log, key=lambda event: event[0])
+        return [self._logged(*event) for event in log if self._chance.random() >= self._conditions.not_recorded]
 
-    def _recorded(self) -> Iterator[Sent]:
-        """The frames in the order of the bus, which carries one at a time."""
-        free = 0
-        times: list[tuple[int, int, CanFrame, Direction]] = []
-        for wanted, number, frame, direction in sorted(self._events):
-            start = max(wanted, free)
-            free = start + FRAME
-            if self._chance.random() < self._conditions.not_recorded:
+    def _next(self) -> list[CanFrame]:
+        """The requests that the host sends next, one after the other."""
+        chance = self._chance
+        if self._mix == "control":
+            return [self._request(motor, 0xA1) for motor in range(1, self._motors + 1)]
+        if self._mix == "mixed" and chance.random() < 0.08:
+            numbers = (chance.randint(-2000, 2000) for _ in range(4))
+            data = b"".join(number.to_bytes(2, "little", signed=True) for number in numbers)
+            if self._conditions.buffer != "clean":
+                self._buffer[:] = data
+            return [CanFrame(BROADCAST, data)]
+        code = chance.choice(READS if self._mix == "polling" else [*REQUESTS])
+        return [self._request(chance.randint(1, self._motors), code)]
+
+    def _exchange(self, requests: list[CanFrame], time: int) -> tuple[int, set[int]]:
+        """Sends requests and the replies to them as the bus is free. Returns the end, and the ids that replied."""
+        numbers, answered = itertools.count(), set()
+        wanted = [(time, next(numbers), frame, Direction.REQUEST) for frame in requests]
+        while wanted:
+            since, _, frame, direction = heapq.heappop(wanted)
+            time = max(since, time) + FRAME
+            if direction is Direction.REQUEST and self._conditions.is_doubled:
+                self._log.append((since, frame, direction))  # as it is handed to the driver
+            self._log.append((time, frame, direction))
+            if direction is Direction.REPLY:
+                answered.add(frame.id)
+                if self._conditions.buffer == "replies":
+                    self._buffer[:] = frame.data
                 continue
-            if self._conditions.is_doubled and direction is Direction.REQUEST:
-                heapq.heappush(times, (wanted, number, frame, direction))  # as it is handed to the driver
-            heapq.heappush(times, (free, number, frame, direction))
-        for time, _, frame, direction in (heapq.heappop(times) for _ in range(len(times))):
-            yield Sent(Recorded(time // 1000 * 1000, self._bus, frame, None), direction)
+            for motor in range(1, 5) if frame.id == BROADCAST else (frame.id - 0x140,):
+                if self._chance.random() >= self._conditions.lost:
+                    code = 0xA1 if frame.id == BROADCAST else frame.data[0]
+                    reply = CanFrame(0x140 + motor, self._reply(motor, code, frame.data))
+                    since = time + self._chance.randint(*self._conditions.latency)
+                    heapq.heappush(wanted, (since, next(numbers), reply, Direction.REPLY))
+        return time, answered
 
-    def _send(self, time: int, id_: int, data: bytes, direction: Direction) -> int:
-        heapq.heappush(self._events, (time, next(self._numbers), CanFrame(id_, data), direction))
-        return time + FRAME
+    def _logged(self, time: int, frame: CanFrame, direction: Direction) -> Sent:
+        return Sent(Recorded(time // 1000 * 1000, self._bus, frame, None), direction)
 
-    def _request(self, code: int, values: dict[int, int]) -> bytes:
+    def _request(self, motor: int, code: int) -> CanFrame:
         """The host fills its buffer: all of it if it is clean, else only what the command uses."""
         buffer, kind = self._buffer, self._conditions.buffer
         if kind == "clean":
@@ -105,9 +124,9 @@ class MotorBus:
         elif kind == "random":
             buffer[:] = self._chance.randbytes(8)
         buffer[0] = code
-        for at, value in values.items():
+        for at, value in self._values(code).items():
             buffer[at] = value
-        return bytes(buffer)
+        return CanFrame(0x140 + motor, bytes(buffer))
 
     def _values(self, code: int) -> dict[int, int]:
         chance = self._chance
@@ -149,35 +168,6 @@ class MotorBus:
         numbers = current.to_bytes(2, "little", signed=True) + speed.to_bytes(2, "little", signed=True)
         return bytes((code, temperature)) + numbers + encoder.to_bytes(2, "little")
 
-    def _answer(self, motor: int, code: int, request: bytes, sent: int) -> int | None:
-        """The end of the reply to a request that ends at a time; None if there is none."""
-        if self._chance.random() < self._conditions.lost:
-            return None
-        reply = self._reply(motor, code, request)
-        if self._conditions.buffer == "replies":
-            self._buffer[:] = reply
-        return self._send(sent + self._chance.randint(*self._conditions.latency), 0x140 + motor, reply, Direction.REPLY)
-
-    def _exchange(self, motor: int, code: int, time: int) -> int:
-        """Returns its end: of the reply, or of the last time-out."""
-        request = self._request(code, self._values(code))
-        for _ in range(1 + self._conditions.retries):
-            sent = self._send(time, 0x140 + motor, request, Direction.REQUEST)
-            end = self._answer(motor, code, request, sent)
-            if end is not None:
-                return end
-            time = sent + self._conditions.latency[1] + self._chance.randint(MS // 2, 2 * MS)
-        return time
-
-    def _broadcast(self, time: int) -> int:
-        values = dict(enumerate(self._chance.randbytes(3) + b"\0\0\0\1\0", start=0))
-        request = bytes(values.values())
-        sent = self._send(time, BROADCAST, request, Direction.REQUEST)
-        if self._conditions.buffer != "clean":
-            self._buffer[:] = request
-        ends = [self._answer(motor, 0xA1, request, sent) for motor in range(1, 5)]
-        return max([sent, *(end for end in ends if end is not None)])
-
 
 SLOW = (3 * MS, 5 * MS)
 SITUATIONS: dict[str, Conditions] = {
@@ -198,5 +188,6 @@ SITUATIONS: dict[str, Conditions] = {
     "slow, 10 %, retries": Conditions(latency=SLOW, lost=0.1, retries=3),
     "slow, old requests": Conditions(latency=SLOW, buffer="requests"),
     "slow, doubled": Conditions(latency=SLOW, is_doubled=True),
+    "slow, random bytes": Conditions(latency=SLOW, buffer="random"),
     "1 ms": Conditions(latency=(300_000, 1 * MS)),
 }

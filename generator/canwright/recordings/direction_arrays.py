@@ -201,7 +201,7 @@ class _Kinds:
         """The nodes that each kind concerns, and what a request of it opens there."""
         self.is_echoed: list[bool] = []
         self.is_distinct: list[bool] = []
-        self.is_careless: list[bool] = []
+        self.has_old_bits: list[bool] = []
         self.is_copied: list[bool] = []
         """Whether frames on the bus can be recorded twice."""
         self.within: list[int] = []
@@ -244,7 +244,7 @@ class _Kinds:
         self.opens.append(self._opened(kind))
         self.is_echoed.append(kind.is_echoed)
         self.is_distinct.append(kind.is_distinct)
-        self.is_careless.append(kind.is_careless)
+        self.has_old_bits.append(kind.has_old_bits)
         self.within.append(kind.within)
         self.window.append(kind.window)
 
@@ -502,13 +502,13 @@ class _Log:
         answers[possible] = kinds.answers(block, of.at(first[possible]), of.at(then[possible]))
         is_soon = gap <= np.array(kinds.within, np.int64)[asking]
         is_distinct = np.array(kinds.is_distinct, np.bool_)[kind]
-        is_careless = np.array(kinds.is_careless, np.bool_)[kind]
+        has_old_bits = np.array(kinds.has_old_bits, np.bool_)[kind]
         is_repeated = asking == kind
         is_same &= is_repeated
         is_both = classes[then] == _BOTH
-        closes = answers & np.where(is_echoed, is_soon, ~is_distinct & (is_soon | ~(is_same | is_careless)))
+        closes = answers & np.where(is_echoed, is_soon, ~is_distinct & (is_soon | ~(is_same | has_old_bits)))
         steps[first[np.where(is_both, closes, answers & (classes[then] == REPLY))]] = 2
-        replaces = ~answers | (~is_soon & (is_distinct | is_same | is_careless))
+        replaces = ~answers | (~is_soon & (is_distinct | is_same | has_old_bits))
         is_replaced = is_repeated & ~is_echoed & np.where(is_both, replaces, classes[then] == REQUEST)
         steps[first[is_replaced]] = 1
         waits = np.flatnonzero(is_both & answers & ~is_echoed & is_soon & is_distinct)

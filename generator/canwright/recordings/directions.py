@@ -35,10 +35,15 @@ from ..model.edition import Edition
 from ..model.message import Direction, Message
 from ..semantics.decoder import Identified, Rejection, rejects_constants
 from ..semantics.frame import CanFrame
-from .bus_behaviour import COPIED_WITHIN, LONGEST, LOOKED_AHEAD, Behaviour, observe
+from .bus_behaviour import COPIED_WITHIN, LOOKED_AHEAD, Behaviour
 from .frame_kinds import Channel, FrameKind, FrameKinds, Opened
+from .observed_behaviour import Observed, observe
 from .recorded import Mark, Recorded
 
+_WINDOWS = (None, 20_000_000, 200_000_000)
+"""The windows in ns that are tried while the behaviour is learned."""
+_ROUNDS = 3
+"""How often behaviour is learned: copies hide old bits, and these hide reply times."""
 UNTIMED = 64
 """The number of frames on a bus that count as the window, if they or the frames before them have no time."""
 MAX_OPEN = 16
@@ -249,16 +254,30 @@ class Directions:
         if marked is None:
             marked = {one.bus for one in start if one.mark is Mark.SENT and self._has_id(one)}
         known = {bus: Behaviour(is_marked=True) for bus in marked}
-        window = max(LONGEST, self._window or 0)
-        while True:
-            trial = Directions(
-                self._editions, self._default, window=window, recorder=self._recorder, behaviours=known
-            )
-            found = observe(trial.judge(start), known)
-            copied = {bus: Behaviour(one.is_marked, one.copied) for bus, one in found.items()}
-            if all(one.copied == known.get(bus, Behaviour()).copied for bus, one in copied.items()):
-                return found
-            known = copied  # without the copies, more is seen
+        found: dict[str, Behaviour] = {}
+        for _ in range(_ROUNDS):
+            observed = self._observed(start, known)
+            found = {bus: one.behaviour(known.get(bus, Behaviour())) for bus, one in observed.items()}
+            certain = {bus: one.certain for bus, one in found.items()}
+            if certain == known:
+                break
+            known = certain
+        return found
+
+    def _observed(self, start: Sequence[Recorded], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
+        """What the first frames show of each bus with the shortest window in which most replies have requests."""
+        # A request with old bits looks like a reply, and its copy like one of a reply.
+        every = frozenset(Direction)
+        tried = {bus: one._replace(copied=every if one.copied else one.copied) for bus, one in known.items()}
+        best: dict[str, Observed] = {}
+        for window in _WINDOWS if self._window is None else [self._window]:
+            trial = Directions(self._editions, self._default, window=window, recorder=self._recorder, behaviours=tried)
+            for bus, one in observe(trial.judge(start)).items():
+                if bus not in best or 2 * one.unexpected < best[bus].unexpected:
+                    best[bus] = one
+            if all(one.is_plausible for one in best.values()):
+                break
+        return best
 
     def _has_id(self, one: Recorded) -> bool:
         return any(kinds.nodes(one.frame) for kinds in self._kinds)
@@ -367,7 +386,7 @@ class Directions:
             return self._wait(arrived, exchange)
         if arrived.recorded.frame == first.recorded.frame and not is_soon:
             return self._request(arrived, DecidedBy.RETRY)
-        if not is_soon and (kind.is_distinct or kind.is_careless):
+        if not is_soon and (kind.is_distinct or kind.has_old_bits):
             return self._request(arrived, DecidedBy.PAIRING)
         return self._reply(arrived, DecidedBy.PAIRING, answered)
 

@@ -94,7 +94,7 @@ class FrameKind:
 
     A request is answered on the channels `opens`; a reply answers a request that opened one of `answers`. `identified`
     are the results of the dispatch plan. `only` is the direction of all frames with this id; None if it has both.
-    `reply_time` is that of most replies on its bus. If `is_careless`, the host does not clear reserved bits of the request.
+    `reply_time` is that of most replies on its bus. If `has_old_bits`, reserved bits of the request can have any value.
     """
 
     edition: Edition
@@ -109,7 +109,7 @@ class FrameKind:
     window: int
     """The time in ns within which the request is answered."""
     reply_time: int | None
-    is_careless: bool
+    has_old_bits: bool
     _replies_to: dict[FrameKind, Identified | None] = field(default_factory=dict)
 
     @cached_property
@@ -218,11 +218,12 @@ class FrameKinds:
     def kind(self, frame: CanFrame, behaviour: Behaviour) -> FrameKind:
         """The kind of a frame on a bus."""
         identified = {direction: self._decoder.identify(direction, frame) for direction in Direction}
-        forms = [_form(message, frame) for message in self._candidates.of(frame)]
+        forms = [form_of(message, frame) for message in self._candidates.of(frame)]
         requests = [form for form in forms if form.message.direction is Direction.REQUEST]
-        is_careless = bool(requests) and requests[0].message in behaviour.careless
-        if is_careless:
-            requests[0] = replace(requests[0], reserved=Bits(0, 0))
+        old = behaviour.old_bits_of(requests[0].message) if requests else None
+        if old is not None:
+            mask = requests[0].reserved.mask if old.value is not None else 0
+            requests[0] = replace(requests[0], reserved=Bits(mask, (old.value or 0) & mask))
         having = [message for message in self.edition.all_messages() if has_id(message, frame)]
         having = having or [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
         directions = {message.direction for message in having}
@@ -239,7 +240,7 @@ class FrameKinds:
             with_constants=self._with_constants,
             window=self._window_of(requests[0].message if requests else None, behaviour),
             reply_time=behaviour.reply_time,
-            is_careless=is_careless,
+            has_old_bits=old is not None and old.value is None,
         )
 
     def _window_of(self, request: Message | None, behaviour: Behaviour) -> int:
@@ -270,7 +271,8 @@ def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified 
     return found if isinstance(found, Identified) else None
 
 
-def _form(message: Message, frame: CanFrame) -> Form:
+def form_of(message: Message, frame: CanFrame) -> Form:
+    """A message that a frame can be by its id, its length and its keys."""
     fields = message.layout.fields
     always = [f for f in fields if not f.only]
     ignored = [f for f in always if isinstance(f.role, ReservedRole)]
