@@ -12,7 +12,8 @@ from collections.abc import Callable, Sequence
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.recordings.directions import WINDOW, Directions
+from canwright.recordings.directions import Directions
+from canwright.recordings.frame_kinds import WINDOW
 
 from ..recordings.traffic import MIXES, Loss, Sent, Traffic, together, with_clock_jumps, with_marks
 from ..spec_texts import ROOT

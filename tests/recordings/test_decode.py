@@ -23,6 +23,7 @@ from canwright.model.message import Direction
 from canwright.project.golden_file import read_golden_file
 from canwright.project.loader import frames_file, specification
 from canwright.recordings import plot
+from canwright.recordings.bus_behaviour import Behaviour
 from canwright.recordings.directions import Directions
 from canwright.recordings.golden_text import golden_text
 from canwright.recordings.recorded import Mark, Recorded
@@ -247,7 +248,7 @@ def test_golden_frames_as_a_log(file: Path) -> None:
         Recorded(i * 10**12, "", CanFrame(one.id, one.data, one.extended, one.remote), marks[one.direction])
         for i, one in enumerate(golden)
     ]
-    judged = Directions({}, edition, marked={""}).judge(recorded)
+    judged = Directions({}, edition, behaviours={"": Behaviour(is_marked=True)}).judge(recorded)
     for one, each in zip(golden, judged, strict=True):
         frame, parameters = each.recorded.frame, {name: str(value) for name, value in one.parameters.items()}
         (row,) = RowReader(functools.partial(same, parameters)).rows([each])

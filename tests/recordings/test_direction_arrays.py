@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator, Sequence
 import pytest
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
+from canwright.recordings.bus_behaviour import LOOKED_AHEAD
 from canwright.recordings.direction_arrays import infer_directions
+from canwright.recordings.directions import Directions
 from canwright.recordings.recorded import Mark, Recorded
 from canwright.targets.columns.runtime._columns import Direction as Number, Frames, Kind, frames
 from hypothesis import given, settings, strategies as st
@@ -39,9 +41,11 @@ def directions(edition: Edition, log: Sequence[Recorded], size: int) -> list[int
 
 def one_by_one(edition: Edition, log: Iterable[Recorded]) -> list[int]:
     """The directions of `Directions`; an id of no edition keeps the given one."""
+    log = list(log)
+    behaviours = Directions({}, edition).learn(log[:LOOKED_AHEAD], {"can0", "can1"})
     return [
         NUMBERS[one.direction] if one.edition else MARKS[one.recorded.mark]
-        for one in judge(edition, log, marked=("can0", "can1"))
+        for one in judge(edition, log, behaviours=behaviours)
     ]
 
 

@@ -11,7 +11,8 @@ import pytest
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.recordings.directions import WINDOW, DecidedBy, Directions, Judged
+from canwright.recordings.directions import DecidedBy, Directions, Judged
+from canwright.recordings.frame_kinds import WINDOW
 from canwright.recordings.recorded import Mark, Recorded
 from canwright.semantics.frame import CanFrame
 from hypothesis import given, settings, strategies as st
@@ -172,7 +173,7 @@ def test_memory_does_not_grow_with_the_log() -> None:
             frame = CanFrame(chance.getrandbits(11) | 0x700, chance.randbytes(8), number % 3 == 0)
             yield Recorded(number * 130_000, "can0", frame, None)
 
-    directions = Directions({}, edition, marked=())
+    directions = Directions({}, edition, behaviours={})
     peaks = []
     for _ in range(2):
         tracemalloc.start()
@@ -246,7 +247,7 @@ def test_parts_have_the_results_of_the_whole_log(log: list[Recorded]) -> None:
     results = [
         facts(one, range(len(log)))
         for start, part in zip(starts, parts, strict=True)
-        for one in judge(MOTOR, part, marked=(), first=start)
+        for one in judge(MOTOR, part, behaviours=Directions({}, MOTOR).learn(log), first=start)
     ]
     assert results == [facts(one, range(len(log))) for one in whole]
 

@@ -16,7 +16,7 @@ from ..diagnostics.unicode_safety import visible
 from ..model.edition import Edition
 from ..model.message import Direction
 from ..recordings import candump, plot as pictures, split as split_logs
-from ..recordings.directions import WINDOW, Directions
+from ..recordings.directions import Directions
 from ..recordings.exports import CsvLines, bus_name, json_line
 from ..recordings.new_files import new_file, new_folder
 from ..recordings.nodes import IDENTIFIED_FROM, Nodes, NodeSetting, family_of, nodes_of
@@ -118,7 +118,7 @@ class Outputs(NamedTuple):
     "--window",
     type=click.FloatRange(min=0, min_open=True, max=1e9),
     metavar="MS",
-    help="The time within which a request is answered.  [default: 2, or twice that of the spec]",
+    help="The time within which a request is answered.  [default: 2, or longer by the spec and the log]",
 )
 @click.option(
     "--recorder",
@@ -211,7 +211,8 @@ def _decode(
     family = family_of(start, editions)
     _check_fields(outputs.fields, family)
     nodes = nodes_of(start, family, settings)
-    directions = Directions(nodes.editions, nodes.default, window=_window(window, family), recorder=recorder)
+    given = None if window is None else int(window * 1_000_000)
+    directions = Directions(nodes.editions, nodes.default, window=given, recorder=recorder)
     rows = RowReader(nodes.assignment).rows(directions.judge(itertools.chain(start, frames)))
     del start
     summary = Summary()
@@ -231,14 +232,6 @@ def _check_fields(fields: Sequence[str], editions: Iterable[Edition]) -> None:
     for name in fields:
         if name.partition("[")[0] not in known:
             stop(f"there is no field `{visible(name)}`; {nearest(name, known) or 'see `canwright show COMMAND`'}")
-
-
-def _window(given: float | None, editions: Iterable[Edition]) -> int:
-    """The time in ns within which a request is answered."""
-    if given is not None:
-        return int(given * 1_000_000)
-    within = [edition.bus.reply_within_ms or 0 for edition in editions]
-    return max(WINDOW, int(2 * max(within) * 1_000_000))
 
 
 def _write(rows: Iterator[Row], outputs: Outputs, summary: Summary) -> list[str]:

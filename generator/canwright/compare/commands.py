@@ -13,7 +13,7 @@ from ..model.message import Command, Direction, Entry, Message, OtherReply, Shar
 from ..model.metadata import Effect, Level
 from . import discriminators, fields, forms, match
 from .change import Fact, Impact, Item, Side, Word
-from .collector import Attribute, Collector, Places, Use, at, listed, paths, scope
+from .collector import Attribute, Collector, Places, Use, at, given, listed, paths, scope
 from .fields import Editions
 from .forms import is_named, messages
 
@@ -241,6 +241,7 @@ _OF_COMMAND = (
     Attribute[Command](
         "implemented-changed", "implemented", lambda c: Word("yes" if c.implemented else "no"), _implemented
     ),
+    Attribute[Command]("reply-time-changed", "reply_within_ms", lambda c: given(c.reply_within_ms), Impact.SAFE),
 )
 _MODE = Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Word("none"), Impact.LOUD)
 _LIMITS = Attribute[Command]("limits-changed", "limited_by", _limits, Impact.SILENT, _limited_by)

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 from ..model.layout import MAX_DATA_BYTES
 from ..model.types import Encoding, Order
 from .concept import Choose, Concept, Doc, JsonSchema, Limits, keys
-from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Raw, Section, Start, Text
+from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Rational, Raw, Section, Start, Text
 from .types import Deprecated, Description, RenamedFrom
 
 
@@ -224,6 +224,9 @@ class CommandSpec(Description):
     table: Annotated[Name | None, Doc("Table; the command then has one form for each entry, `COMMAND_ENTRY`.")] = None
     manual: Annotated[Section | None, Doc("Section of the manual, in quotes.", examples=("2.10",))] = None
     only: Only = None
+    reply_within_ms: Annotated[
+        Rational | None, Doc("Maximum time from request to reply, if it is longer than that of the bus.")
+    ] = None
     implemented: Annotated[bool, Doc("False if the manual states that it is not implemented.")] = True
     request: Annotated[
         MessageOrName | None,

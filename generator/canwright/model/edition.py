@@ -104,9 +104,8 @@ class Edition:
 
     @cached_property
     def slow_replies(self) -> tuple[str, ...]:
-        """Commands that an erratum about the reply time of the bus names: their replies take longer."""
-        places = {where for e in self.errata if "bus.reply_within_ms" in e.where for where in e.where}
-        return tuple(c.name for c in self.commands if ".".join(map(str, c.path)) in places)
+        """Commands with a reply time of their own, to which that of the bus does not apply."""
+        return tuple(c.name for c in self.commands if c.reply_within_ms is not None)
 
     def _errata_at(self, paths: Iterable[DocumentPath]) -> set[int]:
         return {number for path in paths for number in self._index.errata.get(".".join(map(str, path)), ())}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from fractions import Fraction
 from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
@@ -212,6 +213,8 @@ class Command:
     only: Mapping[str, tuple[str, ...]]
     request: Message | None
     replies: tuple[Reply, ...]
+    reply_within_ms: Fraction | None
+    """Maximum time from request to reply, where that of the bus does not apply."""
     implemented: bool
     effects: tuple[Effect, ...]
     limited_by: tuple[Setting, ...]

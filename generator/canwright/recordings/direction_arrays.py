@@ -25,7 +25,8 @@ from ..model.edition import Edition
 from ..model.message import Command, Direction, IdRule
 from ..semantics.decoder import Rejection
 from ..semantics.frame import CanFrame
-from .directions import MAX_KINDS, WINDOW, Arrived, Directions, Judged
+from .bus_behaviour import LOOKED_AHEAD, Behaviour
+from .directions import MAX_KINDS, Arrived, Directions, Judged
 from .frame_kinds import Form, FrameKind, FrameKinds
 from .recorded import Mark, Recorded
 
@@ -84,21 +85,39 @@ class FrameArrays(Protocol):
 Block = TypeVar("Block", bound=FrameArrays)
 
 
-def infer_directions(blocks: Iterable[Block], edition: Edition, *, window: int = WINDOW) -> Iterator[Block]:
+def infer_directions(blocks: Iterable[Block], edition: Edition, *, window: int | None = None) -> Iterator[Block]:
     """The same blocks of frames, in which the unknown directions are those that `Directions` finds.
 
     Known directions are kept, and count like marks. All blocks are of one log, in its order; all nodes speak `edition`. A
-    request is answered within `window` ns. Memory does not grow with the log. `Directions` decides sooner, without the
-    next frames, if more than 4096 frames wait for an earlier one.
+    request is answered within `window` ns; None for the time that suits the edition and the log. Memory does not grow with
+    the log. `Directions` decides sooner, without the next frames, if more than 4096 frames wait for an earlier one.
     """
-    log = _Log(edition, window)
+    iterator = iter(blocks)
+    start: list[Block] = []
+    count = 0
+    for block in iterator:
+        start.append(block)
+        count += block.id.size
+        if count >= LOOKED_AHEAD:
+            break
+    log = _Log(edition, window, _behaviours(start, edition, window))
     held: deque[_Held] = deque()
-    for block in blocks:
+    for block in itertools.chain(start, iterator):
         held.append(log.add(block))
         log.settle_late()
         yield from _released(held)
     log.settle_all()
     yield from _released(held)
+
+
+def _behaviours(start: Sequence[FrameArrays], edition: Edition, window: int | None) -> Mapping[str, Behaviour]:
+    """The behaviour of the buses in the first blocks of a log. All known directions count."""
+    rows = ((block, row) for block in start for row in range(block.id.size))
+    first = [
+        Recorded(int(block.time[row]), block.buses[block.bus[row]], _frame(block, row), _MARKS[int(block.direction[row])])
+        for block, row in itertools.islice(rows, LOOKED_AHEAD)
+    ]
+    return Directions({}, edition, window=window).learn(first, {one.bus for one in first})
 
 
 @dataclass
@@ -163,11 +182,11 @@ class _Numbers:
 
 
 class _Kinds:
-    """The kinds of frames of an edition, by number, with their properties as arrays."""
+    """The kinds of frames of an edition on buses of some behaviours, by number, with their properties as arrays."""
 
-    def __init__(self, edition: Edition, window: int, *, is_separate: bool) -> None:
-        self._kinds = FrameKinds(edition, 0)
-        self._window = window
+    def __init__(self, edition: Edition, window: int | None, *, is_separate: bool) -> None:
+        self._kinds = FrameKinds(edition, 0, window)
+        self._behaviours: dict[Behaviour, int] = {}
         self._is_separate = is_separate
         self._lines, self._values, self._numbers, self._pairs = _Numbers(), _Numbers(), _Numbers(), _Numbers()
         self._has_nodes: list[bool] = []
@@ -182,16 +201,23 @@ class _Kinds:
         """The nodes that each kind concerns, and what a request of it opens there."""
         self.is_echoed: list[bool] = []
         self.is_distinct: list[bool] = []
+        self.has_old_bits: list[bool] = []
+        self.is_copied: list[bool] = []
+        """Whether frames on the bus can be recorded twice."""
         self.within: list[int] = []
+        self.window: list[int] = []
 
     @property
     def is_full(self) -> bool:
         """Whether there are too many kinds to remember, as in a log with random frames."""
         return max(self._lines.count, self._values.count, self._numbers.count) > MAX_KINDS
 
-    def numbers(self, frames: FrameArrays) -> tuple[Array, Array]:
-        """The positions of the frames whose id is one of the edition's, and their kinds."""
+    def numbers(self, frames: FrameArrays, behaviours: Sequence[Behaviour]) -> tuple[Array, Array]:
+        """The positions of the frames whose id is one of the edition's, and their kinds; behaviours are those of the buses."""
+        known = [self._behaviours.setdefault(one, len(self._behaviours)) for one in behaviours]
         ids = frames.id.astype(np.uint64) | frames.kind.astype(np.uint64) << 32 | frames.length.astype(np.uint64) << 40
+        if len(self._behaviours) > 1:
+            ids |= np.array(known, np.uint64)[frames.bus] << 48
         lines, new = self._lines.of(ids)
         for row in new.tolist():
             frame = _frame(frames, row)
@@ -202,7 +228,9 @@ class _Kinds:
         values, _ = self._values.of(frames.data[rows] & np.array(self._key_bits, np.uint64)[lines])
         numbers, new = self._numbers.of(lines.astype(np.uint64) << 32 | values.astype(np.uint64))
         for row in rows[new].tolist():
-            self._add(self._kinds.kind(_frame(frames, row)))
+            behaviour = behaviours[frames.bus[row]]
+            self.is_copied.append(bool(behaviour.copied))
+            self._add(self._kinds.kind(_frame(frames, row), behaviour))
         return rows, numbers
 
     def _add(self, kind: FrameKind) -> None:
@@ -216,7 +244,9 @@ class _Kinds:
         self.opens.append(self._opened(kind))
         self.is_echoed.append(kind.is_echoed)
         self.is_distinct.append(kind.is_distinct)
-        self.within.append(kind.within(self._window))
+        self.has_old_bits.append(kind.has_old_bits)
+        self.within.append(kind.within)
+        self.window.append(kind.window)
 
     def _opened(self, kind: FrameKind) -> Mapping[int, int]:
         """What a request of a kind opens at each node; also the nodes that can have sent it as a reply."""
@@ -308,9 +338,10 @@ class _Entries(NamedTuple):
 class _Log:
     """The state at the end of a block: the clocks of the buses, and the nodes with open exchanges."""
 
-    def __init__(self, edition: Edition, window: int) -> None:
+    def __init__(self, edition: Edition, window: int | None, behaviours: Mapping[str, Behaviour]) -> None:
         self._edition = edition
         self._window = window
+        self._behaviours = behaviours
         self._sharing = _sharing(edition)
         self._kinds = self._new_kinds()
         self._clocks: dict[str, tuple[int, int]] = {}
@@ -319,7 +350,8 @@ class _Log:
         self._nodes = _Numbers()
         self._names: list[tuple[str, str]] = []
         """The name of each node on a bus, and of this bus."""
-        self._marked: set[str] = set()
+        self._of_nodes: dict[str, Behaviour] = {}
+        """The behaviour of the bus of each node, by its name."""
         self._editions: dict[tuple[str, int | None], Edition] = {}
         self._open: dict[str, str] = {}
         """The names of the nodes with open exchanges, and their buses."""
@@ -331,7 +363,7 @@ class _Log:
     def _directions(self) -> Directions:
         """The rules for the frames of one node; for them, each node is on a bus of its own."""
         default = self._edition if self._sharing is _Sharing.NODES else None
-        return Directions(self._editions, default, window=self._window, marked=self._marked)
+        return Directions(self._editions, default, window=self._window, behaviours=self._of_nodes)
 
     def add(self, block: FrameArrays) -> _Held:
         """The directions in a block."""
@@ -341,13 +373,16 @@ class _Log:
         if self._kinds.is_full:
             self._kinds = self._new_kinds()
         clock = self._advanced(block)
-        rows, numbers = self._kinds.numbers(block)
+        rows, numbers = self._kinds.numbers(block, [self._behaviour(bus) for bus in block.buses])
         given = block.direction[rows]
         classes = np.where(given == UNKNOWN, self._kinds.classes(numbers, block.data[rows]), given)
         held.direction[rows] = np.minimum(classes, UNKNOWN)
         if self._sharing is not _Sharing.NOTHING:
             self._pair(held, clock, _Rows(rows, numbers), classes)
         return held
+
+    def _behaviour(self, bus: str) -> Behaviour:
+        return self._behaviours.get(bus, Behaviour())._replace(is_marked=True)
 
     def settle_late(self) -> None:
         """Decides on the waiting frames for which it is too late at the end of the last block."""
@@ -438,7 +473,7 @@ class _Log:
         node = None if number == _ANY else number
         name = f"{bus}/{node}"
         self._names.append((name, bus))
-        self._marked.add(name)
+        self._of_nodes[name] = self._behaviour(bus)
         self._editions[name, node] = self._edition
 
     def _steps(self, block: FrameArrays, entries: _Entries) -> Array:
@@ -449,13 +484,15 @@ class _Log:
         """
         nodes, of, opens, classes, clock, data = entries
         kinds = self._kinds
-        steps: Array = ((classes == REPLY) | (opens == _NOTHING)).astype(np.uint8)
-        first = np.flatnonzero((classes != REPLY) & (opens == _ONE))
+        is_copied = np.array(kinds.is_copied, np.bool_)[of.kinds]
+        steps: Array = (((classes == REPLY) | (opens == _NOTHING)) & ~is_copied).astype(np.uint8)
+        first = np.flatnonzero((classes != REPLY) & (opens == _ONE) & ~is_copied)
         first = first[first + 1 < nodes.size]
         first = first[nodes[first] == nodes[first + 1]]
         gap = clock[first + 1] - clock[first]
-        steps[first[gap > self._window]] = 1
-        first, gap = first[gap <= self._window], gap[gap <= self._window]
+        is_answered = gap <= np.array(kinds.window, np.int64)[of.kinds[first]]
+        steps[first[~is_answered]] = 1
+        first, gap = first[is_answered], gap[is_answered]
         then = first + 1
         asking, kind = of.kinds[first], of.kinds[then]
         is_same = data[first] == data[then]
@@ -465,12 +502,13 @@ class _Log:
         answers[possible] = kinds.answers(block, of.at(first[possible]), of.at(then[possible]))
         is_soon = gap <= np.array(kinds.within, np.int64)[asking]
         is_distinct = np.array(kinds.is_distinct, np.bool_)[kind]
+        has_old_bits = np.array(kinds.has_old_bits, np.bool_)[kind]
         is_repeated = asking == kind
         is_same &= is_repeated
         is_both = classes[then] == _BOTH
-        closes = answers & np.where(is_echoed, is_soon, ~is_distinct & (is_soon | ~is_same))
+        closes = answers & np.where(is_echoed, is_soon, ~is_distinct & (is_soon | ~(is_same | has_old_bits)))
         steps[first[np.where(is_both, closes, answers & (classes[then] == REPLY))]] = 2
-        replaces = ~answers | (~is_soon & (is_distinct | is_same))
+        replaces = ~answers | (~is_soon & (is_distinct | is_same | has_old_bits))
         is_replaced = is_repeated & ~is_echoed & np.where(is_both, replaces, classes[then] == REQUEST)
         steps[first[is_replaced]] = 1
         waits = np.flatnonzero(is_both & answers & ~is_echoed & is_soon & is_distinct)
@@ -485,7 +523,7 @@ class _Log:
             first = first[first + distance < nodes.size]
             first = first[nodes[first] == nodes[first + distance]]
             later = first + distance
-            is_late = clock[later] - clock[first + 1] > self._window
+            is_late = clock[later] - clock[first + 1] > np.array(self._kinds.window, np.int64)[of.kinds[first]]
             found.append(first[is_late])
             first, later = first[~is_late], later[~is_late]
             if not first.size:

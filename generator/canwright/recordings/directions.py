@@ -9,11 +9,16 @@ Requests and replies can share an id and a code. The rules are tried in this ord
 - pairing: a request opens an exchange on each channel on which it is answered, and a reply within the window closes it.
 - retry: a frame with the bytes of an open request repeats it.
 
+The first frames of a log show how each bus behaves. Where the recorder logs each request twice, the second is a copy of
+the first. Where the host leaves old bytes in reserved bits, these do not decide. Where replies take longer than the spec
+states, the window is longer.
+
 Where both directions remain possible, a frame waits for the next frames of its exchange, at most for the window: a
 reply follows its own request sooner than a repeated request follows the first.
 
 Buses are independent of each other. A log can be divided by bus, and after each frame that `ends_part`; also where a bus
-is silent for more than the window. No exchange is split there, and the parts have the same results as the whole.
+is silent for more than the longest window. No exchange is split there, and the parts have the same results as the whole
+if they are given its `behaviours`.
 """
 
 from __future__ import annotations
@@ -30,13 +35,15 @@ from ..model.edition import Edition
 from ..model.message import Direction, Message
 from ..semantics.decoder import Identified, Rejection, rejects_constants
 from ..semantics.frame import CanFrame
+from .bus_behaviour import COPIED_WITHIN, LOOKED_AHEAD, Behaviour
 from .frame_kinds import Channel, FrameKind, FrameKinds, Opened
+from .observed_behaviour import Observed, observe
 from .recorded import Mark, Recorded
 
-WINDOW = 2_000_000
-"""The time in ns within which a request is answered, unless another is given."""
-LOOKED_AHEAD = 4096
-"""The number of frames at the start of a log that are searched for marks."""
+_WINDOWS = (None, 20_000_000, 200_000_000)
+"""The windows in ns that are tried while the behaviour is learned."""
+_ROUNDS = 3
+"""How often behaviour is learned: copies hide old bits, and these hide reply times."""
 UNTIMED = 64
 """The number of frames on a bus that count as the window, if they or the frames before them have no time."""
 MAX_OPEN = 16
@@ -55,6 +62,8 @@ class DecidedBy(str, Enum):
     CONTENT = "content"
     PAIRING = "pairing"
     RETRY = "retry"
+    COPY = "copy"
+    """The recorder logged a frame twice; the first one counts."""
     NONE = "none"
     """No message has the id, or none the content."""
 
@@ -64,8 +73,8 @@ class Judged(NamedTuple):
 
     `edition` is None for an id of no edition, `direction` if no message of either direction fits, `node` for a frame
     without a node, as a broadcast is. If `message` is None, `rejection` states why. `request` is the number of the
-    frame that a reply answers, and `latency` the time since then in ns. If `ends_part`, no exchange is open on the bus
-    after this frame.
+    frame that a reply answers, `latency` the time since then in ns, and `is_late` whether other replies come much sooner.
+    If `ends_part`, no exchange is open on the bus after this frame.
     """
 
     recorded: Recorded
@@ -78,6 +87,7 @@ class Judged(NamedTuple):
     rejection: Rejection | None
     request: int | None
     latency: int | None
+    is_late: bool
     ends_part: bool
 
 
@@ -123,23 +133,24 @@ class Arrived:
 class _Exchange:
     """A request that waits for replies on a channel, and the frames after it that can be replies or requests."""
 
-    __slots__ = ("channel", "kind", "missing", "request", "until", "waiting", "within")
+    __slots__ = ("channel", "kind", "missing", "request", "settled", "until", "waiting")
 
-    def __init__(self, kind: FrameKind, request: Arrived, opened: Opened, window: int) -> None:
+    def __init__(self, kind: FrameKind, request: Arrived, opened: Opened) -> None:
         self.kind = kind
         self.request = request
         self.channel, self.missing = opened
         """The number of replies that it waits for."""
-        self.until = request.clock + window
-        self.within = kind.within(window)
+        self.until = request.clock + kind.window
         self.waiting: list[Arrived] = []
+        self.settled = 0
+        """The time after which it is too late to decide on waiting frames by the next one."""
 
     @property
     def last(self) -> Arrived:
         return self.waiting[-1] if self.waiting else self.request
 
 
-_UNTIL = operator.attrgetter("until")
+_SETTLED = operator.attrgetter("settled")
 
 
 class _Answered(NamedTuple):
@@ -152,10 +163,15 @@ class _Answered(NamedTuple):
 class _Bus:
     """The state of one bus: its clock, which never runs backwards, and the open exchanges."""
 
-    __slots__ = ("clock", "count", "is_marked", "lines", "open", "time", "until", "waiting")
+    __slots__ = (
+        *("behaviour", "clock", "copied", "count", "is_marked", "latest", "lines", "open", "time", "until", "waiting"),
+        *("window",),
+    )
 
-    def __init__(self, *, is_marked: bool) -> None:
-        self.is_marked = is_marked
+    def __init__(self, behaviour: Behaviour, window: int) -> None:
+        self.behaviour = behaviour
+        self.is_marked, self.copied = behaviour.is_marked, behaviour.copied
+        self.window = window
         self.clock = 0
         self.time: int | None = None
         self.lines: dict[tuple[int, bool, bool, int], _Line] = {}
@@ -166,14 +182,25 @@ class _Bus:
         """The time at which the last exchange ends."""
         self.waiting: list[_Exchange] = []
         """The exchanges with waiting frames."""
+        self.latest: dict[int | None, _Latest] = {}
+        """The last frame of each node, if frames are recorded twice and it can have a copy."""
+
+
+class _Latest(NamedTuple):
+    """A frame, its time on the clock of its bus, and its result."""
+
+    frame: CanFrame
+    clock: int
+    result: Judged | Arrived
 
 
 class Directions:
     """Decides on the direction of each frame of a log. Memory does not grow with the log.
 
     `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
-    `window` ns. `recorder` is the direction of the frames that are marked as sent. `marked` are the buses with marks;
-    None if the first frames of the log decide. `first` is the number of the first frame.
+    `window` ns; None for the time that suits the editions and the log. `recorder` is the direction of the frames that are
+    marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. `first` is the
+    number of the first frame.
     """
 
     def __init__(
@@ -181,28 +208,29 @@ class Directions:
         editions: Mapping[tuple[str, int | None], Edition],
         default: Edition | None = None,
         *,
-        window: int = WINDOW,
+        window: int | None = None,
         recorder: Direction = Direction.REQUEST,
-        marked: Collection[str] | None = None,
+        behaviours: Mapping[str, Behaviour] | None = None,
         first: int = 0,
     ) -> None:
         self._editions = editions
         self._default = default
         used = dict.fromkeys([*editions.values(), *([default] if default else [])])
-        self._kinds = [FrameKinds(edition, number) for number, edition in enumerate(used)]
+        self._kinds = [FrameKinds(edition, number, window) for number, edition in enumerate(used)]
         self._window = window
+        self._recorder = recorder
         other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
         self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: other}
-        self._marked = marked
+        self.behaviours = behaviours
         self._number = first
         self._buses: dict[str, _Bus] = {}
 
     def judge(self, recorded: Iterable[Recorded]) -> Iterator[Judged]:
         """The frames of a log in their order, with their directions."""
         iterator = iter(recorded)
-        if self._marked is None:
+        if self.behaviours is None:
             start = list(itertools.islice(iterator, LOOKED_AHEAD))
-            self._marked = {one.bus for one in start if one.mark is Mark.SENT and self._has_id(one)}
+            self.behaviours = self.learn(start)
             iterator = itertools.chain(start, iterator)
         held: deque[Arrived | Judged] = deque()
         for one in iterator:
@@ -217,6 +245,39 @@ class Directions:
         for bus in self._buses:
             self.settle(bus)
         yield from _released(held)
+
+    def learn(self, start: Sequence[Recorded], marked: Collection[str] | None = None) -> dict[str, Behaviour]:
+        """The behaviour of the buses in the first frames of a log, decided as if nothing were known of them.
+
+        `marked` are the buses with marks; None if the frames show them.
+        """
+        if marked is None:
+            marked = {one.bus for one in start if one.mark is Mark.SENT and self._has_id(one)}
+        known = {bus: Behaviour(is_marked=True) for bus in marked}
+        found: dict[str, Behaviour] = {}
+        for _ in range(_ROUNDS):
+            observed = self._observed(start, known)
+            found = {bus: one.behaviour(known.get(bus, Behaviour())) for bus, one in observed.items()}
+            certain = {bus: one.certain for bus, one in found.items()}
+            if certain == known:
+                break
+            known = certain
+        return found
+
+    def _observed(self, start: Sequence[Recorded], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
+        """What the first frames show of each bus with the shortest window in which most replies have requests."""
+        # A request with old bits looks like a reply, and its copy like one of a reply.
+        every = frozenset(Direction)
+        tried = {bus: one._replace(copied=every if one.copied else one.copied) for bus, one in known.items()}
+        best: dict[str, Observed] = {}
+        for window in _WINDOWS if self._window is None else [self._window]:
+            trial = Directions(self._editions, self._default, window=window, recorder=self._recorder, behaviours=tried)
+            for bus, one in observe(trial.judge(start)).items():
+                if bus not in best or 2 * one.unexpected < best[bus].unexpected:
+                    best[bus] = one
+            if all(one.is_plausible for one in best.values()):
+                break
+        return best
 
     def _has_id(self, one: Recorded) -> bool:
         return any(kinds.nodes(one.frame) for kinds in self._kinds)
@@ -236,18 +297,61 @@ class Directions:
         self._number = number + 1
         bus = self._buses.get(one.bus)
         if bus is None:
-            bus = self._buses[one.bus] = _Bus(is_marked=one.bus in (self._marked or ()))
+            behaviour = (self.behaviours or {}).get(one.bus, Behaviour())
+            window = max((kinds.bus_window(behaviour) for kinds in self._kinds), default=0)
+            bus = self._buses[one.bus] = _Bus(behaviour, window)
         self._advance(bus, one.time)
         frame = one.frame
         if bus.count >= MAX_KINDS:
             self._forget(bus)
         line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, one)
         if not line.editions:
-            return Judged(one, number, None, None, None, DecidedBy.NONE, None, None, None, None, not bus.open)
+            ends_part = not bus.open and not bus.latest
+            return Judged(one, number, None, None, None, DecidedBy.NONE, None, None, None, None, False, ends_part)
         data = int.from_bytes(frame.data, "little")
         known = line.known.get(data & line.key_bits) or self._known(bus, line, one, data)
         arrived = Arrived(bus, one, number, line, known)
-        if one.mark is not None and bus.is_marked:
+        return self._with_copies(arrived, data) if bus.copied else self._decide(arrived, data)
+
+    def _with_copies(self, arrived: Arrived, data: int) -> Judged | Arrived:
+        """The result on a bus where frames are recorded twice."""
+        bus, node = arrived.bus, arrived.line.node
+        latest = bus.latest.pop(node, None)
+        if latest is not None and latest.frame == arrived.recorded.frame:
+            first = self._first(latest)
+            mark = arrived.recorded.mark if bus.is_marked else None
+            if first.direction in bus.copied and (mark is None or self._of_mark[mark] is first.direction):
+                return first._replace(
+                    recorded=arrived.recorded,
+                    number=arrived.number,
+                    decided_by=DecidedBy.COPY,
+                    request=None,
+                    latency=None,
+                    is_late=False,
+                    ends_part=not bus.open and not bus.latest,
+                )
+        result = self._decide(arrived, data)
+        if isinstance(result, Arrived) or result.direction in bus.copied:
+            bus.latest[node] = _Latest(arrived.recorded.frame, bus.clock, result)
+        if isinstance(result, Judged):
+            return result._replace(ends_part=result.ends_part and not bus.latest)
+        return result
+
+    def _first(self, latest: _Latest) -> Judged:
+        """The result for a frame that is recorded again; one that waits has the direction that is recorded twice."""
+        result = latest.result
+        if isinstance(result, Judged):
+            return result
+        if result.exchange is not None and result.judged is None:
+            settle = self._settle if Direction.REPLY in result.bus.copied else self._repeat
+            settle(result.exchange)
+        assert result.judged is not None
+        return result.judged
+
+    def _decide(self, arrived: Arrived, data: int) -> Judged | Arrived:
+        """The result by the mark, the id, the content or the exchange; the frame itself if it has to wait."""
+        one, known = arrived.recorded, arrived.known
+        if one.mark is not None and arrived.bus.is_marked:
             direction: Direction | None = self._of_mark[one.mark]
             decided_by = DecidedBy.MARK
         else:
@@ -259,8 +363,8 @@ class Directions:
             return self._request(arrived, decided_by)
         if direction is Direction.REPLY:
             return self._reply(arrived, decided_by, self._answered(arrived, replies_only=True))
-        rejection = known.kind.rejection(Direction.REQUEST, frame)
-        return _judged(arrived, None, decided_by, line.node, None, rejection)
+        rejection = known.kind.rejection(Direction.REQUEST, one.frame)
+        return _judged(arrived, None, decided_by, arrived.line.node, None, rejection)
 
     def _by_exchange(self, arrived: Arrived) -> Judged | Arrived:
         """The result for a frame that can be a request or a reply; the frame itself if it has to wait."""
@@ -268,7 +372,7 @@ class Directions:
         if answered is None:
             return self._request(arrived, DecidedBy.PAIRING)
         exchange, first = answered.exchange, answered.exchange.request
-        is_soon = arrived.clock - exchange.last.clock <= exchange.within
+        is_soon = arrived.clock - exchange.last.clock <= exchange.kind.within
         if exchange.kind.is_echoed:
             if is_soon:
                 self._repeat(exchange)
@@ -277,11 +381,12 @@ class Directions:
         if exchange.waiting:
             self._settle(exchange)
             return self._by_exchange(arrived)
-        if is_soon and arrived.known.kind.is_distinct:
+        kind = arrived.known.kind
+        if is_soon and kind.is_distinct:
             return self._wait(arrived, exchange)
         if arrived.recorded.frame == first.recorded.frame and not is_soon:
             return self._request(arrived, DecidedBy.RETRY)
-        if arrived.known.kind.is_distinct:
+        if not is_soon and (kind.is_distinct or kind.has_old_bits):
             return self._request(arrived, DecidedBy.PAIRING)
         return self._reply(arrived, DecidedBy.PAIRING, answered)
 
@@ -289,10 +394,13 @@ class Directions:
         if len(exchange.waiting) >= MAX_OPEN:
             self._settle(exchange)
             return self._by_exchange(arrived)
+        bus = arrived.bus
         if not exchange.waiting:
-            arrived.bus.waiting.append(exchange)
+            bus.waiting.append(exchange)
         exchange.waiting.append(arrived)
-        exchange.until = arrived.bus.until = arrived.clock + self._window
+        exchange.settled = arrived.clock + bus.window
+        exchange.until = max(exchange.until, exchange.settled)
+        bus.until = max(bus.until, exchange.until)
         arrived.exchange = exchange
         return arrived
 
@@ -344,7 +452,7 @@ class Directions:
         if rejection is not None or kind.request is None:
             return _judged(arrived, Direction.REQUEST, decided_by, arrived.line.node, None, rejection)
         for asking, opened in arrived.known.opens:
-            self._open(_Exchange(asking, arrived, opened, self._window))
+            self._open(_Exchange(asking, arrived, opened))
         return _judged(arrived, Direction.REQUEST, decided_by, kind.request.node, kind.request.message)
 
     def _open(self, exchange: _Exchange) -> None:
@@ -393,6 +501,7 @@ class Directions:
             rejection,
             asked.number,
             latency,
+            latency is not None and _is_late(exchange.kind, latency, node),
             arrived.exchange is None and not arrived.bus.open,
         )
 
@@ -412,13 +521,15 @@ class Directions:
         The clock depends on pairs of neighbouring frames only, so that it does not matter where a log begins.
         """
         if time is None or bus.time is None:
-            bus.clock += self._window // UNTIMED
+            bus.clock += bus.window // UNTIMED
         elif time > bus.time:
             bus.clock += time - bus.time
         bus.time = time
-        for exchange in sorted(bus.waiting, key=_UNTIL) if bus.waiting else ():
-            if exchange.until < bus.clock:
+        for exchange in sorted(bus.waiting, key=_SETTLED) if bus.waiting else ():
+            if exchange.settled < bus.clock:
                 self._settle(exchange)
+        if bus.latest:
+            bus.latest = {node: one for node, one in bus.latest.items() if bus.clock - one.clock <= COPIED_WITHIN}
         if bus.open and bus.until < bus.clock:
             bus.open.clear()
 
@@ -426,11 +537,11 @@ class Directions:
         """Forgets the kinds of frames, which a log with random frames has without end."""
         bus.lines.clear()
         bus.count = 0
-        self._kinds = [FrameKinds(kinds.edition, kinds.number) for kinds in self._kinds]
+        self._kinds = [FrameKinds(kinds.edition, kinds.number, self._window) for kinds in self._kinds]
 
     def _known(self, bus: _Bus, line: _Line, one: Recorded, data: int) -> _Known:
         """The kind of a frame of a known id and length."""
-        kinds = [each.kind(one.frame) for each in line.editions]
+        kinds = [each.kind(one.frame, bus.behaviour) for each in line.editions]
         opens = [
             (kind, opened)
             for kind in kinds
@@ -497,8 +608,17 @@ def _judged(
         rejection,
         None,
         None,
+        False,
         ends_part,
     )
+
+
+def _is_late(asking: FrameKind, latency: int, node: int | None) -> bool:
+    """Whether a reply is late. Nodes that answer one broadcast reply one after the other."""
+    assert asking.request is not None
+    from_each = asking.edition.command(asking.request.message.command).from_each
+    after = asking.late_after
+    return after is not None and latency > after * (from_each.index(node) + 1 if node in from_each else 1)
 
 
 def _by_content(kind: FrameKind, data: int) -> tuple[Direction | None, DecidedBy] | None:

@@ -6,7 +6,7 @@ import functools
 import math
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -28,6 +28,10 @@ from ..semantics.frame import (
     parts_of,
     wrong_constants,
 )
+from .bus_behaviour import Behaviour
+
+WINDOW = 2_000_000
+"""The time in ns within which a request is answered, unless the spec or the log shows a longer one."""
 
 
 class Channel(NamedTuple):
@@ -90,6 +94,7 @@ class FrameKind:
 
     A request is answered on the channels `opens`; a reply answers a request that opened one of `answers`. `identified`
     are the results of the dispatch plan. `only` is the direction of all frames with this id; None if it has both.
+    `reply_time` is that of most replies on its bus. If `has_old_bits`, reserved bits of the request can have any value.
     """
 
     edition: Edition
@@ -101,6 +106,10 @@ class FrameKind:
     opens: tuple[Opened, ...]
     answers: tuple[Channel, ...]
     with_constants: frozenset[Message]
+    window: int
+    """The time in ns within which the request is answered."""
+    reply_time: int | None
+    has_old_bits: bool
     _replies_to: dict[FrameKind, Identified | None] = field(default_factory=dict)
 
     @cached_property
@@ -143,16 +152,33 @@ class FrameKind:
             self._replies_to[asking] = _answer(self.decoder, request, reply)
         return self._replies_to[asking]
 
-    def within(self, window: int) -> int:
-        """The time in ns within which the reply is expected, at most a window; a later frame can be a request."""
-        return min(window, self._reply_within or window // 4)
+    @cached_property
+    def within(self) -> int:
+        """The time in ns within which the reply is expected, at most the window; a later frame can be a request."""
+        return min(self.window, self.late_after or self.window // 4)
 
     @cached_property
-    def _reply_within(self) -> int | None:
-        """That of the spec, and as much again to send the reply."""
+    def late_after(self) -> int | None:
+        """The time in ns after which a reply is late, by the spec and by the other replies on the bus; None if unknown.
+
+        Twice the time of the spec, because the reply has to be sent too; half as long again as nine of ten replies take.
+        """
+        if self._own_time is not None:
+            return self._own_time
         within = self.edition.bus.reply_within_ms
-        is_slow = self.request is None or self.request.message.command in self.edition.slow_replies
-        return None if within is None or is_slow else int(2 * within * 1_000_000)
+        is_known = within is not None and self.request is not None
+        times = [int(2 * within * 1_000_000)] if within is not None and is_known else []
+        if self.reply_time is not None:
+            times.append(self.reply_time * 3 // 2)
+        return max(times, default=None)
+
+    @cached_property
+    def _own_time(self) -> int | None:
+        """The reply time of the command, if it has one of its own."""
+        if self.request is None:
+            return None
+        within = self.edition.command(self.request.message.command).reply_within_ms
+        return None if within is None else int(within * 1_000_000)
 
     def rejection(self, direction: Direction, frame: CanFrame) -> Rejection | None:
         """The reason why a frame is no message of a direction; None if it is one."""
@@ -163,11 +189,15 @@ class FrameKind:
 
 
 class FrameKinds:
-    """Finds the kinds of the frames of one edition; `number` distinguishes the editions of a log."""
+    """Finds the kinds of the frames of one edition; `number` distinguishes the editions of a log.
 
-    def __init__(self, edition: Edition, number: int) -> None:
+    A request is answered within `window` ns; None for the time that suits the edition and the bus.
+    """
+
+    def __init__(self, edition: Edition, number: int, window: int | None) -> None:
         self.edition = edition
         self.number = number
+        self._window = window
         self._decoder = Decoder(edition)
         self._candidates = Candidates(edition)
         self._with_constants = frozenset(
@@ -185,11 +215,15 @@ class FrameKinds:
         having = [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
         return data_bits((key.space, key.segments) for message in having for key in message.keys)
 
-    def kind(self, frame: CanFrame) -> FrameKind:
-        """The kind of a frame."""
+    def kind(self, frame: CanFrame, behaviour: Behaviour) -> FrameKind:
+        """The kind of a frame on a bus."""
         identified = {direction: self._decoder.identify(direction, frame) for direction in Direction}
-        forms = [_form(message, frame) for message in self._candidates.of(frame)]
+        forms = [form_of(message, frame) for message in self._candidates.of(frame)]
         requests = [form for form in forms if form.message.direction is Direction.REQUEST]
+        old = behaviour.old_bits_of(requests[0].message) if requests else None
+        if old is not None:
+            mask = requests[0].reserved.mask if old.value is not None else 0
+            requests[0] = replace(requests[0], reserved=Bits(mask, (old.value or 0) & mask))
         having = [message for message in self.edition.all_messages() if has_id(message, frame)]
         having = having or [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
         directions = {message.direction for message in having}
@@ -204,7 +238,20 @@ class FrameKinds:
             opens=self._opens(requests[0]) if requests else (),
             answers=tuple(dict.fromkeys(self._channel(rule, n) for rule, node in sources for n in (node, None))),
             with_constants=self._with_constants,
+            window=self._window_of(requests[0].message if requests else None, behaviour),
+            reply_time=behaviour.reply_time,
+            has_old_bits=old is not None and old.value is None,
         )
+
+    def _window_of(self, request: Message | None, behaviour: Behaviour) -> int:
+        own = self.edition.command(request.command).reply_within_ms if request else None
+        return max(self.bus_window(behaviour), int((own or 0) * 1_000_000))
+
+    def bus_window(self, behaviour: Behaviour) -> int:
+        """The time in ns within which a request is answered, but for commands with a reply time of their own."""
+        if self._window is not None:
+            return self._window
+        return max(WINDOW, int(2 * (self.edition.bus.reply_within_ms or 0) * 1_000_000), 2 * (behaviour.reply_time or 0))
 
     def _opens(self, request: Form) -> tuple[Opened, ...]:
         command = self.edition.command(request.message.command)
@@ -224,7 +271,8 @@ def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified 
     return found if isinstance(found, Identified) else None
 
 
-def _form(message: Message, frame: CanFrame) -> Form:
+def form_of(message: Message, frame: CanFrame) -> Form:
+    """A message that a frame can be by its id, its length and its keys."""
     fields = message.layout.fields
     always = [f for f in fields if not f.only]
     ignored = [f for f in always if isinstance(f.role, ReservedRole)]

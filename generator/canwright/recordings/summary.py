@@ -32,8 +32,8 @@ class RejectedFrames:
 class NodeSummary:
     """The frames of a node on a bus.
 
-    `missing` are requests that were not answered, `late` replies after the time of the spec, `unexpected` replies
-    without a request, `rejected` frames that are no message of their direction. Latencies are in ns.
+    `missing` are requests that were not answered, `late` replies long after most others, `unexpected`
+    replies without a request, `copies` frames that were recorded again, `rejected` frames that are no message of their direction. Latencies are in ns.
     """
 
     editions: dict[Edition, None] = field(default_factory=dict)
@@ -42,6 +42,7 @@ class NodeSummary:
     missing: int = 0
     late: int = 0
     unexpected: int = 0
+    copies: int = 0
     rejected: dict[Refusal, RejectedFrames] = field(default_factory=dict)
     decided: Counter[DecidedBy] = field(default_factory=Counter)
     without: dict[str, None] = field(default_factory=dict)
@@ -80,7 +81,6 @@ class Summary:
         An id is a number, whether it has 29 bits, and whether the frame is remote."""
         self.other_foreign = 0
         self._waiting: dict[int, _Waiting] = {}
-        self._limits: dict[Command, int | None] = {}
 
     @property
     def has_rejected(self) -> bool:
@@ -109,6 +109,8 @@ class Summary:
             reason = judged.rejection.reason
             known = node.rejected.setdefault(reason, RejectedFrames(judged.rejection, frame))
             known.count += 1
+        elif judged.decided_by is DecidedBy.COPY:
+            node.copies += 1
         elif judged.direction is Direction.REQUEST:
             self._request(judged, judged.edition)
         else:
@@ -145,8 +147,7 @@ class Summary:
             waiting.replied.add(judged.node)
             if len(waiting.replied) >= max(1, len(waiting.command.from_each)):
                 del self._waiting[judged.request]
-            if judged.latency is not None:
-                node.late += self._is_late(edition, waiting.command, judged.node, judged.latency)
+        node.late += judged.is_late
         if judged.latency is not None:
             node.timed += 1
             node.latency += judged.latency
@@ -160,15 +161,3 @@ class Summary:
         for node in waiting.command.from_each:
             if (waiting.bus, node) in self.nodes and node not in waiting.replied:
                 self.nodes[waiting.bus, node].missing += 1
-
-    def _is_late(self, edition: Edition, command: Command, node: int | None, latency: int) -> bool:
-        """Whether a reply comes after the time of the spec. Nodes that answer one broadcast reply one after the other."""
-        if command not in self._limits:
-            within = edition.bus.reply_within_ms
-            is_limited = within is not None and command.name not in edition.slow_replies
-            self._limits[command] = int(within * 1_000_000) if within is not None and is_limited else None
-        limit = self._limits[command]
-        if limit is None:
-            return False
-        from_each = command.from_each
-        return latency > limit * (from_each.index(node) + 1 if node in from_each else 1)

@@ -14,7 +14,7 @@ Definition = tuple[str, str]
 
 _SECTIONS = ("addresses", "parameters", "settings", "effects", "types", "layouts", "tables", "commands")
 _ALL_COMMANDS = frozenset({(), ("selector",), ("byte_order",), ("bus",), ("bus", "dlc"), ("addresses",)})
-_INDEPENDENT = frozenset({"unit", "effects", "limited_by", "not_limited_by", "implemented", "mode"})
+_INDEPENDENT = frozenset({"unit", "effects", "limited_by", "not_limited_by", "implemented", "mode", "reply_within_ms"})
 _TEXTS = frozenset({"title", "about", "notes", "manual", "differs", "plausible"})
 _CODE_KEYS = frozenset({"code", "accept", "address", "table", "of", "dlc", "remote", "index", "kind", "commands"})
 """Keys of commands, messages and entries that, besides fields, determine the code of a message."""

@@ -169,6 +169,7 @@ def _command(
         only=only,
         request=request,
         replies=replies,
+        reply_within_ms=written.reply_within_ms,
         implemented=written.implemented,
         effects=tuple(command_effects),
         limited_by=tuple(_named(context, (*path, "limited_by"), "setting", written.limited_by, settings)),

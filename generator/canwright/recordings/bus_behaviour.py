@@ -1,0 +1,42 @@
+"""How the host, the nodes and the recorder of a bus behave."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..model.message import Direction, Message
+
+LOOKED_AHEAD = 1 << 14
+"""The number of frames at the start of a log from which the behaviour is learned."""
+COPIED_WITHIN = 3_000_000
+"""The maximum time in ns from a frame to its copy: the host hands it to the driver, and later it is on the bus."""
+
+
+class OldBits(NamedTuple):
+    """A request whose reserved bits the host does not clear; `value` is what all of them contain, None if it varies."""
+
+    request: Message
+    value: int | None
+
+
+class Behaviour(NamedTuple):
+    """The behaviour on a bus.
+
+    `is_marked` if marks distinguish requests and replies. `copied` are the directions in which each frame is recorded
+    twice. `reply_time` is the time in ns within which nine of ten replies come, None if unknown. `old_bits` are requests
+    of a host that leaves old bytes in its transmit buffer.
+    """
+
+    is_marked: bool = False
+    copied: frozenset[Direction] = frozenset()
+    reply_time: int | None = None
+    old_bits: tuple[OldBits, ...] = ()
+
+    @property
+    def certain(self) -> Behaviour:
+        """What is known without a doubt: all but the reply time, and old bits that vary."""
+        return self._replace(reply_time=None, old_bits=tuple(bits for bits in self.old_bits if bits.value is not None))
+
+    def old_bits_of(self, request: Message) -> OldBits | None:
+        """The old bits of a request, if it has any."""
+        return next((one for one in self.old_bits if one.request is request), None)

@@ -1,0 +1,208 @@
+"""Learns the behaviour on a bus from the directions that follow if nothing is known of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..model.message import Command, Direction, Message
+from ..semantics.frame import CanFrame
+from .bus_behaviour import COPIED_WITHIN, Behaviour, OldBits
+from .frame_kinds import form_of
+
+if TYPE_CHECKING:
+    from .directions import Judged
+
+_LONG = 1_000_000_000
+"""A pause in ns before which nothing counts."""
+_LEAST = 8
+"""The number of cases from which a share is taken."""
+_RARE = 32
+"""Reserved bits of a request are old if it is followed by its reply as if both were replies, once in so many or more."""
+
+
+def observe(judged: Iterable[Judged]) -> dict[str, Observed]:
+    """What the first frames of a log show of each bus."""
+    buses: dict[str, Observed] = {}
+    for one in judged:
+        if one.edition is not None:
+            buses.setdefault(one.recorded.bus, Observed()).add(one)
+    return buses
+
+
+def _is_share(count: int, of: int, numerator: int, denominator: int) -> bool:
+    return of >= _LEAST and count * denominator >= of * numerator
+
+
+class _Run(NamedTuple):
+    """Equal frames of a node, one soon after the other."""
+
+    frame: CanFrame
+    direction: Direction | None
+    time: int
+    length: int
+
+
+@dataclass
+class _Copies:
+    """Counts runs of equal frames, and how many have two frames for each."""
+
+    runs: Counter[Direction] = field(default_factory=Counter)
+    pairs: Counter[Direction] = field(default_factory=Counter)
+    _open: dict[int | None, _Run] = field(default_factory=dict)
+
+    def add(self, judged: Judged, time: int, command: Command) -> None:
+        run = self._open.pop(judged.node, None)
+        frame = judged.recorded.frame
+        if run is not None and run.frame == frame and 0 <= time - run.time <= COPIED_WITHIN:
+            self._open[judged.node] = run._replace(time=time, length=run.length + 1)
+            return
+        if run is not None and run.direction is not None:
+            self.runs[run.direction] += 1
+            self.pairs[run.direction] += run.length % 2 == 0
+        if not command.is_echoed:
+            self._open[judged.node] = _Run(frame, judged.direction, time, 1)
+
+    def directions(self) -> frozenset[Direction]:
+        """The directions in which frames are recorded twice."""
+        request, reply = Direction.REQUEST, Direction.REPLY
+        found = set()
+        # Requests with old bits look like replies: then half of all runs are pairs.
+        is_most = _is_share(self.pairs[request], self.runs[request], 1, 2)
+        if is_most or _is_share(self.pairs.total(), self.runs.total(), 1, 4):
+            found.add(request)
+        if _is_share(self.pairs[reply], self.runs[reply], 3, 4):
+            found.add(reply)
+        return frozenset(found)
+
+
+class _Reply(NamedTuple):
+    """A frame that looks like a reply: its time, the pause before it, its reserved bits, and whether it has no request."""
+
+    time: int
+    pause: int
+    bits: int
+    is_orphan: bool
+    is_second: bool
+    """Whether it is the second of a pair."""
+
+
+@dataclass
+class _Replies:
+    """The frames of a command that look like replies, because they set bits that its request reserves.
+
+    Those without a request are `orphans`, with their bits. Two in a row can be a request with old bits and its reply, which
+    has other bits, or the same if it `is_echoed`. `changes` counts them by the bits of the first. Of `pairs`, the second
+    follows soon, after one of `times`; `seconds` are its bits.
+    """
+
+    is_echoed: bool
+    count: int = 0
+    orphans: int = 0
+    times: list[int] = field(default_factory=list)
+    bits: Counter[int] = field(default_factory=Counter)
+    changes: Counter[int] = field(default_factory=Counter)
+    seconds: Counter[int] = field(default_factory=Counter)
+    _last: dict[int | None, _Reply] = field(default_factory=dict)
+
+    @property
+    def pairs(self) -> int:
+        return len(self.times)
+
+    def add(self, node: int | None, time: int, bits: int, *, is_orphan: bool) -> None:
+        before = self._last.get(node, _Reply(time - _LONG, 0, 0, False, False))
+        pause = time - before.time
+        self.count += 1
+        self.orphans += is_orphan
+        is_change = is_orphan and before.is_orphan and (bits == before.bits) is self.is_echoed
+        if is_orphan:
+            self.bits[bits] += 1
+            self.changes[before.bits] += is_change
+        is_second = is_change and not before.is_second and 0 < 2 * pause < before.pause
+        if is_second:
+            self.times.append(pause)
+            self.seconds[bits] += 1
+        self._last[node] = _Reply(time, pause, bits, is_orphan, is_second)
+
+
+class Observed:
+    """What the frames of a bus show so far. Of the `replies` to requests, `unexpected` ones have none in the log."""
+
+    def __init__(self) -> None:
+        self.replies = 0
+        self.unexpected = 0
+        self._copies = _Copies()
+        self._of_request: dict[Message, _Replies] = {}
+        self._latencies: list[int] = []
+        self._masks: dict[tuple[Message, int], int] = {}
+
+    @property
+    def is_plausible(self) -> bool:
+        """Whether few replies are unexpected."""
+        return 16 * self.unexpected <= self.replies
+
+    def add(self, judged: Judged) -> None:
+        """Counts the next frame."""
+        assert judged.edition is not None
+        time = judged.recorded.time
+        if time is None or judged.message is None or judged.decided_by == "copy":
+            return
+        command = judged.edition.command(judged.message.command)
+        self._copies.add(judged, time, command)
+        if judged.direction is not Direction.REPLY:
+            return
+        self.replies += command.request is not None
+        self.unexpected += command.request is not None and judged.request is None
+        is_certain = judged.decided_by in ("content", "id", "mark") and not command.from_each
+        if judged.latency is not None and is_certain and command.reply_within_ms is None:
+            self._latencies.append(judged.latency)
+        if judged.decided_by == "content" and command.request is not None:
+            bits = self._reserved_bits(command.request, judged.recorded.frame)
+            replies = self._of_request.setdefault(command.request, _Replies(command.is_echoed))
+            replies.add(judged.node, time, bits, is_orphan=judged.request is None)
+
+    def _reserved_bits(self, request: Message, frame: CanFrame) -> int:
+        key = request, len(frame.data)
+        if key not in self._masks:
+            self._masks[key] = form_of(request, frame).reserved.mask
+        return int.from_bytes(frame.data, "little") & self._masks[key]
+
+    def behaviour(self, known: Behaviour) -> Behaviour:
+        """The behaviour, with the copies and the constant old bits that are known already. Copies hide everything else."""
+        copied = known.copied | self._copies.directions()
+        if copied != known.copied:
+            return known._replace(copied=copied)
+        old = [*(bits for bits in known.old_bits if bits.value is not None), *self._old_bits()]
+        ordered = sorted(self._latencies)
+        for bits in old:
+            if bits.value is None:
+                ordered = sorted(ordered + self._of_request[bits.request].times)
+        return known._replace(
+            reply_time=ordered[len(ordered) * 9 // 10] if len(ordered) >= _LEAST else None,
+            old_bits=tuple(old),
+        )
+
+    def _old_bits(self) -> Iterable[OldBits]:
+        """The requests with old bits; a request with few frames counts as the others of its bus."""
+        every = self._of_request.values()
+        is_bus = _is_share(sum(one.pairs for one in every), sum(one.count for one in every), 1, _RARE)
+        for request, replies in self._of_request.items():
+            value = _constant(request, replies)
+            is_old = _is_share(replies.pairs, replies.count, 1, _RARE) if replies.count >= _LEAST else is_bus
+            if is_old or value is not None:
+                yield OldBits(request, value)
+
+
+def _constant(request: Message, replies: _Replies) -> int | None:
+    """The value of the reserved bits of all requests: half of the orphans have it, and other values follow it.
+
+    The reply to a read can also be the same each time. Then the times show which of the two is the reply.
+    """
+    if replies.is_echoed or not _is_share(replies.orphans, replies.count, 1, 4):
+        return None
+    (value, count), (_, second) = [*replies.bits.most_common(2), (0, 0), (0, 0)][:2]
+    is_usual = 3 * count >= replies.orphans and 2 * second < count and 2 * replies.changes[value] >= count
+    is_request = bool(request.layout.fields) or 2 * replies.seconds[value] < count
+    return value if is_usual and is_request else None
