@@ -6,6 +6,10 @@ import csv
 import functools
 import io
 import json
+import os
+import shutil
+import subprocess
+import sys
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -516,6 +520,55 @@ def test_wrong_arguments(arguments: list[str], message: str) -> None:
     result = run(*arguments, status=2)
     assert message in " ".join(result.stderr.split())
     assert not list(Path().glob("*.p*")) and not list(Path().glob(".*part"))
+
+
+@pytest.mark.parametrize("spelling", ["bus.log", "./bus.log", "folder/../bus.log", "symbolic.log", "hard.log", "absolute"])
+@pytest.mark.parametrize("option", ["--out", "--split", "--plot"])
+def test_an_output_never_replaces_the_log(option: str, spelling: str) -> None:
+    suffix = {"--plot": ".svg"}.get(option, ".log")
+    log = Path(f"bus{suffix}")
+    log.write_text(MIXED, "utf-8")
+    Path("folder").mkdir()
+    Path(f"symbolic{suffix}").symlink_to(log.name)
+    os.link(log, f"hard{suffix}")
+    written = str(log.absolute()) if spelling == "absolute" else spelling.replace(".log", suffix)
+    fields = ["--field", "iq"] if option == "--plot" else []
+    for name in (log.name, f"symbolic{suffix}"):
+        result = run(name, *SETTINGS, "--format", "csv", option, written, *fields, status=2)
+        assert "is the log that is read; choose another file" in result.stderr
+    assert log.read_text("utf-8") == MIXED
+
+
+def test_an_output_never_replaces_the_standard_input() -> None:
+    Path("bus.log").write_text(MIXED, "utf-8")
+    command = [sys.executable, "-m", "canwright", "decode", "-", *SETTINGS, "--out", "bus.log"]
+    with Path("bus.log").open("rb") as log:
+        result = subprocess.run(command, stdin=log, capture_output=True, check=False)
+    assert (result.returncode, Path("bus.log").read_text("utf-8")) == (2, MIXED)
+
+
+def test_a_log_with_the_name_of_a_temporary_file() -> None:
+    for name in (".rows.part", ".tables.part/bus.log"):
+        Path(name).parent.mkdir(exist_ok=True)
+        Path(name).write_text(MIXED, "utf-8")
+        run(name, *SETTINGS, "--out", "rows")
+        run(name, *SETTINGS, "--format", "parquet", "--out", f"tables{len(name)}")
+        run(name, *SETTINGS, "--format", "parquet", "--out", "tables")
+        shutil.rmtree("tables")
+        assert Path(name).read_text("utf-8") == MIXED
+
+
+def test_a_folder_of_tables_that_contains_the_log() -> None:
+    Path("tables").mkdir()
+    Path("tables/bus.log").write_text(MIXED, "utf-8")
+    run("tables/bus.log", *SETTINGS, "--format", "parquet", "--out", "tables", status=2)
+    assert Path("tables/bus.log").read_text("utf-8") == MIXED
+
+
+def test_two_outputs_of_one_name() -> None:
+    result = decode(MIXED, *SETTINGS, "--format", "csv", "--out", "x.log", "--split", "./x.log", status=2)
+    assert "x.log is the file of two outputs" in result.stderr
+    assert not Path("x.log").exists()
 
 
 @pytest.mark.parametrize(("package", "options"), [("pyarrow", ["--format", "parquet"]), ("matplotlib", ["--plot"])])
