@@ -24,6 +24,8 @@ class Motor:
     node: int
     edition: str
     mix: Sequence[str] = ("status", "torque", "feedback")
+    first: Sequence[str] = ("on",)
+    """The requests of the first rounds, before the mix is repeated."""
     bus: str = "can0"
     since: int = 0
     until: int = 1 << 60
@@ -156,7 +158,8 @@ def frames(motors: Iterable[Motor], rounds: int, seed: int) -> Iterator[Frame]:
             if not motor.since <= number < motor.until or number % motor.every:
                 continue
             turn = asked[motor] = asked.get(motor, -1) + 1
-            name = motor.mix[turn % len(motor.mix)]
+            rest = turn - len(motor.first)
+            name = motor.first[turn] if rest < 0 else motor.mix[rest % len(motor.mix)]
             request, reply, voltage = REQUESTS[name](motor.edition, rng)
             from_ = 0x180 if motor.edition.startswith("v2.36") else 0x140
             yield Frame(time, motor.bus, 0x140 + motor.node, request, True, motor)

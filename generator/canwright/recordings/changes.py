@@ -23,8 +23,8 @@ BLOCK = 64
 """The number of frames of a node that are examined at once."""
 SWITCH = 8
 """The points that a change of the edition saves at least, in a log without corrupted frames."""
-NEAR = 128
-"""Frames of a log after which the next frame of a node is not near."""
+NEAR = 32
+"""The number of frames of a log within which the next frame of a node is near."""
 
 Arrival = tuple[Step, int, Recorded]
 """A step, the number of its frame, and the frame."""
@@ -64,7 +64,7 @@ class NodeFrames:
         self.frames = 0
         self.near = 0
         """Frames that follow the one before soon, as replies and the requests of a cycle do."""
-        self._last = 0
+        self._last: int | None = None
         self._editions = editions
         self._noise = 0
         self._points = [0] * len(editions)
@@ -90,20 +90,20 @@ class NodeFrames:
         self.frames += len(self.recent)
         self._noise += sum(seen.count for step, seen in counts.items() if step.is_unexplained)
         for _, number, _ in self.recent:
-            self.near += number - self._last <= NEAR
+            self.near += self._last is not None and number - self._last <= NEAR
             self._last = number
 
     def _add_block(self, counts: dict[Step, Seen], start: Place) -> None:
         """Adds frames for each of which an edition that explains the past is among the best."""
         self.tallies[-1].add(counts)
-        costs = [0] * len(self._editions)
+        added = [0] * len(self._editions)
         for step, seen in counts.items():
-            for i, cost in enumerate(step.costs):
-                costs[i] += cost * seen.count
-        self._points = [points + cost for points, cost in zip(self._points, costs, strict=True)]
+            for i, points in enumerate(step.points):
+                added[i] += points * seen.count
+        self._points = [points + more for points, more in zip(self._points, added, strict=True)]
         least = min(self._points)
-        for division, cost in zip(self._divisions, costs, strict=True):
-            division.points += cost
+        for division, more in zip(self._divisions, added, strict=True):
+            division.points += more
             if division.points >= least:
                 division.restart(least)
             else:

@@ -33,7 +33,7 @@ MAX_COUNTED = 1 << 12
 """The maximum number of codes of an id or keys of a code that are remembered."""
 MAX_FOREIGN = 1 << 10
 """The maximum number of foreign ids that are counted one by one."""
-STRAY = 50
+STRAY = 20
 """A node with at most one of so many frames as the busiest node of its bus is stray, if its frames are far apart."""
 
 
@@ -130,7 +130,7 @@ class Identifier:
             node.examine()
             busiest[bus] = max(busiest[bus], node.frames)
         for (bus, number), node in sorted(self._nodes.items(), key=lambda one: (one[0][0], one[0][1] or -1)):
-            is_stray = STRAY * node.frames <= busiest[bus] and 2 * node.near <= node.frames
+            is_stray = STRAY * node.frames <= busiest[bus] and 2 * node.near < node.frames
             results += (
                 dataclasses.replace(result, is_stray=is_stray) for result in _parts(bus, number, node, compared)
             )

@@ -18,6 +18,10 @@ ANSWERED = Fraction(1, 2)
 """The minimum share of the requests with a reply that are answered."""
 
 
+RARE = Fraction(1, 20)
+"""The maximum share of the frames of a node that are rare, so that they may be corrupted."""
+
+
 class Place(NamedTuple):
     """A frame of a log: its number, and its time in ns; None in a log without times."""
 
@@ -60,9 +64,10 @@ class EditionScore:
         return self.explained >= EXPLAINED * judged
 
     def is_possible(self, judged: int) -> bool:
-        """Whether the edition explains nearly all frames, and most of its requests are answered."""
-        answered = self.requests - sum(self.unanswered.values())
-        return self.is_explained(judged) and answered >= ANSWERED * self.requests
+        """Whether the edition explains nearly all frames, and most of its requests are answered, unless these are rare."""
+        unanswered = sum(self.unanswered.values())
+        most = max((1 - ANSWERED) * self.requests, RARE * judged)
+        return self.is_explained(judged) and unanswered <= most
 
 
 @dataclass(frozen=True, kw_only=True)

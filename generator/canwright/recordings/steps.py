@@ -68,18 +68,23 @@ class Step:
         return bool(having) and all(one.is_request for one in having)
 
     @cached_property
-    def costs(self) -> tuple[int, ...]:
-        """The points against each edition that can decide. Requests cannot: hosts set reserved bits, and try codes."""
+    def points(self) -> tuple[int, ...]:
+        """The points against each edition. Requests have none, since hosts set reserved bits, and try codes."""
         if self.is_unexplained or self.is_request:
             return (0,) * len(self.meanings)
-        found = (meaning.interpretation for meaning in self.meanings)
-        return tuple(0 if one.is_careless else one.points for one in found)
+        return tuple(meaning.interpretation.points for meaning in self.meanings)
+
+    @cached_property
+    def costs(self) -> tuple[int, ...]:
+        """The points without those against what a host may have sent."""
+        found = zip(self.points, self.meanings, strict=True)
+        return tuple(0 if meaning.interpretation.is_careless else points for points, meaning in found)
 
     @cached_property
     def best(self) -> int:
         """The editions with the fewest points, as a mask."""
-        least = min(self.costs)
-        return sum(1 << i for i, cost in enumerate(self.costs) if cost == least)
+        least = min(self.points)
+        return sum(1 << i for i, points in enumerate(self.points) if points == least)
 
 
 def meaning(
