@@ -6,6 +6,10 @@ import csv
 import functools
 import io
 import json
+import os
+import shutil
+import subprocess
+import sys
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -100,6 +104,37 @@ def test_rows_of_two_editions_on_two_buses() -> None:
     assert fields[5]["voltage"]["value"] == 48.7
     assert '"time": 1.000250000,' in result.stdout
     assert "1 frame with foreign ids: 0x7FF (1)" in result.stderr
+
+
+# Requests to one id; the node is in the data. The replies have an id of each node, an id of all, or four bits of the node
+NODES_IN_DATA = """\
+(1.000000) can0 7E5#1000006F00000000
+(1.000200) can0 46F#100000000DF0AD8B
+(1.001000) can0 7E6#1125000000000000
+(1.001200) can0 7E4#1150000002010000
+(1.002000) can0 7E6#1107000000000000
+(1.002200) can0 7E4#1170000002010000
+(2.002200) can0 7E4#1130000002010000
+"""
+
+
+def test_the_node_in_the_data_of_a_frame() -> None:
+    spec = ("--spec", str(ROOT / "tests/specs/valve/v1.yaml"))
+    found = json_rows(decode(NODES_IN_DATA, *spec, "--format", "jsonl").stdout)
+    assert [(row["node"], row["request"]) for row in found] == [
+        (111, None),
+        (111, 0),
+        (37, None),
+        (37, 2),
+        (7, None),
+        (7, 4),
+        (3, None),
+    ]
+    text = decode(NODES_IN_DATA, *spec).stdout
+    assert "can0, node 37, v1: 1 request, 1 reply after 0.200 ms" in text
+    assert "can0, node 3, v1: 0 requests, 1 reply\n  1 unexpected" in text
+    text = run("7E6#1125000000000000", *spec).stdout
+    assert "request of read_version to node 37" in text
 
 
 def test_the_edition_is_identified_for_each_node() -> None:
@@ -255,7 +290,9 @@ def test_golden_frames_as_a_log(file: Path) -> None:
         assert row.judged.direction is one.direction
         identified = decoder.identify(one.direction, frame)  # without its request, also for replies of other commands
         assert isinstance(identified, Identified) and row.judged.message is identified.message
-        assert row.judged.node == one.node
+        holding = identified.message.node_bits
+        in_data = one.raw[holding.name] if holding and holding.name in one.raw else None
+        assert row.judged.node == (in_data if identified.message.id.nodes is None else one.node)
         assert by_field(row, raw=True) == one.raw
         values = by_field(row, raw=False)
         for name, value in one.values.items():
@@ -484,6 +521,55 @@ def test_wrong_arguments(arguments: list[str], message: str) -> None:
     result = run(*arguments, status=2)
     assert message in " ".join(result.stderr.split())
     assert not list(Path().glob("*.p*")) and not list(Path().glob(".*part"))
+
+
+@pytest.mark.parametrize("spelling", ["bus.log", "./bus.log", "folder/../bus.log", "symbolic.log", "hard.log", "absolute"])
+@pytest.mark.parametrize("option", ["--out", "--split", "--plot"])
+def test_an_output_never_replaces_the_log(option: str, spelling: str) -> None:
+    suffix = {"--plot": ".svg"}.get(option, ".log")
+    log = Path(f"bus{suffix}")
+    log.write_text(MIXED, "utf-8")
+    Path("folder").mkdir()
+    Path(f"symbolic{suffix}").symlink_to(log.name)
+    os.link(log, f"hard{suffix}")
+    written = str(log.absolute()) if spelling == "absolute" else spelling.replace(".log", suffix)
+    fields = ["--field", "iq"] if option == "--plot" else []
+    for name in (log.name, f"symbolic{suffix}"):
+        result = run(name, *SETTINGS, "--format", "csv", option, written, *fields, status=2)
+        assert "is the log that is read; choose another file" in result.stderr
+    assert log.read_text("utf-8") == MIXED
+
+
+def test_an_output_never_replaces_the_standard_input() -> None:
+    Path("bus.log").write_text(MIXED, "utf-8")
+    command = [sys.executable, "-m", "canwright", "decode", "-", *SETTINGS, "--out", "bus.log"]
+    with Path("bus.log").open("rb") as log:
+        result = subprocess.run(command, stdin=log, capture_output=True, check=False)
+    assert (result.returncode, Path("bus.log").read_text("utf-8")) == (2, MIXED)
+
+
+def test_a_log_with_the_name_of_a_temporary_file() -> None:
+    for name in (".rows.part", ".tables.part/bus.log"):
+        Path(name).parent.mkdir(exist_ok=True)
+        Path(name).write_text(MIXED, "utf-8")
+        run(name, *SETTINGS, "--out", "rows")
+        run(name, *SETTINGS, "--format", "parquet", "--out", f"tables{len(name)}")
+        run(name, *SETTINGS, "--format", "parquet", "--out", "tables")
+        shutil.rmtree("tables")
+        assert Path(name).read_text("utf-8") == MIXED
+
+
+def test_a_folder_of_tables_that_contains_the_log() -> None:
+    Path("tables").mkdir()
+    Path("tables/bus.log").write_text(MIXED, "utf-8")
+    run("tables/bus.log", *SETTINGS, "--format", "parquet", "--out", "tables", status=2)
+    assert Path("tables/bus.log").read_text("utf-8") == MIXED
+
+
+def test_two_outputs_of_one_name() -> None:
+    result = decode(MIXED, *SETTINGS, "--format", "csv", "--out", "x.log", "--split", "./x.log", status=2)
+    assert "x.log is the file of two outputs" in result.stderr
+    assert not Path("x.log").exists()
 
 
 @pytest.mark.parametrize(("package", "options"), [("pyarrow", ["--format", "parquet"]), ("matplotlib", ["--plot"])])

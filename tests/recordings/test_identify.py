@@ -13,8 +13,9 @@ from canwright.cli import main
 from canwright.model.edition import Edition
 from canwright.project.loader import spec_files, specification
 from canwright.recordings import candump
-from canwright.recordings.identify import Identification, NodeResult, identify
+from canwright.recordings.identify import identify
 from canwright.recordings.recorded import Counts
+from canwright.recordings.results import Identification, NodeResult
 from canwright.recordings.scoring import Kinds
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import os
+import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
@@ -18,11 +20,11 @@ from ..model.message import Direction
 from ..recordings import candump, plot as pictures, split as split_logs
 from ..recordings.directions import Directions
 from ..recordings.exports import CsvLines, bus_name, json_line
-from ..recordings.new_files import new_file, new_folder
+from ..recordings.new_files import is_overwritten, new_file, new_folder, same_path
 from ..recordings.nodes import IDENTIFIED_FROM, Nodes, NodeSetting, family_of, nodes_of
 from ..recordings.packages import MissingPackageError
 from ..recordings.parquet import ParquetTables
-from ..recordings.readers import Log, LogError, open_log
+from ..recordings.readers import STANDARD_INPUT, Log, LogError, open_log
 from ..recordings.recorded import Counts, Part
 from ..recordings.rows import Row, RowReader
 from ..recordings.summary import Summary
@@ -83,6 +85,11 @@ class Outputs(NamedTuple):
     def prints_rows(self) -> bool:
         """Whether the rows are on the standard output."""
         return self.out is None and self.form != "none"
+
+    @property
+    def paths(self) -> Sequence[Path]:
+        """The files and the folder that are written."""
+        return [path for path in (self.out, self.split, self.plot) if path is not None]
 
 
 @click.command()
@@ -162,6 +169,7 @@ def decode(
         raise click.UsageError("--golden is for a single frame, such as 141#A100FF")
     outputs = Outputs(form or ("none" if split or plot else "text"), out, split, plot, fields)
     _check(outputs)
+    _check_paths(log, outputs)
     direction = Direction.REQUEST if recorder == "host" else Direction.REPLY
     try:
         with open_log(log) as recording:
@@ -196,6 +204,20 @@ def _check(outputs: Outputs) -> None:
         raise click.UsageError("--format parquet needs a folder: --out tables")
     if outputs.form == "none" and outputs.out:
         raise click.UsageError("--out needs a --format")
+
+
+def _check_paths(log: str, outputs: Outputs) -> None:
+    """Stops if an output replaces the log or another output."""
+    try:
+        read = os.fstat(sys.stdin.fileno()) if log == STANDARD_INPUT else Path(log).stat()
+    except OSError:  # no file, as the standard input may be none
+        read = None
+    for path in outputs.paths:
+        if read is not None and stat.S_ISREG(read.st_mode) and is_overwritten(read, path):
+            stop(f"{visible(str(path))} is the log that is read; choose another file")
+    twice = same_path(outputs.paths)
+    if twice:
+        stop(f"{visible(str(twice))} is the file of two outputs; choose another file for one")
 
 
 def _decode(

@@ -13,7 +13,8 @@ from ..model.edition import Edition
 from ..model.formatting import bus_id, counted, sent
 from ..recordings.exports import bus_name
 from ..recordings.grouping import groups
-from ..recordings.identify import EditionScore, Evidence, Identification, Identifier, NodeResult
+from ..recordings.identify import Identifier
+from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
 from ..recordings.readers import LogError, open_log
 from ..recordings.recorded import Counts
 from .common import FINDINGS, read, spec_option, stop

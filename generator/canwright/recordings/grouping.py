@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .identify import EditionScore, Evidence, NodeResult
+from .results import EditionScore, Evidence, NodeResult
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from ..model.edition import Edition
 from ..model.types import Assignment
 from ..semantics.frame import CanFrame, has_id
-from .identify import NodeResult, identify
+from .identify import identify
+from .results import NodeResult
 from .recorded import Recorded
 
 IDENTIFIED_FROM = 20_000

@@ -24,20 +24,25 @@ MAX_KNOWN = 1 << 12
 
 
 class Interpretation:
-    """A possible meaning of a frame in an edition, and the reasons against it; `message` is None without one."""
+    """A possible meaning of a frame in an edition, and the reasons against it; `message` is None without one.
 
-    __slots__ = ("is_dirty", "kind", "message", "points", "reasons")
+    If `is_of_host`, the host has chosen the data: those of a request, or of its echo.
+    """
 
-    def __init__(self, kind: str, message: Message | None, reasons: tuple[Reason, ...]) -> None:
+    __slots__ = ("is_careless", "is_request", "kind", "message", "points", "reasons")
+
+    def __init__(
+        self, kind: str, message: Message | None, reasons: tuple[Reason, ...], *, is_of_host: bool = False
+    ) -> None:
         self.kind = kind
         self.message = message
         self.reasons = reasons
-        is_request = message is not None and message.direction is Direction.REQUEST
+        self.is_request = message is not None and message.direction is Direction.REQUEST
+        self.is_careless = is_of_host and all(reason.points <= WEAK for reason in reasons)
+        """Whether a host can have sent this: it left reserved bytes uncleared, or exceeded a range."""
         reserved = sum(reason.points for reason in reasons if reason.byte is not None)
-        self.is_dirty = bool(is_request and reserved)
-        """Whether it is a request with reserved bytes that its host left uncleared."""
         others = sum(reason.points for reason in reasons if reason.byte is None)
-        self.points = min(others + (min(reserved, WEAK) if is_request else reserved), STRONG)
+        self.points = min(others + (min(reserved, WEAK) if is_of_host else reserved), STRONG)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +135,14 @@ class Kinds:
         )
         return bits & ~((1 << 8 * first.stop) - (1 << 8 * first.start))
 
+    def all_key_bits(self, frame: CanFrame) -> int:
+        """The data bits of all keys of the messages with the id of a frame."""
+        return data_bits((key.space, key.segments) for message in self.messages(frame) for key in message.keys)
+
+    def candidates(self, frame: CanFrame) -> list[Message]:
+        """The messages that a frame can be in any edition."""
+        return [message for candidates in self._candidates for message in candidates.of(frame)]
+
     def kind(self, frame: CanFrame, rule: IdRule) -> Kind:
         """The kind of a frame with an id of `rule`."""
         found = [tuple(candidates.of(frame)) if candidates.has_id(frame) else None for candidates in self._candidates]
@@ -164,6 +177,7 @@ class Form:
         keys = data_bits((key.space, key.segments) for key in message.keys)
         fields = data_bits((f.space, e.segments) for f in variant.fields for e in f.elements)
         is_request = message.direction is Direction.REQUEST
+        self._is_of_host = is_request or edition.command(message.command).is_echoed
         where = f"{message.direction.value} of {message.command}" + (reply_rule(edition, message) if is_request else "")
         for at in range(message.dlc):
             mask = ~(keys | fields) >> at * 8 & 0xFF
@@ -175,7 +189,8 @@ class Form:
     def interpret(self, id_: int, data: int) -> Interpretation:
         """A frame as this message, with the reasons against it."""
         found = (check.reason(bits_at(check.parts, id_ if check.in_id else data)) for check in self.checks)
-        return Interpretation(self._message.name, self._message, tuple(reason for reason in found if reason))
+        reasons = tuple(reason for reason in found if reason)
+        return Interpretation(self._message.name, self._message, reasons, is_of_host=self._is_of_host)
 
 
 def reply_rule(edition: Edition, message: Message) -> str:
