@@ -79,12 +79,12 @@ class Frame(NamedTuple):
 
 
 class Meaning(NamedTuple):
-    """A decoded frame: its command, its node, the values of its fields, and the names of its constants."""
+    """A decoded frame: its command, its node, and the values of its fields and of its constants."""
 
     command: str
     node: int | None
     values: dict[str, Any]
-    constants: frozenset[str]
+    constants: Mapping[str, Any]
 
     def __str__(self) -> str:
         node = f" of node {self.node}" if self.node is not None else ""
@@ -136,9 +136,7 @@ class Binding:
             del sys.modules[self.module.__name__]
         self._depends: dict[Any, bool] = {}
         for message in item.edition.all_messages():
-            constants = {k.name for k in message.keys if k.role is KeyRole.CONSTANT}
-            constants |= {f.name for f in message.layout.fields if f.demanded is not None}
-            self.of(message).CONSTANTS = frozenset(map(attribute, constants))
+            self.of(message).CONSTANTS = dict(_constants(message))
 
     @functools.cached_property
     def parts(self) -> dict[str, str]:
@@ -225,7 +223,13 @@ def meaning(message: Any) -> Meaning:
     """The values of all fields in units; the raw integer where there is no scale."""
     raws = message.raw()
     values = {name: _value(message.TYPES[name], raw, message.parameters, name) for name, raw in raws.items()}
-    return Meaning(message.COMMAND, message.node, values, message.__class__.__dict__.get("CONSTANTS", frozenset()))
+    return Meaning(message.COMMAND, message.node, values, message.__class__.__dict__.get("CONSTANTS", {}))
+
+
+def _constants(message: Message) -> Iterator[tuple[str, Any]]:
+    """The constants of a message with their values: numbers without a unit."""
+    yield from ((attribute(k.name), (k.value, "")) for k in message.keys if k.role is KeyRole.CONSTANT)
+    yield from ((attribute(f.name), (f.demanded, "")) for f in message.layout.fields if f.demanded is not None)
 
 
 def _value(type_: Any, raw: Any, parameters: Any, name: str) -> Any:
@@ -278,15 +282,23 @@ def difference(old: Meaning, new: Meaning, names: Names, *, receiving: bool) -> 
     seen = set()
     for name, value in old.values.items():
         now = names.field(old.command, name)
-        if now is not None and now in new.constants:
-            continue  # its value is the constant, or the frame would have been rejected
+        constant = new.constants.get(attribute(now)) if now is not None else None
+        if now is not None and attribute(now) in new.constants:
+            if not _same(value, constant, names):
+                return f"{name} = {value} or the constant {constant}"
+            continue
         if now is None or attribute(now) not in new.values:
             return f"{name} = {value} or no such field"
         now = attribute(now)
         seen.add(now)
         if not _same(value, new.values[now], names):
             return f"{name} = {value} or {new.values[now]}"
-    extra = [name for name in new.values if name not in seen and name not in old.constants]
+    extra = [name for name in new.values if name not in seen]
+    for name in [name for name in extra if name in old.constants]:
+        extra.remove(name)
+        constant = old.constants[name]
+        if not _same(constant, new.values[name], names):
+            return f"the constant {name} = {constant} or {new.values[name]}"
     if extra and not receiving:
         return f"{extra[0]} = {new.values[extra[0]]} or no such field"
     return ""
@@ -456,9 +468,9 @@ class Behaviour:
     names_differ: bool = False
 
 
-def behaviour(old: Old, item: Specification, names: Names) -> Behaviour:
+def behaviour(old: Old, new: Binding, names: Names) -> Behaviour:
     """The verdict of each side."""
-    return _Run(old, Binding(item), names).run()
+    return _Run(old, new, names).run()
 
 
 class _Run:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 from ..model.edition import Edition
 from . import commands, edition_changes, missing_names, renames
@@ -16,9 +18,21 @@ from .witnesses.behaviour import Behaviour
 def changes(old: Edition, new: Edition, exporters: Sequence[Exporter]) -> tuple[Change, ...]:
     """Every change, with its verdict and witnesses."""
     names = ExportedNames(exporters, old, new)
+    new = _in_order_of(old, new)
     found = Collector(names, new)
     renamed = renames.compare(found, old, new)
     edition_changes.compare(found, renamed, new)
     commands.compare(found, renamed, new)
     missing_names.compare(found, names, old)
     return judged(tuple(found), tuple(Behaviour(renamed, new).observations()))
+
+
+def _in_order_of(old: Edition, new: Edition) -> Edition:
+    """The new edition with its items in the order of the old one, and others by name: its keys may have any order."""
+    sections = ("parameters", "settings", "effects", "types", "layouts", "tables", "commands")
+    ordered: dict[str, Any] = {}
+    for section in sections:
+        places = {item.name: place for place, item in enumerate(getattr(old, section))}
+        items = getattr(new, section)
+        ordered[section] = tuple(sorted(items, key=lambda item, of=places: (of.get(item.name, len(of)), item.name)))
+    return dataclasses.replace(new, **ordered)
