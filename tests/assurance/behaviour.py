@@ -22,7 +22,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from canwright.model.edition import Edition
-from canwright.model.layout import Space
+from canwright.model.layout import Segment, Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Parameter
@@ -519,6 +519,7 @@ class _Run:
             counts[command.name] = counts.get(command.name, 0) + 1
             if counts[command.name] <= self._limit(command):
                 yield one
+        yield from self._with_constants(before)
         if "" not in self.changed:
             return
         keys = {(m.id, _keys(m)) for m in self.old.edition.messages(Direction.REQUEST)}
@@ -531,6 +532,19 @@ class _Run:
             for other in fresh:
                 if message._raws and last[command.name] <= 6:
                     yield from self._overlaid(command, message, known, frame, other)
+
+    def _with_constants(self, before: Mapping[str, Any]) -> Iterator[tuple[Command, Any, Any, Frame, Meaning]]:
+        """Requests with the constants that the new edition demands in them."""
+        counts: dict[str, int] = {}
+        for command, message, known, frame, _ in list(self.old.sent(before)):
+            now = self.new_commands.get(self.now[command.name] or "")
+            if now is None or now.request is None or class_name(now.request.name) not in self.changed:
+                continue
+            demanded = [f for f in now.request.layout.fields if f.demanded is not None and not f.is_array]
+            counts[command.name] = counts.get(command.name, 0) + 1
+            if demanded and counts[command.name] <= VECTORS:
+                parts = [(f.space, f.elements[0].segments, f.demanded or 0) for f in demanded]
+                yield from self._changed_to(command, message, known, frame, placed(frame, parts))
 
     def _limit(self, command: Command) -> int:
         """So many requests of a command are worth a test."""
@@ -547,7 +561,10 @@ class _Run:
         """The request with the keys of another message in its fields, if it remains the same request."""
         if frame.remote or frame.extended != other.id.extended or other.dlc != len(frame.data):
             return
-        changed = overlay(frame, other.keys)
+        yield from self._changed_to(command, message, known, frame, overlay(frame, other.keys))
+
+    def _changed_to(self, command: Command, message: Any, known: Any, frame: Frame, changed: Frame) -> Iterator[Any]:
+        """A request as another frame, if it remains the same request."""
         if changed == frame:
             return
         again = self.old.binding.decode(Direction.REQUEST, changed, known)
@@ -803,16 +820,20 @@ def _keys(message: Message) -> tuple[Any, ...]:
 
 def overlay(frame: Frame, keys: Iterable[Key], value: int | None = None) -> Frame:
     """A frame with the values of some keys."""
+    return placed(frame, [(key.space, key.segments, key.value if value is None else value) for key in keys])
+
+
+def placed(frame: Frame, parts: Iterable[tuple[Space, Iterable[Segment], int]]) -> Frame:
+    """A frame with raw integers in some bits."""
     data, can_id = bytearray(frame.data), frame.id
-    for key in keys:
-        raw = key.value if value is None else value
-        for segment in key.segments:
-            bits = raw >> segment.raw_low & (1 << segment.width) - 1
+    for space, segments, raw in parts:
+        for segment in segments:
+            bits = (raw >> segment.raw_low & (1 << segment.width) - 1) << segment.low
             mask = (1 << segment.width) - 1 << segment.low
-            if key.space is Space.ID:
-                can_id = can_id & ~mask | bits << segment.low
+            if space is Space.ID:
+                can_id = can_id & ~mask | bits
             elif segment.byte < len(data):
-                data[segment.byte] = data[segment.byte] & ~mask | bits << segment.low
+                data[segment.byte] = data[segment.byte] & ~mask | bits
     return Frame(can_id, bytes(data), frame.extended, frame.remote)
 
 

@@ -107,7 +107,7 @@ def _as(
         try:
             decoded = cls.unpack(node, frame.id, frame.data, parameters)
             sent = not is_sender or message.accept or found.is_echoed or decoded.encode() == frame.data
-            if sent and decoded.can_id == frame.id and cls.EXTENDED is frame.extended:
+            if sent and (decoded.can_id == frame.id or message.accept) and cls.EXTENDED is frame.extended:
                 return meaning(decoded)
         except ValueError:
             continue

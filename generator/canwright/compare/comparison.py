@@ -11,6 +11,7 @@ from . import commands, edition_changes, missing_names, renames
 from .change import Change
 from .collector import Collector
 from .exported_names import ExportedNames, Exporter
+from .match import Named
 from .verdicts import judged
 from .witnesses.behaviour import Behaviour
 
@@ -30,9 +31,9 @@ def changes(old: Edition, new: Edition, exporters: Sequence[Exporter]) -> tuple[
 def _in_order_of(old: Edition, new: Edition) -> Edition:
     """The new edition with its items in the order of the old one, and others by name: its keys may have any order."""
     sections = ("parameters", "settings", "effects", "types", "layouts", "tables", "commands")
-    ordered: dict[str, Any] = {}
-    for section in sections:
-        places = {item.name: place for place, item in enumerate(getattr(old, section))}
-        items = getattr(new, section)
-        ordered[section] = tuple(sorted(items, key=lambda item, of=places: (of.get(item.name, len(of)), item.name)))
-    return dataclasses.replace(new, **ordered)
+    return dataclasses.replace(new, **{name: _sorted_as(getattr(old, name), getattr(new, name)) for name in sections})
+
+
+def _sorted_as(old: Sequence[Named], new: Sequence[Named]) -> Any:
+    places = {item.name: place for place, item in enumerate(old)}
+    return tuple(sorted(new, key=lambda item: (places.get(item.name, len(places)), item.name)))

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.layout import MAX_DATA_BYTES, ConstantRole, Element, Field, NodeRole, ReservedRole, Space
-from ...model.message import Key, KeyRole, Message
+from ...model.message import Direction, Key, KeyRole, Message
 from ...model.types import IDENTITY, Assignment, Dependent, Encoding, Type
-from ...semantics.decoder import Value, field_value, value_of
+from ...semantics.decoder import Decoder, Identified, Value, field_value, rejects_constants, value_of
 from ...semantics.encoder import Encoder, Encoders
-from ...semantics.frame import CanFrame, Raw, data_bits, has_id_rule, raw_of, wrong_constants
+from ...semantics.frame import CanFrame, Raw, data_bits, difference, has_id_rule, raw_of, wrong_constants
 from .. import match
 from ..change import Fact, Impact, Side, Word
 from . import candidates
@@ -35,6 +35,7 @@ class Transfer:
     """The nodes of the message."""
     has_same_origin: bool
     """Whether both are the same message, so that its fields can have been renamed."""
+    receiver: Decoder
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -42,6 +43,13 @@ class Transfer:
         conditions = (name for only in self.available for name in only)
         layouts = (m.layout.parameter for m in (self.sent, self.read))
         return tuple(dict.fromkeys((*(name for name in layouts if name), *conditions)))
+
+    def is_identified(self, frame: CanFrame) -> bool:
+        """Whether the receiver takes a frame for this message, whatever its constants are."""
+        if self.side is Side.RECEIVING:  # of some replies only their requests identify the message
+            return difference(self.read, frame) is None
+        found = self.receiver.identify(Direction.REQUEST, frame)
+        return isinstance(found, Identified) and found.message is self.read
 
     def is_available(self, assignment: Assignment) -> bool:
         """Whether the sender has the command under some parameters, and an old host that receives it."""
@@ -122,7 +130,7 @@ class Reading:
 
     def further(self, encoder: Encoder, known: Assignment, *fields: Field) -> Iterator[tuple[Assignment, Encoder]]:
         """`known` with every value of the further parameters that some fields depend on."""
-        names = [name for f in fields for name in (*f.type.parameters, *f.type.numbers) if name not in known]
+        names = [name for f in fields for name in parameters_of(f.type) if name not in known]
         for more in self._assignments.of(names):
             assignment = {**known, **more}
             yield assignment, self._encoders.under({**encoder.assignment, **assignment})
@@ -154,19 +162,21 @@ class _Pair:
         if same_type and source.elements == target.elements:
             return
         for assignment, encoder in self._reading.further(self._encoder, self._assignment, source, target):
-            seen: set[Aspect] = set()
+            seen: set[object] = set()
             for observation in self._compared(target, source, assignment, encoder):
-                if observation.aspect is Aspect.MEMBER or observation.aspect not in seen:
-                    seen.add(observation.aspect)
+                kind = observation.aspect, observation.paths
+                if observation.aspect is Aspect.MEMBER or kind not in seen:
+                    seen.add(kind)
                     yield observation
 
     def _compared(
         self, target: Field, source: Field, assignment: Assignment, encoder: Encoder
     ) -> Iterator[Observation]:
-        for raw, frame in self._frames(source, target, encoder):
-            if target.space is Space.ID and self._has_foreign_id(frame):
+        for varied, made in self._frames(source, target, encoder):
+            if target.space is Space.ID and self._has_foreign_id(made):
                 continue
-            found = raw_of(target, frame)
+            frame = self._accepted(encoder, made)
+            raw, found = raw_of(source, frame), raw_of(target, frame)
             if target.demanded is not None and target.demanded not in _by_index(target, found).values():
                 continue
             differences = [
@@ -175,7 +185,8 @@ class _Pair:
                 for difference in self._differences(source.type, sent, target.type, read, encoder)
             ]
             for aspect, members in differences:
-                yield self._misread(aspect, assignment, encoder, frame, source, raw, target, found, members)
+                fields = tuple(dict.fromkeys((source, target, varied)))
+                yield self._misread(aspect, assignment, encoder, frame, source, raw, target, found, fields, members)
             if not differences and target.demanded is None and encoder.rejects_raw(target, found) is not None:
                 yield from self._out_of_range(assignment, encoder, frame, source, raw, target)
 
@@ -237,9 +248,10 @@ class _Pair:
 
     def unset(self, target: Field, source: Field | None) -> Iterator[Observation]:
         """A field that is read but not sent."""
-        frame = self._unvaried()
-        if frame is None:
+        made = self._unvaried()
+        if made is None:
             return
+        frame = self._accepted(self._encoder, made)
         text = shown(target, raw_of(target, frame), self._encoder.assignment)
         sentence = "sent-unset" if self._transfer.side is Side.SENDING else "received-unset"
         facts: dict[str, Fact] = {"name": target.name, "read": self._named(text)}
@@ -249,8 +261,9 @@ class _Pair:
 
     def ignored(self, source: Field) -> Iterator[Observation]:
         """A field that is sent but not read."""
-        for raw, frame in self._frames(source, source, self._encoder):
-            facts = {"sent": self._named(shown(source, raw, self._encoder.assignment))}
+        for _, made in self._frames(source, source, self._encoder):
+            frame = self._accepted(self._encoder, made)
+            facts = {"sent": self._named(shown(source, raw_of(source, frame), self._encoder.assignment))}
             yield self._made(Aspect.RAW, Impact.SILENT, self._assignment, frame, "sent-ignored", facts, (source,))
             return
 
@@ -273,8 +286,8 @@ class _Pair:
                 yield self._made(Aspect.RAW, Impact.LOUD, self._assignment, frame, sentence, facts, fields)
                 return
 
-    def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[Raw, CanFrame]]:
-        """Frames with different raw integers of a field, then of the fields that share bits with the one that is read."""
+    def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[Field, CanFrame]]:
+        """Frames with other raw integers of a field, then of the fields that share bits with the one that is read."""
         sent = self._transfer.sent
         base = candidates.base_raws(encoder, sent, self._node) or self._base
         varied = [(source, candidates.raws(encoder, source, target))] if source.fixed is None else []
@@ -288,12 +301,11 @@ class _Pair:
                 for given in _spread(field, raw, base[field.name]):
                     frame = self._encoded(encoder, {**base, field.name: given})
                     if frame is not None:
-                        frame = self._accepted(encoder, frame)
-                        yield (raw_of(source, frame) if source.fixed is None else _sent(source, base)), frame
+                        yield field, frame
         if source.fixed is not None:
             frame = self._encoded(encoder, base)
             if frame is not None:
-                yield _sent(source, base), frame
+                yield source, frame
 
     def _accepted(self, encoder: Encoder, frame: CanFrame) -> CanFrame:
         """The frame with the constants that the receiver demands, if the sender can send it."""
@@ -331,14 +343,15 @@ class _Pair:
         sent: Raw,
         target: Field,
         read: Raw,
-        members: tuple[str, ...] = (),
+        fields: Iterable[Field],
+        members: tuple[str, ...],
     ) -> Observation:
         sentence = "sent-read" if self._transfer.side is Side.SENDING else "received-read"
         facts = {
             "sent": self._named(shown(source, sent, encoder.assignment)),
             "read": shown(target, read, encoder.assignment),
         }
-        return self._made(aspect, Impact.SILENT, assignment, frame, sentence, facts, (source, target), members)
+        return self._made(aspect, Impact.SILENT, assignment, frame, sentence, facts, fields, members)
 
     def _made(
         self,
@@ -351,21 +364,24 @@ class _Pair:
         fields: Iterable[Field],
         members: tuple[str, ...] = (),
     ) -> Observation:
-        witness = Witness(self._transfer.side, impact, assignment, frame, sentence, facts)
+        known = {**self._encoder.assignment, **assignment}
+        stated = {**assignment, **{n: known[n] for f in fields for n in parameters_of(f.type) if n in known}}
+        witness = Witness(self._transfer.side, impact, stated, frame, sentence, facts)
         paths: list[DocumentPath] = [path for f in fields for path in (f.path, f.type.path)]
-        return Observation(aspect, witness, self._transfer.commands, tuple(dict.fromkeys(paths)), members)
+        exists = self._transfer.is_identified(frame) and (
+            impact is Impact.LOUD or rejects_constants(self._transfer.read, frame, known) is None
+        )
+        return Observation(aspect, witness, self._transfer.commands, tuple(dict.fromkeys(paths)), members, exists)
+
+
+def parameters_of(type_: Type) -> tuple[str, ...]:
+    """The parameters that the values of a type depend on."""
+    return (*type_.parameters, *type_.numbers)
 
 
 def _by_index(field: Field, raw: Raw) -> dict[int | None, int]:
     ordered = raw if isinstance(raw, list) else [raw]
     return {element.index: one for element, one in zip(field.elements, ordered, strict=True)}
-
-
-def _sent(field: Field, raws: Mapping[str, Raw]) -> Raw:
-    """The raw integer of a field among those of a message, or the one that is always sent."""
-    if field.fixed is None:
-        return raws[field.name]
-    return [field.fixed] * len(field.elements) if field.is_array else field.fixed
 
 
 def _constant(key: Key) -> Field:
