@@ -20,7 +20,7 @@ def changes(old: Edition, new: Edition, exporters: Sequence[Exporter]) -> tuple[
     """Every change, with its verdict and witnesses."""
     names = ExportedNames(exporters, old, new)
     new = _in_order_of(old, new)
-    found = Collector(names, new)
+    found = Collector(names, old, new)
     renamed = renames.compare(found, old, new)
     edition_changes.compare(found, renamed, new)
     commands.compare(found, renamed, new)

@@ -39,13 +39,17 @@ def compare(found: Collector, both: Editions, command: str, one: Message, anothe
     else:
         item = Item("command", command)
     matched = match.fields(old, new)
+    exchanged = match.exchanged_fields(old, new)
+    others = {before.name for before, _ in exchanged}
     for before, after in matched.pairs:
+        if before.name in others:
+            continue
         owner = _owner(before, item)
         _field(found, both, owner, before, after, use)
         if (before.manual, after.manual) != (old.manual, new.manual):
             found.section(owner, paths(before, after), before.manual, after.manual, Use((), use.commands))
     replaced = matched.also(match.overlap)
-    for before, after in replaced.pairs[len(matched.pairs) :]:
+    for before, after in (*exchanged, *replaced.pairs[len(matched.pairs) :]):
         facts = {"place": place_of(before), "old": before.name, "new": after.name}
         found.add("field-replaced", _owner(before, item), paths(before, after), Impact.SILENT, use, **facts)
     for gone in replaced.removed:

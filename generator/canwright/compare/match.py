@@ -95,6 +95,15 @@ def by_former_name(old: Iterable[T], new: Iterable[T], former_names: Callable[[T
     return Matched((*pairs.values(), *rest.pairs), rest.removed, rest.added)
 
 
+def exchanged(
+    pairs: Iterable[tuple[T, T]], new: Sequence[T], is_alike: Callable[[T, T], bool], is_same: Callable[[T, T], bool]
+) -> list[tuple[T, T]]:
+    """Things that have one another's names in the new edition: what is the same, bits included, has another name."""
+    differing = {one.name: one for one, now in pairs if one.name == now.name and not is_alike(one, now)}
+    found = [(one, b) for one in differing.values() for b in new if b.name != one.name and is_same(one, b)]
+    return found if {b.name for _, b in found} == {a.name for a, _ in found} else []
+
+
 def renamable(old: Iterable[R], new: Iterable[R]) -> Matched[R]:
     """Things of one name, or of a former name."""
     return by_former_name(old, new, lambda one: (one.renamed_from,) if one.renamed_from else ())
@@ -120,9 +129,11 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
     What has another name and another title has another meaning.
     """
 
-    before, after = ({command.group for command in edition.commands} for edition in (old, new))
+    before, after = ({n for c in edition.commands for n in (c.group, c.name)} for edition in (old, new))
 
     def may_be_renamed(one: Command, other: Command) -> bool:
+        if one.name in after or other.name in before:
+            return False
         return one.group == other.group or not (one.group in after or other.group in before)
 
     def same_names(one: Command, other: Command) -> bool:
@@ -137,8 +148,17 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
     def same_purpose(one: Command, other: Command) -> bool:
         return one.title == other.title and _content(one) == _content(other) and may_be_renamed(one, other)
 
+    def is_alike(one: Command, other: Command) -> bool:
+        return _content(one) == _content(other)
+
+    def differ_in_name(one: Command, other: Command) -> bool:
+        return code_of(one) == code_of(other) and is_alike(one, other)
+
     matched = by_former_name(old.commands, new.commands, lambda command: command.former_names)
-    return matched.also(same_frames, same_fields, same_purpose)
+    others = {one.name for one, _ in exchanged(matched.pairs, new.commands, is_alike, differ_in_name)}
+    pairs, apart = ([p for p in matched.pairs if (p[0].name in others) is kind] for kind in (False, True))
+    removed, added = (*matched.removed, *(a for a, _ in apart)), (*matched.added, *(b for _, b in apart))
+    return Matched(tuple(pairs), removed, added).also(same_frames, same_fields, same_purpose)
 
 
 def _same_titles(one: Command, other: Command) -> bool:
@@ -158,6 +178,18 @@ def fields(old: Layout, new: Layout) -> Matched[Field]:
         return one.type.name == other.type.name and one.title == other.title
 
     return renamable(old.fields, new.fields).also(same_bits, same_type)
+
+
+def exchanged_fields(old: Layout, new: Layout) -> list[tuple[Field, Field]]:
+    """The fields that have one another's names, by their bits."""
+
+    def is_alike(one: Field, other: Field) -> bool:
+        return _meaning(one.type) == _meaning(other.type)
+
+    def has_same_bits(one: Field, other: Field) -> bool:
+        return _bits_and_meaning(one) == _bits_and_meaning(other)
+
+    return exchanged(fields(old, new).pairs, new.fields, is_alike, has_same_bits)
 
 
 def code_of(command: Command) -> tuple[object, ...]:
