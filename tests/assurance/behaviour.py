@@ -22,7 +22,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from canwright.model.edition import Edition
-from canwright.model.layout import Space
+from canwright.model.layout import Segment, Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Parameter
@@ -79,12 +79,12 @@ class Frame(NamedTuple):
 
 
 class Meaning(NamedTuple):
-    """A decoded frame: its command, its node, the values of its fields, and the names of its constants."""
+    """A decoded frame: its command, its node, and the values of its fields and of its constants."""
 
     command: str
     node: int | None
     values: dict[str, Any]
-    constants: frozenset[str]
+    constants: Mapping[str, Any]
 
     def __str__(self) -> str:
         node = f" of node {self.node}" if self.node is not None else ""
@@ -136,9 +136,7 @@ class Binding:
             del sys.modules[self.module.__name__]
         self._depends: dict[Any, bool] = {}
         for message in item.edition.all_messages():
-            constants = {k.name for k in message.keys if k.role is KeyRole.CONSTANT}
-            constants |= {f.name for f in message.layout.fields if f.demanded is not None}
-            self.of(message).CONSTANTS = frozenset(map(attribute, constants))
+            self.of(message).CONSTANTS = dict(_constants(message))
 
     @functools.cached_property
     def parts(self) -> dict[str, str]:
@@ -225,7 +223,13 @@ def meaning(message: Any) -> Meaning:
     """The values of all fields in units; the raw integer where there is no scale."""
     raws = message.raw()
     values = {name: _value(message.TYPES[name], raw, message.parameters, name) for name, raw in raws.items()}
-    return Meaning(message.COMMAND, message.node, values, message.__class__.__dict__.get("CONSTANTS", frozenset()))
+    return Meaning(message.COMMAND, message.node, values, message.__class__.__dict__.get("CONSTANTS", {}))
+
+
+def _constants(message: Message) -> Iterator[tuple[str, Any]]:
+    """The constants of a message with their values: numbers without a unit."""
+    yield from ((attribute(k.name), (k.value, "")) for k in message.keys if k.role is KeyRole.CONSTANT)
+    yield from ((attribute(f.name), (f.demanded, "")) for f in message.layout.fields if f.demanded is not None)
 
 
 def _value(type_: Any, raw: Any, parameters: Any, name: str) -> Any:
@@ -278,15 +282,23 @@ def difference(old: Meaning, new: Meaning, names: Names, *, receiving: bool) -> 
     seen = set()
     for name, value in old.values.items():
         now = names.field(old.command, name)
-        if now is not None and now in new.constants:
-            continue  # its value is the constant, or the frame would have been rejected
+        constant = new.constants.get(attribute(now)) if now is not None else None
+        if now is not None and attribute(now) in new.constants:
+            if not _same(value, constant, names):
+                return f"{name} = {value} or the constant {constant}"
+            continue
         if now is None or attribute(now) not in new.values:
             return f"{name} = {value} or no such field"
         now = attribute(now)
         seen.add(now)
         if not _same(value, new.values[now], names):
             return f"{name} = {value} or {new.values[now]}"
-    extra = [name for name in new.values if name not in seen and name not in old.constants]
+    extra = [name for name in new.values if name not in seen]
+    for name in [name for name in extra if name in old.constants]:
+        extra.remove(name)
+        constant = old.constants[name]
+        if not _same(constant, new.values[name], names):
+            return f"the constant {name} = {constant} or {new.values[name]}"
     if extra and not receiving:
         return f"{extra[0]} = {new.values[extra[0]]} or no such field"
     return ""
@@ -456,9 +468,9 @@ class Behaviour:
     names_differ: bool = False
 
 
-def behaviour(old: Old, item: Specification, names: Names) -> Behaviour:
+def behaviour(old: Old, new: Binding, names: Names) -> Behaviour:
     """The verdict of each side."""
-    return _Run(old, Binding(item), names).run()
+    return _Run(old, new, names).run()
 
 
 class _Run:
@@ -507,6 +519,7 @@ class _Run:
             counts[command.name] = counts.get(command.name, 0) + 1
             if counts[command.name] <= self._limit(command):
                 yield one
+        yield from self._with_constants(before)
         if "" not in self.changed:
             return
         keys = {(m.id, _keys(m)) for m in self.old.edition.messages(Direction.REQUEST)}
@@ -519,6 +532,19 @@ class _Run:
             for other in fresh:
                 if message._raws and last[command.name] <= 6:
                     yield from self._overlaid(command, message, known, frame, other)
+
+    def _with_constants(self, before: Mapping[str, Any]) -> Iterator[tuple[Command, Any, Any, Frame, Meaning]]:
+        """Requests with the constants that the new edition demands in them."""
+        counts: dict[str, int] = {}
+        for command, message, known, frame, _ in list(self.old.sent(before)):
+            now = self.new_commands.get(self.now[command.name] or "")
+            if now is None or now.request is None or class_name(now.request.name) not in self.changed:
+                continue
+            demanded = [f for f in now.request.layout.fields if f.demanded is not None and not f.is_array]
+            counts[command.name] = counts.get(command.name, 0) + 1
+            if demanded and counts[command.name] <= VECTORS:
+                parts = [(f.space, f.elements[0].segments, f.demanded or 0) for f in demanded]
+                yield from self._changed_to(command, message, known, frame, placed(frame, parts))
 
     def _limit(self, command: Command) -> int:
         """So many requests of a command are worth a test."""
@@ -535,7 +561,10 @@ class _Run:
         """The request with the keys of another message in its fields, if it remains the same request."""
         if frame.remote or frame.extended != other.id.extended or other.dlc != len(frame.data):
             return
-        changed = overlay(frame, other.keys)
+        yield from self._changed_to(command, message, known, frame, overlay(frame, other.keys))
+
+    def _changed_to(self, command: Command, message: Any, known: Any, frame: Frame, changed: Frame) -> Iterator[Any]:
+        """A request as another frame, if it remains the same request."""
         if changed == frame:
             return
         again = self.old.binding.decode(Direction.REQUEST, changed, known)
@@ -791,16 +820,20 @@ def _keys(message: Message) -> tuple[Any, ...]:
 
 def overlay(frame: Frame, keys: Iterable[Key], value: int | None = None) -> Frame:
     """A frame with the values of some keys."""
+    return placed(frame, [(key.space, key.segments, key.value if value is None else value) for key in keys])
+
+
+def placed(frame: Frame, parts: Iterable[tuple[Space, Iterable[Segment], int]]) -> Frame:
+    """A frame with raw integers in some bits."""
     data, can_id = bytearray(frame.data), frame.id
-    for key in keys:
-        raw = key.value if value is None else value
-        for segment in key.segments:
-            bits = raw >> segment.raw_low & (1 << segment.width) - 1
+    for space, segments, raw in parts:
+        for segment in segments:
+            bits = (raw >> segment.raw_low & (1 << segment.width) - 1) << segment.low
             mask = (1 << segment.width) - 1 << segment.low
-            if key.space is Space.ID:
-                can_id = can_id & ~mask | bits << segment.low
+            if space is Space.ID:
+                can_id = can_id & ~mask | bits
             elif segment.byte < len(data):
-                data[segment.byte] = data[segment.byte] & ~mask | bits << segment.low
+                data[segment.byte] = data[segment.byte] & ~mask | bits
     return Frame(can_id, bytes(data), frame.extended, frame.remote)
 
 

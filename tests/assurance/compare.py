@@ -16,6 +16,7 @@ import copy
 import difflib
 import gc
 import random
+import re
 import sys
 import tempfile
 import time
@@ -32,8 +33,9 @@ from canwright.document.document import Document
 from canwright.project.loader import Loaded, load, spec_files
 
 from ..spec_texts import ROOT, SPECS, called
-from .behaviour import LOUD, NAMES, SAFE, SIDES, SILENT, Behaviour, Old, behaviour
-from .edits import Data, Edit, edits
+from .behaviour import LOUD, NAMES, SAFE, SIDES, SILENT, Behaviour, Binding, Old, behaviour
+from .edits import Data, Edit, edits, reordered
+from .witnesses import learn_units, wrong_witnesses
 
 OWN = spec_files(ROOT / "tests/assurance/specs")
 """Specs that only this comparison uses."""
@@ -57,6 +59,8 @@ class Case:
     dangerous: list[str] = field(default_factory=list)
     over_warned: list[str] = field(default_factory=list)
     debatable: list[str] = field(default_factory=list)
+    wrong_witnesses: list[str] = field(default_factory=list)
+    ordered: list[str] = field(default_factory=list)
     missing: str = ""
     elsewhere: list[str] = field(default_factory=list)
     several: int = 0
@@ -65,6 +69,10 @@ class Case:
     @property
     def name(self) -> str:
         return f"{self.spec}: {self.edit.name}"
+
+    @property
+    def is_wrong(self) -> bool:
+        return bool(self.dangerous or self.over_warned or self.wrong_witnesses or self.ordered or self.missing)
 
     @property
     def rules(self) -> str:
@@ -117,14 +125,23 @@ class Spec:
             if text == self.text:
                 return None
             loaded = self._load(text)
+            dice = random.Random(text)
+            turned = self._load(dumped(reordered(data, lambda keys: dice.sample(keys, len(keys)))))
         except (SpecError, KeyError, TypeError, ValueError, AttributeError, IndexError):
             return None
-        return self._judged(edit, text, loaded)
+        case = self._judged(edit, text, loaded)
+        case.ordered += _different(case.changes, self._compared(turned))
+        return case
+
+    def _compared(self, loaded: Loaded) -> tuple[Change, ...]:
+        return compare(self.loaded.specification.edition, loaded.specification.edition)
 
     def _judged(self, edit: Edit, text: str, loaded: Loaded) -> Case:
-        changes = compare(self.loaded.specification.edition, loaded.specification.edition)
-        happened = behaviour(self.old, loaded.specification, edit.names)
+        changes, new = self._compared(loaded), Binding(loaded.specification)
+        happened = behaviour(self.old, new, edit.names)
         case = Case(self.name, edit, changes, happened, reported(changes))
+        learn_units(self.old.edition, new.edition)
+        case.wrong_witnesses += wrong_witnesses(changes, self.old.binding, new, edit.names)
         for name in SIDES:
             side, said = happened.sides[name], case.reported[name]
             if said < side.low:
@@ -146,6 +163,17 @@ class Spec:
                 case.elsewhere.append(f"{change.rule.id}({change.item}) at {change.old} -> {change.new}")
         case.several = len(found)
         return case
+
+
+def _different(one: Iterable[Change], other: Iterable[Change]) -> list[str]:
+    """The changes that only one of two comparisons finds; of editions that differ in the order of keys alone, none."""
+    before, after = (sorted(map(_described, changes)) for changes in (one, other))
+    return [line for line in difflib.ndiff(before, after) if not line.startswith((" ", "?"))]
+
+
+def _described(change: Change) -> str:
+    verdicts = ", ".join(f"{side.value} {impact.value}" for side, impact in sorted(change.verdicts.items()))
+    return f"{change.rule.id} {change.item}: {change.says()} [{verdicts}] {', '.join(sorted(change.used_by))}"
 
 
 def dumped(data: Data) -> str:
@@ -194,6 +222,8 @@ class Totals:
         judged = len(self.cases) * len(SIDES)
         kinds = {
             "not found": [c for c in self.cases if c.missing],
+            "wrong witnesses": [c for c in self.cases if c.wrong_witnesses],
+            "dependent on the order of keys": [c for c in self.cases if c.ordered],
             "dangerous": [c for c in self.cases if c.dangerous],
             "over-warned": [c for c in self.cases if c.over_warned],
             "debatable": [c for c in self.cases if c.debatable],
@@ -218,7 +248,8 @@ class Totals:
 
     @property
     def passed(self) -> bool:
-        return not any(c.dangerous for c in self.cases) and self.share <= OVER_WARNED
+        wrong = any(c.dangerous or c.wrong_witnesses or c.ordered or c.missing for c in self.cases)
+        return not wrong and self.share <= OVER_WARNED
 
 
 def _pattern(case: Case, kind: str) -> str:
@@ -227,6 +258,10 @@ def _pattern(case: Case, kind: str) -> str:
     if kind in lists:
         said = "; ".join(one.partition(":")[0] for one in lists[kind])
         return f"{said}  [{rules}]"
+    if kind == "wrong witnesses":
+        return re.sub(r"[0-9A-F]{3,}#\S+|[0-9.]+", "…", case.wrong_witnesses[0])
+    if kind == "dependent on the order of keys":
+        return case.ordered[0]
     if kind == "not found":
         return f"{case.missing}"
     if kind == "not at an edited line":
@@ -240,7 +275,7 @@ def detail(case: Case) -> Iterator[str]:
     yield f"    findings: {case.rules or 'none'}"
     for witness in (w for change in case.changes for w in change.witnesses):
         yield f"    witness {witness.impact.value} {witness.side.value}: {witness.sent} {witness.says()}"
-    for kind in ("dangerous", "over_warned", "debatable", "elsewhere"):
+    for kind in ("dangerous", "over_warned", "debatable", "wrong_witnesses", "ordered", "elsewhere"):
         yield from (f"    {kind}: {line}" for line in getattr(case, kind))
     if case.missing:
         yield f"    not found: {case.missing}"
@@ -286,7 +321,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         totals = run(files, Path(folder), given.sample, given.seed, given.edit)
     print("\n".join(totals.report(given.kinds)))
     print(f"\n{time.perf_counter() - start:.0f} s")
-    wrong = [c for c in totals.cases if c.dangerous or c.over_warned or c.missing]
+    wrong = [c for c in totals.cases if c.is_wrong]
     for case in wrong[: given.show]:
         print("\n".join(detail(case)))
     return 0 if totals.passed else 1

@@ -38,6 +38,10 @@ def edits(data: Data) -> Iterator[Edit]:
     yield from _fields(data)
     yield from _layouts(data)
     yield from _parameters(data)
+    yield from _split(data)
+    yield from _other_constants(data)
+    yield from _exchanged_names(data)
+    yield from _removed_keys(data)
     yield from _same(data)
 
 
@@ -580,6 +584,121 @@ def _field(data: Data, here: Path, one: Data) -> Iterator[Edit]:
             if other_type["raw"] == raw and other_name != one["type"]:
                 yield Edit(f"{_dotted(here)} has the type {other_name}", put((*here, "type"), other_name))
                 break
+
+
+def _raw_of(data: Data, field: Data) -> str:
+    """The raw format of a field, its own or that of its type."""
+    return str(field["raw"] if "raw" in field else data["types"][field["type"]]["raw"])
+
+
+def _is_big(data: Data, field: Data) -> bool:
+    type_ = data["types"][field["type"]] if "type" in field else field
+    return bool(type_.get("byte_order", data.get("byte_order", "little")) == "big")
+
+
+def _split(data: Data) -> Iterator[Edit]:
+    """Fields that become narrower, with and without other fields in the bits that become free."""
+    for path, fields, _ in _all_fields(data):
+        for name, one in fields.items():
+            raw = _raw_of(data, one)
+            width = int(raw[1:])
+            if raw[0] == "f" or width % 8 or isinstance(one["at"], str) or {"holds", "array"} & set(one):
+                continue
+            here, byte = (*path, name), one["at"]
+            texts = {k: v for k, v in one.items() if k in ("title", "only", "constant", "reserved")}
+            order = {"byte_order": "big"} if _is_big(data, one) else {}
+            for low in (width - 8, 8) if width > 16 else (width // 2,):
+                high = width - low
+                starts = (byte + high // 8, byte) if order else (byte, byte + low // 8)
+                if low % 8 or high % 8:
+                    starts = (byte, f"{byte}.{low}")
+                kept = {**texts, "at": starts[0], "raw": f"{raw[0]}{low}", **(order if low > 8 else {})}
+                rest: Data = {"at": starts[1], "raw": f"u{high}", **(order if high > 8 else {})}
+                rest |= {k: v for k, v in texts.items() if k == "only"}
+                yield Edit(f"{_dotted(here)} narrowed to {low} bits", put(here, kept))
+                fresh = put((*path, "faults_2"), rest)
+                yield Edit(f"{_dotted(here)} narrowed to {low} bits, a field beside it", both(put(here, kept), fresh))
+                constant = put((*path, "faults_2"), {**rest, "constant": 5})
+                yield Edit(
+                    f"{_dotted(here)} narrowed to {low} bits, a constant beside it", both(put(here, kept), constant)
+                )
+            if not order or width == 8:
+                kept = {**texts, "at": byte, "raw": f"{raw[0]}{width - 1}"}
+                bit: Data = {"at": f"{byte + width // 8 - 1}.7", "raw": "u1"}
+                bit |= {k: v for k, v in texts.items() if k == "only"}
+                yield Edit(
+                    f"{_dotted(here)} gives its top bit to a field",
+                    both(put(here, kept), put((*path, "is_valid"), bit)),
+                )
+
+
+def _other_constants(data: Data) -> Iterator[Edit]:
+    """Fields that become constants, and constants that become fields, with and without a unit or a scale."""
+    units: dict[str, Data] = {"plain": {}, "unit": {"unit": "V"}, "scale": {"scale": 0.5}, "offset": {"offset": 3}}
+    for path, fields, _ in _all_fields(data):
+        for name, one in fields.items():
+            raw = _raw_of(data, one)
+            if raw[0] == "f" or {"holds", "array", "reserved"} & set(one):
+                continue
+            here = (*path, name)
+            order = {"byte_order": "big"} if _is_big(data, one) and int(raw[1:]) > 8 else {}
+            own = {"at": one["at"], "raw": raw, **order, **{k: v for k, v in one.items() if k in ("title", "only")}}
+            if "constant" in one:
+                for kind, keys in units.items():
+                    yield Edit(f"{_dotted(here)} becomes a value: {kind}", put(here, {**own, **keys}))
+                continue
+            for value in (0, 1):
+                for kind, keys in units.items():
+                    unsigned = {**own, "raw": f"u{raw[1:]}", "constant": value, **keys}
+                    yield Edit(f"{_dotted(here)} becomes the constant {value}: {kind}", put(here, unsigned))
+
+
+def _exchanged_names(data: Data) -> Iterator[Edit]:
+    """Entries and members that exchange their names."""
+    for table, one in data.get("tables", {}).items():
+        path: Path = ("tables", table, "entries")
+        for a, b in _pairs(list(one["entries"])):
+            yield Edit(f"{table}: names of {a} and {b} swapped", _swap_keys(path, a, b))
+    for name, type_ in data.get("types", {}).items():
+        for kind in ("enum", "flags"):
+            for a, b in _pairs(list(type_.get(kind, {}))):
+                yield Edit(f"{kind} {name}: names of {a} and {b} swapped", _swap_keys(("types", name, kind), a, b))
+    for a, b in _pairs(list(data.get("types", {}))):
+        yield Edit(f"names of types {a} and {b} swapped", _swap_keys(("types",), a, b))
+    for a, b in _pairs(list(data.get("layouts", {}))):
+        yield Edit(f"names of layouts {a} and {b} swapped", _swap_keys(("layouts",), a, b))
+
+
+_NEEDED = ("canwright", "family", "edition", "at", "code", "id", "title", "manual")
+"""Keys that a spec cannot do without, or that are texts."""
+
+
+def _removed_keys(data: Data) -> Iterator[Edit]:
+    """Every key of a spec that is no name, removed."""
+    for path in _keys(data, ()):
+        yield Edit(f"{_dotted(path)} removed", drop(path))
+
+
+def _keys(part: Any, path: Path) -> Iterator[Path]:
+    if isinstance(part, dict):
+        for key, inner in part.items():
+            if isinstance(key, str) and key not in _NEEDED and len(path) != 1:
+                yield (*path, key)
+            yield from _keys(inner, (*path, key))
+
+
+_ORDERED = ("addresses", "states", "modes")
+"""Where the first key has a meaning of its own: the usual address, the initial state, the usual mode."""
+
+
+def reordered(part: Any, order: Callable[[list[Any]], Sequence[Any]], name: Any = "") -> Any:
+    """Data of a spec with its keys in another order, where the order has no meaning."""
+    if isinstance(part, list):
+        return [reordered(one, order) for one in part]
+    if not isinstance(part, dict):
+        return part
+    keys = list(part) if name in _ORDERED else order(list(part))
+    return {key: reordered(part[key], order, key) for key in keys}
 
 
 def _swap_keys(path: Path, one: str, other: str) -> Callable[[Data], None]:

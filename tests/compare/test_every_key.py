@@ -29,7 +29,6 @@ NOT_COMPARED = {
     "EditionSpec.family": "other families are not compared",
     "EditionSpec.edition": "what is compared has two names",
     "EditionSpec.date": "what is compared has two dates",
-    "TypeSpec.plausible": "for guessing alone",
     **{
         f"{concept}.renamed_from": "what is compared with what, see test_renames.py"
         for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec")
@@ -204,6 +203,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "TypeSpec.offset": {"types.angle.offset": 2},
     "TypeSpec.raw_range": {"types.level.raw_range": "0..999"},
     "TypeSpec.range": {"types.angle.range": "-80..80"},
+    "TypeSpec.plausible": {"types.level.plausible": "1..2"},
     "TypeSpec.enum": {"types.colour.enum.blue": {"value": 7}},
     "TypeSpec.flags": {"types.state.flags.wet": {"bit": 7}},
 }

@@ -202,6 +202,11 @@ _DOC = (
         "The same scale is written differently.",
         "the scale of `{name}`{when} is written as {new} (was {old})",
     ),
+    (
+        "plausible-changed",
+        "The values that a working node reports are changed.",
+        "the plausible values of `{name}` are {new} (were {old})",
+    ),
     ("languages-changed", "The texts are in different languages.", "the languages are {new} (were {old})"),
     ("effect-level-changed", "An effect has a different level.", "the level of `{name}` is {new} (was {old})"),
     (

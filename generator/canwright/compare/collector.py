@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
@@ -69,9 +70,14 @@ class Titled(Protocol):
 class Collector:
     """Collects changes. One that is found again for another command is the same change."""
 
-    def __init__(self, names: ExportedNames, new: Edition) -> None:
+    def __init__(self, names: ExportedNames, old: Edition, new: Edition) -> None:
         self._names = names
-        self._new = new
+        self._old, self._new = old, new
+        self._sharing: dict[str, list[str]] = defaultdict(list)
+        """The commands whose reply is that of a command."""
+        for command in old.commands:
+            if command.reply is not None and command.reply.command != command.name:
+                self._sharing[old.command(command.reply.command).group].append(command.group)
         self._changes: dict[object, Change] = {}
         self._texts: dict[object, Places] = {}
         self.moved: dict[DocumentPath, DocumentPath] = {}
@@ -79,7 +85,7 @@ class Collector:
 
     def apart(self) -> Collector:
         """An empty collector, for changes that are parts of one."""
-        return Collector(self._names, self._new)
+        return Collector(self._names, self._old, self._new)
 
     def add(
         self,
@@ -98,12 +104,15 @@ class Collector:
         key = (rule, item, tuple((name, _frozen(fact)) for name, fact in facts.items()), old, new)
         known = self._changes.get(key)
         verdicts = dict.fromkeys(use.sides, impact)
-        change = Change(CHANGES[rule], item, facts, old, new, verdicts, use.commands, cases, announced=announced)
+        sharing = [c for of in use.commands for c in self._sharing[of]] if Side.RECEIVING in use.sides else []
+        used_by = tuple(dict.fromkeys((*use.commands, *sharing)))
+        change = Change(CHANGES[rule], item, facts, old, new, verdicts, used_by, cases, announced=announced)
         if known is not None:
             both = known.verdicts, verdicts
             verdicts = {s: worst(v[s] for v in both if s in v) for s in Side if any(s in v for v in both)}
-            used_by = tuple(dict.fromkeys((*known.used_by, *use.commands)))
-            change = dataclasses.replace(change, verdicts=verdicts, used_by=used_by)
+            change = dataclasses.replace(
+                change, verdicts=verdicts, used_by=tuple(dict.fromkeys((*known.used_by, *used_by)))
+            )
         self._changes[key] = change
 
     def removed(
@@ -160,10 +169,13 @@ class Collector:
             self.add("section-changed", item, at(places, "manual"), Impact.SAFE, use, **facts)
 
     def text(self, rule: str, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
-        """Adds a change of a text, in any language that both have."""
+        """Adds a change of a text in the languages in which it differs, of those that both have."""
         key = (rule, item, name, _frozen(old), _frozen(new))
-        if differ(old, new) and self._texts.setdefault(key, places) == places:  # as the title of an entry and its field
-            self.add(rule, item, places, Impact.SAFE, UNUSED, name=name, old=shortened(old), new=shortened(new))
+        if (
+            differing(old, new) and self._texts.setdefault(key, places) == places
+        ):  # as the title of an entry and its field
+            before, after = (shortened(text, differing(old, new)) for text in (old, new))
+            self.add(rule, item, places, Impact.SAFE, UNUSED, name=name, old=before, new=after)
 
     def title(self, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
         """Adds a change of a title, unless none is written in either spec."""
@@ -211,14 +223,15 @@ def section(manual: str) -> Fact:
     return {"en": manual} if manual else Word("none")
 
 
-def differ(old: Text, new: Text) -> bool:
-    """Whether a text is another one in a language that both have."""
-    return any(old[language] != new[language] for language in old.keys() & new.keys())
+def differing(old: Text, new: Text) -> list[str]:
+    """The languages that both have and in which a text is another one."""
+    return [language for language in old if language in new and old[language] != new[language]]
 
 
-def shortened(text: Text, longest: int = 60) -> Mapping[str, str]:
-    """A text that fits a line."""
-    return {k: t if len(t) <= longest else t[: longest - 1].rstrip() + "…" for k, t in text.items()}
+def shortened(text: Text, languages: Iterable[str], longest: int = 60) -> Mapping[str, str]:
+    """A text that fits a line, in some languages."""
+    texts = {language: text[language] for language in languages}
+    return {k: t if len(t) <= longest else t[: longest - 1].rstrip() + "…" for k, t in texts.items()}
 
 
 def listed(names: Iterable[object]) -> str:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 from ..model.edition import Edition
 from . import commands, edition_changes, missing_names, renames
 from .change import Change
 from .collector import Collector
 from .exported_names import ExportedNames, Exporter
+from .match import Named
 from .verdicts import judged
 from .witnesses.behaviour import Behaviour
 
@@ -16,9 +19,21 @@ from .witnesses.behaviour import Behaviour
 def changes(old: Edition, new: Edition, exporters: Sequence[Exporter]) -> tuple[Change, ...]:
     """Every change, with its verdict and witnesses."""
     names = ExportedNames(exporters, old, new)
-    found = Collector(names, new)
+    new = _in_order_of(old, new)
+    found = Collector(names, old, new)
     renamed = renames.compare(found, old, new)
     edition_changes.compare(found, renamed, new)
     commands.compare(found, renamed, new)
     missing_names.compare(found, names, old)
     return judged(tuple(found), tuple(Behaviour(renamed, new).observations()))
+
+
+def _in_order_of(old: Edition, new: Edition) -> Edition:
+    """The new edition with its items in the order of the old one, and others by name: its keys may have any order."""
+    sections = ("parameters", "settings", "effects", "types", "layouts", "tables", "commands")
+    return dataclasses.replace(new, **{name: _sorted_as(getattr(old, name), getattr(new, name)) for name in sections})
+
+
+def _sorted_as(old: Sequence[Named], new: Sequence[Named]) -> Any:
+    places = {item.name: place for place, item in enumerate(old)}
+    return tuple(sorted(new, key=lambda item: (places.get(item.name, len(places)), item.name)))

@@ -21,7 +21,7 @@ from .collector import (
     Titled,
     Use,
     at,
-    differ,
+    differing,
     given,
     listed,
     paths,
@@ -233,7 +233,7 @@ def _errata(found: Collector, old: Edition, new: Edition) -> None:
             rule = "erratum-removed"
         elif one is None:
             rule = "erratum-added"
-        elif any(differ(a, b) for a, b in zip(_texts(one), _texts(other), strict=True)):
+        elif any(differing(a, b) for a, b in zip(_texts(one), _texts(other), strict=True)):
             rule = "erratum-changed"
         elif (one.where, one.manual) != (other.where, other.manual):
             rule, facts = "erratum-moved", {"name": id_, "old": _about(one), "new": _about(other)}

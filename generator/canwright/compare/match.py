@@ -40,16 +40,20 @@ class Matched(Generic[T]):
     added: tuple[T, ...]
 
     def also(self, *tests: Callable[[T, T], bool]) -> Matched[T]:
-        """As this, with what is left paired where a test holds, the first test first."""
+        """As this, with what is left paired where a test holds, the first test first; the order of keys does not matter."""
         pairs, removed, added = list(self.pairs), list(self.removed), list(self.added)
         for test in tests:
-            for old in list(removed):
-                new = next((one for one in added if test(old, one)), None)
+            for old in sorted(removed, key=_name):
+                new = next((one for one in sorted(added, key=_name) if test(old, one)), None)
                 if new is not None:
                     pairs.append((old, new))
                     removed.remove(old)
                     added.remove(new)
         return Matched(tuple(pairs), tuple(removed), tuple(added))
+
+
+def _name(item: Named) -> str:
+    return item.name
 
 
 def by_name(old: Iterable[T], new: Iterable[T]) -> Matched[T]:
@@ -91,11 +95,13 @@ def by_former_name(old: Iterable[T], new: Iterable[T], former_names: Callable[[T
     return Matched((*pairs.values(), *rest.pairs), rest.removed, rest.added)
 
 
-def exchanged(old: Sequence[T], new: Sequence[T], is_same: Callable[[T, T], bool]) -> list[tuple[T, T]]:
-    """Things in one place of both specs that differ only in their names, where both editions have both names."""
-    names = {one.name for one in old} & {one.name for one in new}
-    pairs = zip(old, new, strict=False)
-    return [(a, b) for a, b in pairs if a.name != b.name and {a.name, b.name} <= names and is_same(a, b)]
+def exchanged(
+    pairs: Iterable[tuple[T, T]], new: Sequence[T], is_alike: Callable[[T, T], bool], is_same: Callable[[T, T], bool]
+) -> list[tuple[T, T]]:
+    """Things that have one another's names in the new edition: what is the same, bits included, has another name."""
+    differing = {one.name: one for one, now in pairs if one.name == now.name and not is_alike(one, now)}
+    found = [(one, b) for one in differing.values() for b in new if b.name != one.name and is_same(one, b)]
+    return found if {b.name for _, b in found} == {a.name for a, _ in found} else []
 
 
 def renamable(old: Iterable[R], new: Iterable[R]) -> Matched[R]:
@@ -123,9 +129,11 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
     What has another name and another title has another meaning.
     """
 
-    before, after = ({command.group for command in edition.commands} for edition in (old, new))
+    before, after = ({n for c in edition.commands for n in (c.group, c.name)} for edition in (old, new))
 
     def may_be_renamed(one: Command, other: Command) -> bool:
+        if one.name in after or other.name in before:
+            return False
         return one.group == other.group or not (one.group in after or other.group in before)
 
     def same_names(one: Command, other: Command) -> bool:
@@ -140,19 +148,17 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
     def same_purpose(one: Command, other: Command) -> bool:
         return one.title == other.title and _content(one) == _content(other) and may_be_renamed(one, other)
 
+    def is_alike(one: Command, other: Command) -> bool:
+        return _content(one) == _content(other)
+
     def differ_in_name(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and _content(one) == _content(other)
+        return code_of(one) == code_of(other) and is_alike(one, other)
 
     matched = by_former_name(old.commands, new.commands, lambda command: command.former_names)
-    others = {old.name for old, _ in exchanged(old.commands, new.commands, differ_in_name)}
-    return _apart(matched, others).also(same_frames, same_fields, same_purpose)
-
-
-def _apart(matched: Matched[Command], names: Collection[str]) -> Matched[Command]:
-    """As `matched`, without the pairs of one of these names."""
-    pairs = [(a, b) for a, b in matched.pairs if not (a.name == b.name and a.name in names)]
-    apart = [(a, b) for a, b in matched.pairs if a.name == b.name and a.name in names]
-    return Matched(tuple(pairs), (*matched.removed, *(a for a, _ in apart)), (*matched.added, *(b for _, b in apart)))
+    others = {one.name for one, _ in exchanged(matched.pairs, new.commands, is_alike, differ_in_name)}
+    pairs, apart = ([p for p in matched.pairs if (p[0].name in others) is kind] for kind in (False, True))
+    removed, added = (*matched.removed, *(a for a, _ in apart)), (*matched.added, *(b for _, b in apart))
+    return Matched(tuple(pairs), removed, added).also(same_frames, same_fields, same_purpose)
 
 
 def _same_titles(one: Command, other: Command) -> bool:
@@ -175,20 +181,21 @@ def fields(old: Layout, new: Layout) -> Matched[Field]:
 
 
 def exchanged_fields(old: Layout, new: Layout) -> list[tuple[Field, Field]]:
-    """The fields whose names were exchanged, by their bits."""
+    """The fields that have one another's names, by their bits."""
+
+    def is_alike(one: Field, other: Field) -> bool:
+        return _meaning(one.type) == _meaning(other.type)
 
     def has_same_bits(one: Field, other: Field) -> bool:
-        stated = other.renamed_from == one.name or one.renamed_from == other.name
-        return not stated and _bits_and_meaning(one) == _bits_and_meaning(other)
+        return _bits_and_meaning(one) == _bits_and_meaning(other)
 
-    return exchanged(old.fields, new.fields, has_same_bits)
+    return exchanged(fields(old, new).pairs, new.fields, is_alike, has_same_bits)
 
 
 def code_of(command: Command) -> tuple[object, ...]:
     """What distinguishes the frames of a command: address and keys."""
     message = command.request or command.reply
-    keys = tuple((key.space, key.segments, key.value) for key in message.keys) if message else ()
-    return (command.address, *keys)
+    return command.address, frozenset((key.space, key.segments, key.value) for key in message.keys) if message else ()
 
 
 def overlap(one: Field, other: Field) -> bool:
@@ -229,9 +236,9 @@ def _meaning(type_: Type) -> tuple[object, ...]:
         (type_.width, type_.encoding, type_.order, type_.unit and type_.unit.name),
         type_.linear.parameter,
         type_.linear.constant,
-        tuple(type_.linear.cases.items()),
-        tuple(member.value for member in type_.enum),
-        tuple(flag.value for flag in type_.flags),
+        frozenset(type_.linear.cases.items()),
+        frozenset(member.value for member in type_.enum),
+        frozenset(flag.value for flag in type_.flags),
     )
 
 

@@ -51,6 +51,12 @@ _PARAMETERS = Attribute[Type](
     lambda t: ", ".join((*t.parameters, *t.numbers)) or Word("nothing"),
     Impact.BUILD,
 )
+_PLAUSIBLE = Attribute[Type](
+    "plausible-changed",
+    "plausible",
+    lambda t: formatting.span(t.plausible) + _unit(t) if t.plausible else Word("not given"),
+    Impact.SAFE,
+)
 
 
 def compare(found: Collector, pair: Pair) -> None:
@@ -62,6 +68,7 @@ def compare(found: Collector, pair: Pair) -> None:
         _members(found, pair, key, before, after)
     rows = (_UNIT,) if shows_parameters else (_UNIT, _PARAMETERS)
     found.attributes(rows, pair.item, pair.places, old, new, pair.use, name=pair.name)
+    found.attributes([_PLAUSIBLE], pair.item, pair.places, old, new, Use((), pair.use.commands), name=pair.name)
 
 
 def _scale(linear: Linear | None) -> object:

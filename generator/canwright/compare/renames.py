@@ -69,7 +69,7 @@ def compare(found: Collector, old: Edition, new: Edition) -> Edition:
 def _parameters(old: Edition, new: Edition) -> Matched[Parameter]:
     def same_values(one: Parameter, other: Parameter) -> bool:
         bounds = (one.minimum, one.maximum) == (other.minimum, other.maximum)
-        return bounds and [v.name for v in one.values] == [v.name for v in other.values]
+        return bounds and {v.name for v in one.values} == {v.name for v in other.values}
 
     return by_name(old.parameters, new.parameters).also(_same_title, same_values)
 

@@ -134,13 +134,13 @@ def _place(observation: Observation) -> tuple[Side, str]:
 
 def _effective(
     change: Change, observations: Sequence[Observation], wrong_lengths: Collection[tuple[Side, str]]
-) -> list[Witness]:
-    """The witnesses of a change; where it replaces fields, none of fields in frames that are rejected."""
+) -> list[Observation]:
+    """The observations that count; where a change replaces fields, none of fields in frames that are rejected."""
     if change.rule.id in _OF_LENGTH:
-        return [o.witness for o in observations if o.aspect not in _CONTENT or _place(o) not in wrong_lengths]
+        return [o for o in observations if o.aspect not in _CONTENT or _place(o) not in wrong_lengths]
     rejected = {o.witness.side for o in observations if (o.aspect, o.witness.impact) == (Aspect.IDENTITY, Impact.LOUD)}
     without = rejected if change.rule.id in _WHOLE else ()
-    return [o.witness for o in observations if not (o.witness.side in without and o.aspect in _CONTENT)]
+    return [o for o in observations if not (o.witness.side in without and o.aspect in _CONTENT)]
 
 
 def _may_cause(change: Change, observation: Observation) -> bool:
@@ -213,14 +213,16 @@ class _Index:
         return change.rule.id in _ANY_SIDE or not change.sides or side in change.sides
 
 
-def _with(change: Change, witnesses: Sequence[Witness]) -> Change:
-    """A change with its witnesses, the worst of each side first, and with the verdicts that they give."""
-    ordered = sorted(witnesses, key=lambda w: (_ORDER.index(w.impact), list(Side).index(w.side)))
+def _with(change: Change, observations: Sequence[Observation]) -> Change:
+    """A change with the verdicts that observations give, and with the witnesses that exist, the worst of each side first."""
+    found = [(o.witness.side, o.witness.impact) for o in observations]
+    verdicts = {side: worst(impact for of, impact in found if of is side) for side in Side}
+    verdicts = {side: impact for side, impact in verdicts.items() if impact is not Impact.SAFE}
+    shown = (o.witness for o in observations if o.exists)
+    ordered = sorted(shown, key=lambda w: (_ORDER.index(w.impact), list(Side).index(w.side)))
     first = dict.fromkeys((w.side, w.impact) for w in ordered)
     leading = [next(w for w in ordered if (w.side, w.impact) == kind) for kind in first]
     rest = [w for w in ordered if not any(w is one for one in leading)]
-    verdicts = {side: worst(w.impact for w in ordered if w.side is side) for side in Side}
-    verdicts = {side: impact for side, impact in verdicts.items() if impact is not Impact.SAFE}
     kept = tuple((*leading, *rest)[:MOST_WITNESSES])
     return dataclasses.replace(change, verdicts=verdicts, witnesses=kept)
 
@@ -234,14 +236,16 @@ def _unexplained(observations: Iterable[Observation]) -> Iterator[Change]:
         item, path = Item("command", command), ("commands", command)
         facts = {"name": command}
         change = Change(CHANGES["frames-affected"], item, facts, path, path, {}, (command,))
-        yield _with(change, [observation.witness for observation in found])
+        yield _with(change, found)
 
 
 def reason_without_witness(change: Change) -> str:
     """The key of the reason why a change of bits or of meaning has no witness; empty with one, and for names and texts."""
     if change.witnesses or change.rule.category in (Category.API, Category.DOC):
         return ""
-    return "frames" if change.rule.id in _EXPLAINS else _REASONS.get(change.rule.id, "setting")
+    if change.rule.id in _EXPLAINS:
+        return "combined" if change.verdicts else "frames"
+    return _REASONS.get(change.rule.id, "setting")
 
 
 _REASONS = {

@@ -11,6 +11,9 @@ from .layout import Field, Segment, Space
 from .message import IdRule
 from .types import Bound, Dependent, Encoding, Linear, Order, Parameter, Range, Type
 
+MOST_DIGITS = 24
+"""So many characters of a number are read before it is rounded."""
+
 
 def exact(number: Fraction) -> str:
     """A decimal of at most fifteen decimal places, else a quotient: `0.01`, `1/3`."""
@@ -22,6 +25,12 @@ def exact(number: Fraction) -> str:
     digits = f"{scaled:016d}"
     sign = "-" if number.numerator < 0 else ""
     return f"{sign}{digits[:-15]}.{digits[-15:]}".rstrip("0")
+
+
+def decimal(number: Fraction) -> str:
+    """A decimal; one of at most six significant digits after `≈` where that is rounded: `0.01`, `≈0.333333`."""
+    written = exact(number)
+    return written if "/" not in written and len(written) <= MOST_DIGITS else f"≈{float(number):.6g}"
 
 
 def counted(count: int, noun: str) -> str:

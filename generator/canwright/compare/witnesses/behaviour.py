@@ -6,13 +6,14 @@ the other edition is also tried with the correct id, and fields are compared as 
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.layout import NodeRole, Space
+from ...model.layout import Field, NodeRole, Space
 from ...model.message import Command, Direction, IdRule, Message
 from ...model.types import Assignment
 from ...semantics.decoder import Decoder, Identified, Rejection, rejects_constants
@@ -25,7 +26,7 @@ from . import candidates
 from .assignments import Assignments
 from .counterparts import Counterparts
 from .nodes import Nodes
-from .reading import Reading, Transfer, shown
+from .reading import Reading, Transfer, parameters_of, shown
 from .witness import Aspect, Observation, Witness
 
 MOST_NODES = 64
@@ -121,7 +122,8 @@ class Behaviour:
                 yield observation
         if rejected is not None:
             facts: dict[str, Fact] = {"sent": f"`{sent.command}`", "reason": _reason(rejected[1].reason.value)}
-            yield self._made(case, Aspect.ANSWER, Impact.LOUD, {}, rejected[0], "received-rejected", facts)
+            observation = self._made(case, Aspect.ANSWER, Impact.LOUD, {}, rejected[0], "received-rejected", facts)
+            yield dataclasses.replace(observation, exists=rejected[2])
         if accepted:
             yield from self._read(case, sent, read)
 
@@ -143,7 +145,8 @@ class Behaviour:
     def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
         groups = tuple(dict.fromkeys((*(command.group for command in case.both), *self._owners(case))))
         available, same = [command.only for command in case.both], self._has_same_origin(case.side, sent, read)
-        transfer = Transfer(case.side, groups, available, sent, read, self._nodes.of(sent), same)
+        receiver = self._decoders[case.side][1]
+        transfer = Transfer(case.side, groups, available, sent, read, self._nodes.of(sent), same, receiver)
         yield from self._reading.observations(transfer)
 
     def _has_same_origin(self, side: Side, sent: Message, read: Message) -> bool:
@@ -153,8 +156,8 @@ class Behaviour:
 
     def _answers_of_other_form(
         self, old: Command, new: Command, sent: Message, read: Message
-    ) -> tuple[bool, tuple[CanFrame, Rejection] | None]:
-        """Whether the old host accepts a reply as an answer, and one that it rejects."""
+    ) -> tuple[bool, tuple[CanFrame, Rejection, bool] | None]:
+        """Whether the old host accepts a reply as an answer, and one that it rejects, with whether it is sent so."""
         host, accepted, rejected = self._decoders[Side.SENDING][0], False, None
         for asked, node, reply in self._exchanges(old, new, sent, read):
             ids = (sent.id, read.id) if sent.address == read.address else (sent.id, sent.id)
@@ -164,7 +167,7 @@ class Behaviour:
                 answer if isinstance(answer, Rejection) else rejects_constants(read, placed, self._assignments.first)
             )
             accepted = accepted or wrong is None
-            rejected = rejected or (placed, wrong) if wrong is not None else rejected
+            rejected = rejected or (placed, wrong, placed == reply) if wrong is not None else rejected
         return accepted, rejected
 
     def _has_same_form(self, old: Command, new: Command, sent: Message, read: Message) -> bool:
@@ -204,9 +207,10 @@ class Behaviour:
             seen: set[object] = set()
             for known in (assignment, *self._with_other_ranges(assignment, sent)):
                 encoder = self._encoders.under({**self._assignments.first, **known})
-                for aspect, node, frame in self._frames(case.side, encoder, sent, read):
+                for aspect, node, frame, exists in self._frames(case.side, encoder, sent, read):
                     observation = self._outcome(case, known, encoder, sent, read, aspect, node, frame)
                     if observation is not None:
+                        observation = dataclasses.replace(observation, exists=exists)
                         kind = (aspect, observation.witness.impact, observation.commands)
                         if kind not in seen:
                             seen.add(kind)
@@ -245,23 +249,25 @@ class Behaviour:
         if original is None or placed is None:
             return
         facts = {"sent": _whole(other.reply, encoder, reply)}
+        exists, known = placed == reply and original == asked, _stated(assignment, encoder, other.reply, old.reply)
         if isinstance(check_reply(self._decoders[Side.SENDING][0], original, placed), Rejection):
             facts["reason"] = _reason("not_answer")
-            yield self._made(
-                back, Aspect.IDENTITY, Impact.LOUD, assignment, placed, "received-rejected", facts, (other,)
-            )
+            made = self._made(back, Aspect.IDENTITY, Impact.LOUD, known, placed, "received-rejected", facts, (other,))
+            yield dataclasses.replace(made, exists=exists)
         elif self._counterparts.of(self._editions[Side.SENDING][1].command(other.reply.command)) is not (
             self._editions[Side.SENDING][0].command(old.reply.command)
         ):
             facts["read"] = _whole(old.reply, encoder, placed)
-            yield self._made(back, Aspect.IDENTITY, Impact.SILENT, assignment, placed, "received-read", facts, (other,))
+            made = self._made(back, Aspect.IDENTITY, Impact.SILENT, known, placed, "received-read", facts, (other,))
+            yield dataclasses.replace(made, exists=exists)
 
     def _frames(
         self, side: Side, encoder: Encoder, sent: Message, read: Message | None
-    ) -> Iterator[tuple[Aspect, int | None, CanFrame]]:
+    ) -> Iterator[tuple[Aspect, int | None, CanFrame, bool]]:
         """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender.
 
-        A message that uses another address is only tried with the ids of the sender.
+        A message that uses another address is only tried with the ids of the sender. The last item is whether the sender
+        sends the frame.
         """
         direction, receiver = sent.direction, self._decoders[side][1]
         common = self._common_node(sent, read or sent)
@@ -274,15 +280,15 @@ class Behaviour:
             for one in candidates.reaching(receiver, direction, placed, variable):
                 original = CanFrame(frame.id, one.data, frame.extended, frame.remote)
                 if self._is_valid(side, encoder, sent, original):
-                    yield Aspect.IDENTITY, common, one
-                    if side is Side.RECEIVING and one is not None:
+                    yield Aspect.IDENTITY, common, one, one == original
+                    if side is Side.RECEIVING:
                         for code in sent.accept:
-                            yield Aspect.IDENTITY, common, candidates.with_first_key(sent, one, code)
+                            yield Aspect.IDENTITY, common, candidates.with_first_key(sent, one, code), one == original
         if read is not None and read.id != sent.id:
             for node in _nodes(sent.id):
                 base = next(iter(self._samples(encoder, sent, node)), None)
                 if base is not None:
-                    yield Aspect.ID, node, base
+                    yield Aspect.ID, node, base, True
 
     def _samples(self, encoder: Encoder, message: Message, node: int | None) -> Iterator[CanFrame]:
         """A frame of a message, and further ones with other values in its fields in the id."""
@@ -344,11 +350,11 @@ class Behaviour:
             if read is None and not sending:
                 return None
             facts["reason"] = _reason(found.reason.value)
-            sentence = "sent-rejected" if sending else "received-rejected"
-            return self._made(case, aspect, Impact.LOUD, assignment, frame, sentence, facts)
-        sentence = "sent-read" if sending else "received-read"
+            sentence, known = "sent-rejected" if sending else "received-rejected", _stated(assignment, encoder, sent)
+            return self._made(case, aspect, Impact.LOUD, known, frame, sentence, facts)
+        sentence, known = "sent-read" if sending else "received-read", _stated(assignment, encoder, sent, found.message)
         other = self._editions[case.side][1].command(found.message.command)
-        return self._made(case, aspect, Impact.SILENT, assignment, frame, sentence, facts, (other,))
+        return self._made(case, aspect, Impact.SILENT, known, frame, sentence, facts, (other,))
 
     def _is_ambiguous(self, receiver: Decoder, read: Message, frame: CanFrame, encoder: Encoder) -> bool:
         """Whether the old host takes the same frame of an old node for another message, too."""
@@ -404,7 +410,8 @@ class Behaviour:
                 judged = None if placed is None else check_reply(host, asked, placed)
                 if placed is not None and isinstance(judged, Rejection):
                     facts = {"sent": f"`{new.name}`", "reason": _reason(judged.reason.value)}
-                    yield self._made(case, Aspect.ANSWER, Impact.LOUD, assignment, placed, "received-rejected", facts)
+                    made = self._made(case, Aspect.ANSWER, Impact.LOUD, assignment, placed, "received-rejected", facts)
+                    yield dataclasses.replace(made, exists=placed == reply)
                     break
 
     def _asked(self, command: Command, node: int | None) -> Sequence[int | None]:
@@ -433,10 +440,10 @@ class Behaviour:
         if base is None:
             return
         given = [base]
-        for name, field in itertools.islice((encoder.fields(message) or {}).items(), MOST_FIELDS):
+        for field in _first_fields(message, encoder):
             if not field.is_array and not isinstance(field.role, NodeRole):
-                raws = (raw for raw in candidates.raws(encoder, field, field) if raw != base[name])
-                given += [{**base, name: raw} for raw in itertools.islice(raws, 1)]
+                raws = (raw for raw in candidates.raws(encoder, field, field) if raw != base[field.name])
+                given += [{**base, field.name: raw} for raw in itertools.islice(raws, 1)]
         for raws_of in given:
             frame = encoder.encode_raws(message, node if message.id.nodes else None, raws_of)
             if isinstance(frame, CanFrame):
@@ -499,10 +506,22 @@ def _reason(refusal: str) -> Word:
     return Word(refusal.replace("_", " "))
 
 
+def _stated(known: Assignment, encoder: Encoder, *messages: Message) -> Assignment:
+    """Parameter values with those that the values of the first fields of some messages depend on."""
+    fields = (field for message in messages for field in _first_fields(message, encoder))
+    names = (name for field in fields for name in parameters_of(field.type) if name in encoder.assignment)
+    return {**known, **{name: encoder.assignment[name] for name in names}}
+
+
+def _first_fields(message: Message, encoder: Encoder) -> list[Field]:
+    """The fields of a message that are shown: the first ones, by their bits."""
+    fields = (encoder.fields(message) or {}).values()
+    return sorted(fields, key=lambda field: (field.space, field.elements[0].bits))[:MOST_FIELDS]
+
+
 def _whole(message: Message, encoder: Encoder, frame: CanFrame) -> str:
     """A message with the values of its first fields: `` `dim`: `level = 5 %` ``."""
-    fields = list((encoder.fields(message) or {}).values())[:MOST_FIELDS]
-    values = [shown(field, raw_of(field, frame), encoder.assignment) for field in fields]
+    values = [shown(f, raw_of(f, frame), encoder.assignment) for f in _first_fields(message, encoder)]
     return f"`{message.command}`" + (f": {', '.join(values)}" if values else "")
 
 

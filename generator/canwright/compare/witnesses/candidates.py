@@ -22,9 +22,17 @@ MOST_MEMBERS = 256
 
 def raws(encoder: Encoder, field: Field, other: Field) -> Iterator[int]:
     """Raw integers that a field can be sent with, ends of ranges and members in both editions among them."""
-    for raw in dict.fromkeys(_raws(field.type, other.type, encoder.assignment)):
-        if encoder.rejects_raw(field, [raw] * len(field.elements) if field.is_array else raw) is None:
+    demanded = () if other.demanded is None else (other.demanded,)
+    for raw in dict.fromkeys((*_raws(field.type, other.type, encoder.assignment), *demanded)):
+        if _allows(encoder, field, raw):
             yield raw
+
+
+def raws_of_each_bit(encoder: Encoder, field: Field) -> Iterator[int]:
+    """As `raws`, with each bit alone, too."""
+    yield from raws(encoder, field, field)
+    if field.type.is_number:
+        yield from (raw for raw in (1 << bit for bit in range(field.type.width)) if _allows(encoder, field, raw))
 
 
 def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:

@@ -57,6 +57,6 @@ class Counterparts:
 
 
 def _facts(type_: Type) -> tuple[object, ...]:
-    members = tuple(tuple((m.name, m.value) for m in named) for named in (type_.enum, type_.flags))
+    members = tuple(frozenset((m.name, m.value) for m in named) for named in (type_.enum, type_.flags))
     unit = type_.unit and type_.unit.name
     return (type_.width, type_.encoding, type_.order, unit, type_.linear, type_.raw_range, members)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
-from ...model.layout import ConstantRole, Field, NodeRole, Space
-from ...model.message import KeyRole, Message
-from ...model.types import Assignment, Encoding, Type
-from ...semantics.decoder import Value, field_value, value_of
+from ...model.layout import MAX_DATA_BYTES, ConstantRole, Element, Field, NodeRole, ReservedRole, Space
+from ...model.message import Direction, Key, KeyRole, Message
+from ...model.types import IDENTITY, Assignment, Dependent, Encoding, Type
+from ...semantics.decoder import Decoder, Identified, Value, field_value, rejects_constants, value_of
 from ...semantics.encoder import Encoder, Encoders
-from ...semantics.frame import CanFrame, Raw, has_id_rule, raw_of, wrong_constants
+from ...semantics.frame import CanFrame, Raw, data_bits, difference, has_id_rule, raw_of, wrong_constants
+from .. import match
 from ..change import Fact, Impact, Side, Word
 from . import candidates
 from .assignments import Assignments
@@ -34,6 +35,7 @@ class Transfer:
     """The nodes of the message."""
     has_same_origin: bool
     """Whether both are the same message, so that its fields can have been renamed."""
+    receiver: Decoder
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -41,6 +43,13 @@ class Transfer:
         conditions = (name for only in self.available for name in only)
         layouts = (m.layout.parameter for m in (self.sent, self.read))
         return tuple(dict.fromkeys((*(name for name in layouts if name), *conditions)))
+
+    def is_identified(self, frame: CanFrame) -> bool:
+        """Whether the receiver takes a frame for this message, whatever its constants are."""
+        if self.side is Side.RECEIVING:  # of some replies only their requests identify the message
+            return difference(self.read, frame) is None
+        found = self.receiver.identify(Direction.REQUEST, frame)
+        return isinstance(found, Identified) and found.message is self.read
 
     def is_available(self, assignment: Assignment) -> bool:
         """Whether the sender has the command under some parameters, and an old host that receives it."""
@@ -55,6 +64,7 @@ class Reading:
         self._counterparts = counterparts
         self._assignments = assignments
         self._encoders = Encoders()
+        self._keys: dict[Message, Mapping[str, Field]] = {}
 
     def observations(self, transfer: Transfer) -> Iterator[Observation]:
         """Every field that is not read as it was sent, with a frame for each aspect and each parameter value."""
@@ -69,25 +79,35 @@ class Reading:
         base = candidates.base_raws(encoder, transfer.sent, nodes[0] if nodes else None)
         if fields is None or read is None or base is None:
             return
-        pair = _Pair(self, transfer, assignment, encoder, base)
+        sent_keys, read_keys = self._constants(transfer.sent), self._constants(transfer.read)
+        demanded = [f for f in (*read.fields, *read_keys.values()) if f.demanded is not None and not f.is_array]
+        pair = _Pair(self, transfer, assignment, encoder, base, demanded)
         written = transfer.sent.layout.variant(encoder.assignment)
         every = {field.name: field for field in written.fields} if written else {}
         of = self._sources(transfer, every)
         for target in read.fields:
-            source = every.get(of.get(target.name, ""))
+            source = every.get(of.get(target.name, "")) or sent_keys.get(target.name)
             if target.demanded is not None:
                 yield from pair.constant(target, source)
             elif target.fixed is None:
-                is_sent = source is not None and source.fixed is None
+                is_sent = source is not None and not isinstance(source.role, ReservedRole)
                 yield from pair.field(target, source) if source and is_sent else pair.unset(target, source)
+        for name in read_keys.keys() & fields.keys():
+            yield from pair.field(read_keys[name], fields[name])
         if transfer.side is Side.SENDING:
             used = {
                 of.get(target.name) for target in read.fields if target.fixed is None or target.demanded is not None
             }
-            constants = {key.name for key in transfer.read.keys if key.role is KeyRole.CONSTANT}
             for name, field in fields.items():
-                if name not in used | constants:
+                if name not in used | read_keys.keys():
                     yield from pair.ignored(field)
+
+    def _constants(self, message: Message) -> Mapping[str, Field]:
+        """The constants among the keys of a message, as fields by name."""
+        if message not in self._keys:
+            keys = (key for key in message.keys if key.role is KeyRole.CONSTANT)
+            self._keys[message] = {key.name: _constant(key) for key in keys}
+        return self._keys[message]
 
     def _sources(self, transfer: Transfer, every: Mapping[str, Field]) -> dict[str, str]:
         """The name of the field that is sent, by that of the field that is read."""
@@ -110,7 +130,7 @@ class Reading:
 
     def further(self, encoder: Encoder, known: Assignment, *fields: Field) -> Iterator[tuple[Assignment, Encoder]]:
         """`known` with every value of the further parameters that some fields depend on."""
-        names = [name for f in fields for name in (*f.type.parameters, *f.type.numbers) if name not in known]
+        names = [name for f in fields for name in parameters_of(f.type) if name not in known]
         for more in self._assignments.of(names):
             assignment = {**known, **more}
             yield assignment, self._encoders.under({**encoder.assignment, **assignment})
@@ -126,8 +146,10 @@ class _Pair:
         assignment: Assignment,
         encoder: Encoder,
         base: Mapping[str, Raw],
+        demanded: Sequence[Field],
     ) -> None:
         self._reading = reading
+        self._demanded = demanded
         self._transfer = transfer
         self._assignment = assignment
         self._encoder = encoder
@@ -140,76 +162,96 @@ class _Pair:
         if same_type and source.elements == target.elements:
             return
         for assignment, encoder in self._reading.further(self._encoder, self._assignment, source, target):
-            seen: set[Aspect] = set()
+            seen: set[object] = set()
             for observation in self._compared(target, source, assignment, encoder):
-                if observation.aspect is Aspect.MEMBER or observation.aspect not in seen:
-                    seen.add(observation.aspect)
+                kind = observation.aspect, observation.paths
+                if observation.aspect is Aspect.MEMBER or kind not in seen:
+                    seen.add(kind)
                     yield observation
 
     def _compared(
         self, target: Field, source: Field, assignment: Assignment, encoder: Encoder
     ) -> Iterator[Observation]:
-        for one, raw, frame in self._frames(source, target, encoder):
-            if target.space is Space.ID and self._has_foreign_id(frame):
+        for varied, made in self._frames(source, target, encoder):
+            if target.space is Space.ID and self._has_foreign_id(made):
                 continue
-            found = raw_of(target, frame)
-            if self._differs(source, raw, target, found):
-                yield self._misread(Aspect.RAW, assignment, encoder, frame, source, raw, target, found)
-            yield from self._meaning(assignment, encoder, frame, source, one, target)
+            frame = self._accepted(encoder, made)
+            raw, found = raw_of(source, frame), raw_of(target, frame)
+            if target.demanded is not None and target.demanded not in _by_index(target, found).values():
+                continue
+            differences = [
+                difference
+                for sent, read in self._elements(source, raw, target, found)
+                for difference in self._differences(source.type, sent, target.type, read, encoder)
+            ]
+            for aspect, members in differences:
+                fields = tuple(dict.fromkeys((source, target, varied)))
+                yield self._misread(aspect, assignment, encoder, frame, source, raw, target, found, fields, members)
+            if not differences and target.demanded is None and encoder.rejects_raw(target, found) is not None:
+                yield from self._out_of_range(assignment, encoder, frame, source, raw, target)
 
     def _has_foreign_id(self, frame: CanFrame) -> bool:
         """Whether a frame is rejected because of bits of its id, although both messages follow one rule."""
         sent, read = self._transfer.sent, self._transfer.read
         return sent.id == read.id and not has_id_rule(read, frame)
 
-    def _differs(self, source: Field, sent: Raw, target: Field, read: Raw) -> bool:
-        """Whether raw integers differ; those of arrays are compared by the index of their elements."""
-        one, other = _by_index(source, sent), _by_index(target, read)
-        compared = one.keys() | other.keys() if self._transfer.side is Side.SENDING else other.keys()
-        return any(one.get(index) != other.get(index) for index in compared)
+    def _elements(self, source: Field, sent: Raw, target: Field, read: Raw) -> Iterator[tuple[int | None, int | None]]:
+        """The raw integers of the elements of a field, sent and read; None of an element that one side does not have."""
+        before, after = _by_index(source, sent), _by_index(target, read)
+        compared = before.keys() | after.keys() if self._transfer.side is Side.SENDING else after.keys()
+        return ((before.get(index), after.get(index)) for index in sorted(compared, key=str))
 
-    def _meaning(
-        self,
-        assignment: Assignment,
-        encoder: Encoder,
-        frame: CanFrame,
-        source: Field,
-        raw: int,
-        target: Field,
+    def _differences(
+        self, source: Type, sent: int | None, target: Type, read: int | None, encoder: Encoder
+    ) -> Iterator[tuple[Aspect, tuple[str, ...]]]:
+        """The aspects in which a raw integer is understood differently; none if it has the same meaning."""
+        if sent is None or read is None:
+            yield Aspect.RAW, ()
+            return
+        if self._difference(source, sent, target, read, encoder) is None:
+            return
+        if sent != read:
+            yield Aspect.RAW, ()
+        difference = self._difference(source, sent, target, sent, encoder)
+        if difference is not None:
+            yield difference
+
+    def _difference(
+        self, source: Type, sent: int, target: Type, read: int, encoder: Encoder
+    ) -> tuple[Aspect, tuple[str, ...]] | None:
+        """The difference between the values of two raw integers, with the members that it is about."""
+        low, high = target.raw_limits
+        if target.encoding is Encoding.FLOAT and not low <= read <= high:
+            return None
+        values = value_of(source, sent, encoder.assignment), value_of(target, read, encoder.assignment)
+        if source.is_number and target.is_number:
+            units = [t.unit and t.unit.name for t in (source, target)]
+            is_float = [t.encoding is Encoding.FLOAT for t in (source, target)]
+            same = sent == read and is_float[0] == is_float[1] if values == (None, None) else values[0] == values[1]
+            return None if same and units[0] == units[1] else (Aspect.VALUE, ())
+        expected = _renamed(self._reading.members(self._transfer.side, source, target), values[0])
+        before, after = _members(expected), _members(values[1])
+        same = source.is_number is target.is_number and (before, _rest(source, sent)) == (after, _rest(target, read))
+        if same:
+            return None
+        members = (*_members(values[0]), *_members(values[1]))
+        return Aspect.MEMBER, tuple(m for m in dict.fromkeys(members) if not (m in after and m in before))
+
+    def _out_of_range(
+        self, assignment: Assignment, encoder: Encoder, frame: CanFrame, source: Field, raw: Raw, target: Field
     ) -> Iterator[Observation]:
-        """The difference between the values that two types give one raw integer."""
-        low, high = target.type.raw_limits
-        if target.type.encoding is Encoding.FLOAT and not low <= raw <= high:
-            return
-        sent, read = value_of(source.type, raw, encoder.assignment), value_of(target.type, raw, encoder.assignment)
-        if source.type.is_number and target.type.is_number:
-            units = [t.unit and t.unit.name for t in (source.type, target.type)]
-            kinds = [t.encoding is Encoding.FLOAT for t in (source.type, target.type)]
-            if sent != read or units[0] != units[1] or (sent is None and kinds[0] != kinds[1]):
-                yield self._misread(Aspect.VALUE, assignment, encoder, frame, source, raw, target, raw)
-            elif self._transfer.side is Side.SENDING and encoder.rejects_raw(target, _like(target, raw)) is not None:
-                text = shown(source, raw, encoder.assignment)
-                facts = {"sent": self._named(text), "allowed": encoder.limits(target.type)}
-                yield self._made(
-                    Aspect.RANGE, Impact.LOUD, assignment, frame, "sent-out-of-range", facts, (source, target)
-                )
-            return
-        names = self._reading.members(self._transfer.side, source.type, target.type)
-        expected = _renamed(names, sent)
-        if expected != read or source.type.is_number != target.type.is_number:
-            members = (*_members(sent), *_members(read))
-            differing = [m for m in dict.fromkeys(members) if not (m in _members(read) and m in _members(expected))]
-            yield self._misread(Aspect.MEMBER, assignment, encoder, frame, source, raw, target, raw, tuple(differing))
+        """A number that the old host sends and that is outside the range of the new node."""
+        if self._transfer.side is Side.SENDING and source.type.is_number and target.type.is_number:
+            text = shown(source, raw, encoder.assignment)
+            facts = {"sent": self._named(text), "allowed": encoder.limits(target.type)}
+            yield self._made(Aspect.RANGE, Impact.LOUD, assignment, frame, "sent-out-of-range", facts, (source, target))
 
     def unset(self, target: Field, source: Field | None) -> Iterator[Observation]:
-        """A field that is read but not sent; not one that is always sent as the same value."""
-        if source is not None and isinstance(source.role, ConstantRole) and source.elements == target.elements:
+        """A field that is read but not sent."""
+        made = self._unvaried()
+        if made is None:
             return
-        if any(key.role is KeyRole.CONSTANT and key.name == target.name for key in self._transfer.sent.keys):
-            return
-        frame = self._unvaried()
-        if frame is None:
-            return
+        frame = self._accepted(self._encoder, made)
         text = shown(target, raw_of(target, frame), self._encoder.assignment)
         sentence = "sent-unset" if self._transfer.side is Side.SENDING else "received-unset"
         facts: dict[str, Fact] = {"name": target.name, "read": self._named(text)}
@@ -219,18 +261,20 @@ class _Pair:
 
     def ignored(self, source: Field) -> Iterator[Observation]:
         """A field that is sent but not read."""
-        for _, raw, frame in self._frames(source, source, self._encoder):
-            facts = {"sent": self._named(shown(source, raw, self._encoder.assignment))}
+        for _, made in self._frames(source, source, self._encoder):
+            frame = self._accepted(self._encoder, made)
+            facts = {"sent": self._named(shown(source, raw_of(source, frame), self._encoder.assignment))}
             yield self._made(Aspect.RAW, Impact.SILENT, self._assignment, frame, "sent-ignored", facts, (source,))
             return
 
     def constant(self, target: Field, source: Field | None) -> Iterator[Observation]:
-        """A constant that the receiver requires and that is not always sent."""
+        """A constant that the receiver requires and that is not always sent, or that means something else."""
         if source is not None and source.fixed == target.demanded and source.elements == target.elements:
             return
         frames = [self._unvaried()]
         if source is not None and source.fixed is None:
-            frames += [frame for _, _, frame in self._frames(source, source, self._encoder)]
+            frames += [frame for _, frame in self._frames(source, target, self._encoder)]
+            yield from self.field(target, source)
         for frame in filter(None, frames):
             if wrong_constants([target], frame):
                 sentence = "sent-rejected" if self._transfer.side is Side.SENDING else "received-rejected"
@@ -242,22 +286,49 @@ class _Pair:
                 yield self._made(Aspect.RAW, Impact.LOUD, self._assignment, frame, sentence, facts, fields)
                 return
 
-    def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[int, Raw, CanFrame]]:
-        """Frames with different raw integers of a field; for an array also the one that differs."""
-        nodes = self._transfer.nodes if isinstance(source.role, NodeRole) else None
-        base = candidates.base_raws(encoder, self._transfer.sent, self._node) or self._base
-        for raw in candidates.raws(encoder, source, target):
-            if nodes is not None and raw not in nodes:
-                continue
-            for given in _spread(source, raw, base[source.name]):
-                frame = encoder.encode_raws(self._transfer.sent, self._node, {**base, source.name: given})
-                if isinstance(frame, CanFrame):
-                    yield raw, given, frame
+    def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[Field, CanFrame]]:
+        """Frames with other raw integers of a field, then of the fields that share bits with the one that is read."""
+        sent = self._transfer.sent
+        base = candidates.base_raws(encoder, sent, self._node) or self._base
+        varied = [(source, candidates.raws(encoder, source, target))] if source.fixed is None else []
+        fields = (encoder.fields(sent) or {}).values()
+        sharing = [field for field in fields if field is not source and match.overlap(field, target)]
+        for field, raws in (*varied, *((one, candidates.raws_of_each_bit(encoder, one)) for one in sharing)):
+            nodes = self._transfer.nodes if isinstance(field.role, NodeRole) else None
+            for raw in raws:
+                if nodes is not None and raw not in nodes:
+                    continue
+                for given in _spread(field, raw, base[field.name]):
+                    frame = self._encoded(encoder, {**base, field.name: given})
+                    if frame is not None:
+                        yield field, frame
+        if source.fixed is not None:
+            frame = self._encoded(encoder, base)
+            if frame is not None:
+                yield source, frame
+
+    def _accepted(self, encoder: Encoder, frame: CanFrame) -> CanFrame:
+        """The frame with the constants that the receiver demands, if the sender can send it."""
+        wrong = [field for field in wrong_constants(self._demanded, frame) if field.space is Space.DATA]
+        if not wrong:
+            return frame
+        mask = data_bits((field.space, field.elements[0].segments) for field in wrong)
+        constants = sum(candidates.placed(f.elements[0].segments, f.demanded or 0) for f in wrong)
+        data = (int.from_bytes(frame.data, "little") & ~mask | constants).to_bytes(MAX_DATA_BYTES, "little")
+        changed = CanFrame(frame.id, data[: len(frame.data)], frame.extended, frame.remote)
+        fields = encoder.fields(self._transfer.sent) or {}
+        again = self._encoded(encoder, {name: raw_of(field, changed) for name, field in fields.items()})
+        return changed if again == changed else frame
+
+    def _encoded(self, encoder: Encoder, raws: Mapping[str, Raw]) -> CanFrame | None:
+        """The frame of the message; None if it cannot be sent."""
+        sent = self._transfer.sent
+        frame = encoder.encode_raws(sent, self._node if sent.id.nodes else None, raws)
+        return frame if isinstance(frame, CanFrame) else None
 
     def _unvaried(self) -> CanFrame | None:
         """The frame with the first allowed value in each field."""
-        made = self._encoder.encode_raws(self._transfer.sent, self._node, self._base)
-        return made if isinstance(made, CanFrame) else None
+        return self._encoded(self._encoder, self._base)
 
     def _named(self, shown: Fact) -> Fact:
         return (f"`{self._transfer.sent.command}`: ", shown)
@@ -272,14 +343,15 @@ class _Pair:
         sent: Raw,
         target: Field,
         read: Raw,
-        members: tuple[str, ...] = (),
+        fields: Iterable[Field],
+        members: tuple[str, ...],
     ) -> Observation:
         sentence = "sent-read" if self._transfer.side is Side.SENDING else "received-read"
         facts = {
             "sent": self._named(shown(source, sent, encoder.assignment)),
             "read": shown(target, read, encoder.assignment),
         }
-        return self._made(aspect, Impact.SILENT, assignment, frame, sentence, facts, (source, target), members)
+        return self._made(aspect, Impact.SILENT, assignment, frame, sentence, facts, fields, members)
 
     def _made(
         self,
@@ -292,9 +364,19 @@ class _Pair:
         fields: Iterable[Field],
         members: tuple[str, ...] = (),
     ) -> Observation:
-        witness = Witness(self._transfer.side, impact, assignment, frame, sentence, facts)
+        known = {**self._encoder.assignment, **assignment}
+        stated = {**assignment, **{n: known[n] for f in fields for n in parameters_of(f.type) if n in known}}
+        witness = Witness(self._transfer.side, impact, stated, frame, sentence, facts)
         paths: list[DocumentPath] = [path for f in fields for path in (f.path, f.type.path)]
-        return Observation(aspect, witness, self._transfer.commands, tuple(dict.fromkeys(paths)), members)
+        exists = self._transfer.is_identified(frame) and (
+            impact is Impact.LOUD or rejects_constants(self._transfer.read, frame, known) is None
+        )
+        return Observation(aspect, witness, self._transfer.commands, tuple(dict.fromkeys(paths)), members, exists)
+
+
+def parameters_of(type_: Type) -> tuple[str, ...]:
+    """The parameters that the values of a type depend on."""
+    return (*type_.parameters, *type_.numbers)
 
 
 def _by_index(field: Field, raw: Raw) -> dict[int | None, int]:
@@ -302,8 +384,39 @@ def _by_index(field: Field, raw: Raw) -> dict[int | None, int]:
     return {element.index: one for element, one in zip(field.elements, ordered, strict=True)}
 
 
-def _like(field: Field, raw: int) -> Raw:
-    return [raw] * len(field.elements) if field.is_array else raw
+def _constant(key: Key) -> Field:
+    """A constant that distinguishes messages, as a field: a number without a unit."""
+    type_ = Type(
+        name=key.name,
+        width=key.width,
+        encoding=Encoding.UNSIGNED,
+        order=key.order,
+        unit=None,
+        linear=Dependent.always(IDENTITY),
+        raw_range=Dependent.always(None),
+        enum=(),
+        flags=(),
+        plausible=None,
+        title={},
+        about={},
+        differs={},
+        path=key.path,
+    )
+    return Field(
+        name=key.name,
+        renamed_from=None,
+        deprecated=None,
+        type=type_,
+        space=key.space,
+        elements=(Element(None, key.segments),),
+        is_array=False,
+        only=(),
+        role=ConstantRole(key.value),
+        title={},
+        about={},
+        manual="",
+        path=key.path,
+    )
 
 
 def _spread(field: Field, raw: int, base: Raw) -> Iterator[Raw]:
@@ -331,17 +444,21 @@ def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, list):
-        known = sum(1 << flag.value for flag in type_.flags)
-        others = [str(raw & ~known)] if raw & ~known else []
+        others = [str(_rest(type_, raw))] if _rest(type_, raw) else []
         return " + ".join([*map(str, value), *others]) or "0"
-    written = formatting.exact(value)
-    return (written if len(written) < 25 else repr(float(value))) + unit
+    return formatting.decimal(value) + unit
+
+
+def _rest(type_: Type, raw: int) -> int:
+    """The bits of a raw integer that flags do not name; 0 of another type."""
+    return raw & ~sum(1 << flag.value for flag in type_.flags) if type_.flags else 0
 
 
 def _members(value: object) -> tuple[str, ...]:
+    """The names of a value, in one order; empty for a number."""
     if isinstance(value, str):
         return (value,)
-    return tuple(map(str, value)) if isinstance(value, list) else ()
+    return tuple(sorted(map(str, value))) if isinstance(value, list) else ()
 
 
 def _renamed(names: Mapping[str, str], value: object) -> object:

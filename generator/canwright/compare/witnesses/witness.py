@@ -31,6 +31,7 @@ SENTENCES: Mapping[str, str] = {
 
 REASONS: Mapping[str, str] = {
     "frames": "no frame is understood differently",
+    "combined": "no frame shows it, because another change affects the same frames first",
     "effects": "no frame shows it, because it is about what a node does",
     "setting": "no frame shows it, because it is about a setting",
     "timing": "no frame shows it, because it is about time",
@@ -99,7 +100,8 @@ class Aspect(Enum):
 class Observation:
     """A witness, and what it is about: the commands, the paths in both specs, and the members of an enum or of flags.
 
-    Without `members` it is about any member.
+    Without `members` it is about any member. If the frame does not exist, because only the receiver has its id or because
+    the receiver decodes it as something else, the observation is about what remains after these differences are repaired.
     """
 
     aspect: Aspect
@@ -107,3 +109,4 @@ class Observation:
     commands: tuple[str, ...]
     paths: tuple[DocumentPath, ...]
     members: tuple[str, ...] = ()
+    exists: bool = True
