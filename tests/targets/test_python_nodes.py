@@ -80,6 +80,20 @@ def test_a_message_of_another_edition_is_refused(nodes: Any, package: dict[str, 
         package["nodes"].Node(middle, 1, old.Parameters())
 
 
+def test_a_command_that_the_node_does_not_have_is_refused(nodes: Any, package: dict[str, ModuleType]) -> None:
+    """Its parameters decide; a node whose series is unknown can have any command."""
+    old, codec, make = package["v2_35"], package["_codec"], package["nodes"].Node
+    first, _, _ = nodes
+    with pytest.raises(codec.CodecError) as caught:
+        first.make(old.SetPowerRequest, power=200)
+    assert str(caught.value) == ("SetPowerRequest is available with series=Series.MS; Node(v2.35, 1) has Series.MG")
+    assert caught.value.refusal is codec.Refusal.UNKNOWN_CODE
+    # a bus can carry the frame nevertheless
+    assert first.decode_request(0x141, bytes.fromhex("A0000000C8000000")).power == 200
+    for known in (None, old.Parameters(series=old.Series.MS), old.Parameters(encoder_bits=18)):
+        assert make(old, 1, known).make(old.SetPowerRequest, power=200).power == 200
+
+
 def test_a_broadcast_made_by_a_node_is_for_every_node(nodes: Any, package: dict[str, ModuleType]) -> None:
     first, _, _ = nodes
     broadcast = first.make(package["v2_35"].BroadcastTorqueRequest, iq=(1, 0, 0, -1))

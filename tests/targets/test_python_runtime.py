@@ -593,6 +593,7 @@ class Variants(DimRequest):
     """Level, and power or light at the same place."""
 
     __slots__ = ()
+    DEPENDS = ("size",)
     TYPES: ClassVar[Any] = {"level": LEVEL, "power": LEVEL, "light": LEVEL}
     VARIANTS = (("level", "power"), ("level", "light"), ("level", None))
     VARIANT_BY = "size"

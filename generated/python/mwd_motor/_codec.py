@@ -59,6 +59,25 @@ class FieldAbsent(AttributeError):  # noqa: N818  the name reads well in an `exc
     """A field that this message does not have under its parameters."""
 
 
+class NodeParameters:
+    """The base class of the `Parameters` of every edition."""
+
+    def __repr__(self) -> str:
+        return shown_parameters(self, vars(self))
+
+
+def shown_parameters(parameters: object, names: Iterable[str]) -> str:
+    """The call that makes `Parameters` with those of some names that are known."""
+    given = ((name, getattr(parameters, name)) for name in names)
+    shown = (f"{name}={shown_choice(value)}" for name, value in given if value is not None)
+    return f"Parameters({', '.join(shown)})"
+
+
+def shown_choice(value: object) -> str:
+    """The expression of the value of a parameter."""
+    return str(value) if isinstance(value, Enum) else repr(value)
+
+
 def known(parameters: object, name: str, what: str) -> Any:
     """The value of a parameter. Raises CodecError (missing_parameter) when it is unknown."""
     value = getattr(parameters, name)
@@ -742,6 +761,8 @@ class Message:
     """True when the id is a 29-bit one."""
     REMOTE: ClassVar[bool] = False
     """True for a remote frame."""
+    DEPENDS: ClassVar[tuple[str, ...]] = ()
+    """The parameters on which fields, values or ranges depend."""
     TYPES: ClassVar[Mapping[str, FieldType]] = {}
     """The type of each field by name, in the order of the specification: its unit, range and conversions."""
     VARIANTS: ClassVar[tuple[tuple[str | None, ...], ...]] = ()
@@ -918,6 +939,8 @@ class Message:
                 parts.append(f"{name}={getattr(self, name)!r}")
             except CodecError:
                 parts.append(f"{name}_raw={raw!r}")
+        if any(getattr(self._parameters, name) is not None for name in self.DEPENDS):
+            parts.append(f"parameters={shown_parameters(self._parameters, self.DEPENDS)}")
         return f"{type(self).__name__}({', '.join(parts)})"
 
     def __eq__(self, other: object) -> bool:
@@ -925,9 +948,11 @@ class Message:
             return NotImplemented
         if self._raws != other._raws or self._node != other._node:
             return False
-        return not self.VARIANT_BY or self._parameters is other._parameters or self._variant() == other._variant()
+        ours, theirs = self._parameters, other._parameters
+        return ours is theirs or all(getattr(ours, name) == getattr(theirs, name) for name in self.DEPENDS)
 
     def __hash__(self) -> int:
+        # equal messages have equal hashes, whatever their parameters are
         return hash((type(self), self._node, self._raws))
 
 

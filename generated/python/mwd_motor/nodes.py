@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from ._codec import CodecError, Message, Refusal
+from ._codec import CodecError, Message, Refusal, shown_choice
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -57,8 +57,9 @@ class Node(Generic[Q, A]):
         return f"Node({self.edition.EDITION}, {self.node})"
 
     def make(self, message: type[M], **values: Any) -> M:
-        """A message to or from this node, of a class of its edition. Raises CodecError and TypeError.
+        """A message to or from this node, of a class of its edition.
 
+        Raises CodecError, also where nodes with these parameters do not have the command (unknown_code), and TypeError.
         A message whose id has no node, such as a broadcast, is for every node on the bus; only its values are computed
         with the parameters of this node.
         """
@@ -68,8 +69,18 @@ class Node(Generic[Q, A]):
         for name in own:
             if name in values:
                 raise TypeError(f"{self!r} sets {name} itself; leave it out")
+        self._check_available(message)
         taken = message.__init__.__annotations__
         return _made(message, **values, **{name: value for name, value in own.items() if name in taken})
+
+    def _check_available(self, message: type[Message]) -> None:
+        """Checks that a node with these parameters has a command. Raises CodecError (unknown_code)."""
+        for name, values in message.ONLY.items():
+            value = getattr(self.parameters, name)
+            if value is not None and value not in values:
+                available = " or ".join(map(shown_choice, values))
+                text = f"{message.__name__} is available with {name}={available}; {self!r} has {shown_choice(value)}"
+                raise CodecError(Refusal.UNKNOWN_CODE, text)
 
     def ids_of(self, direction: str) -> Iterable[tuple[int, int, bool, bool]]:
         """The ids of this node, as a `request` or a `reply`; see the function of the edition."""

@@ -20,6 +20,7 @@ from ._codec import (
     FlagsType,
     Integer,
     Message,
+    NodeParameters,
     Number,
     Real,
     Refusal,
@@ -157,8 +158,8 @@ class Series(str, Enum):
     """MG series"""
 
 
-@dataclass(frozen=True)
-class Parameters:
+@dataclass(frozen=True, repr=False)
+class Parameters(NodeParameters):
     """The properties of a node that no frame contains; leave out unknown ones."""
 
     series: Series | None = None
@@ -462,6 +463,7 @@ class WriteEncoderOffsetRom(Message):
     __match_args__ = ("encoder_offset",)
     TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int]
 
@@ -568,7 +570,7 @@ class MotionFeedback(Message):
 
     __slots__ = ()
 
-    __match_args__ = ("temperature", "power", "iq", "speed", "encoder")
+    __match_args__ = ("temperature", "speed", "encoder")
     TYPES = {
         "temperature": TEMPERATURE,
         "power": OUTPUT_POWER,
@@ -577,6 +579,7 @@ class MotionFeedback(Message):
         "encoder": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series", "encoder_bits")
     VARIANTS = (
         ("temperature", "power", "speed", "encoder"),
         ("temperature", "iq", "speed", "encoder"),
@@ -1025,6 +1028,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     __match_args__ = ("iq",)
     TYPES = {"iq": TORQUE_CURRENT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int]
 
@@ -1154,6 +1158,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     __match_args__ = ("iq_limit", "speed")
     TYPES = {"iq_limit": TORQUE_CURRENT, "speed": SPEED_SETPOINT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int, int]
 
@@ -2393,6 +2398,7 @@ class ReadEncoderReply(Reply):
     __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
     TYPES = {"encoder": ENCODER_POSITION, "encoder_measured": ENCODER_POSITION, "encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int, int, int]
 
@@ -2500,6 +2506,7 @@ class WritePositionAsZeroRomReply(Reply):
     __match_args__ = ("encoder_offset",)
     TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int]
 
@@ -2619,6 +2626,7 @@ class ReadSingleTurnAngleReply(Reply):
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("gear_ratio",)
 
     _raws: tuple[int]
 
@@ -2739,6 +2747,7 @@ class ReadStatus3Reply(Reply):
     __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
     TYPES = {"temperature": TEMPERATURE, "phase_a": PHASE_CURRENT, "phase_b": PHASE_CURRENT, "phase_c": PHASE_CURRENT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int, int, int, int]
 
