@@ -94,9 +94,17 @@ def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
     return taken
 
 
-def node_of(message: Message, frame: CanFrame) -> int | None:
+def node_in_id(message: Message, frame: CanFrame) -> int | None:
     """The node in the id of a frame of this message; None without one."""
     return node_of_id(message.id, frame.id & ~message.id_mask)
+
+
+def node_of(message: Message, frame: CanFrame) -> int | None:
+    """The node of a frame of this message: in its id, else in the field that holds the node; None without one."""
+    if message.id.nodes is not None:
+        return node_in_id(message, frame)
+    bits = message.node_bits
+    return read_bits(bits, frame) if bits is not None else None
 
 
 def has_id(message: Message, frame: CanFrame) -> bool:
