@@ -92,6 +92,8 @@ class Message:
     A frame with the values of all `keys` is this message; `accept` are further accepted values of `keys[0]`. `claims`
     are the values of `keys[0]` that identify this message without its request: where several messages accept one
     value, it identifies the message whose command has that code.
+
+    `largest_node` is the largest node in the ids of its address, or of the edition if those have no nodes; 0 without one.
     """
 
     name: str
@@ -105,11 +107,18 @@ class Message:
     dlc: int
     remote: bool
     layout: Layout
+    largest_node: int
     path: DocumentPath
 
     @property
+    def node_in_data(self) -> BitRun | None:
+        """The bits of the field that identifies the node; None if the id does, or if a field has its low bits only."""
+        bits = self.node_bits
+        return bits if self.id.nodes is None and bits is not None and not self.largest_node >> bits.width else None
+
+    @property
     def node_bits(self) -> BitRun | None:
-        """The bits of the field whose role is the node; None without such a field."""
+        """The bits of the field that contains the node or its low bits; None without such a field."""
         field = next((f for f in self.layout.fields if isinstance(f.role, NodeRole)), None)
         if field is None:
             return None
