@@ -775,6 +775,7 @@ def speaking(name: str) -> Any:
         decode_request=DISPATCHER.requests.decode,
         decode_reply=DISPATCHER.replies.decode,
         node_of=DISPATCHER.node_of,
+        has_node_in_data=DISPATCHER.has_node_in_data,
         ids_of=DISPATCHER.ids_of,
     )
 

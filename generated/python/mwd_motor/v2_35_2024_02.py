@@ -136,6 +136,7 @@ __all__ = [
     "decode_answer",
     "decode_reply",
     "decode_request",
+    "has_node_in_data",
     "ids_of",
     "node_of",
 ]
@@ -3179,6 +3180,7 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
+has_node_in_data = _dispatcher.has_node_in_data
 ids_of = _dispatcher.ids_of
 decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode

@@ -741,7 +741,11 @@ class Message:
     NODE_STEP: ClassVar[int] = 1
     """The distance between the CAN ids of neighbouring nodes."""
     NODES: ClassVar[tuple[int, int]]
-    """First and last node."""
+    """First and last node in the id."""
+    NODE_FIELD: ClassVar[str] = ""
+    """The field with the node or its low bits; empty without one."""
+    NODE_MASK: ClassVar[int] = -1
+    """The bits of the node that `NODE_FIELD` has."""
     CODE: ClassVar[int]
     """The selector's value."""
     TITLE: ClassVar[str] = ""
@@ -776,6 +780,7 @@ class Message:
     _checked: bool
     """Whether the raw integers and the node are known to be valid."""
     _node: Any
+    """The node in the id."""
     _parameters: Any
     _raws: Any
     """The raw integer of each field, a tuple of them for an array. Fields that never exist together share a place."""
@@ -788,7 +793,7 @@ class Message:
 
     @property
     def node(self) -> Any:
-        """The node that receives or sends this frame; None where the id has none."""
+        """The node that receives or sends this frame; None where neither the id nor the data identifies it."""
         return self._node
 
     @property
