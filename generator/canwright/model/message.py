@@ -13,6 +13,8 @@ from .layout import Layout, NodeRole, Segment, Space
 from .metadata import Effect, Setting
 from .types import Assignment, ImpliedTitle, Order, Text
 
+MAX_NODE_BITS = 32
+"""The maximum width of a field that identifies a node."""
 LISTED_NODES = 256
 """The maximum number of nodes of an address that an output lists one by one."""
 
@@ -112,9 +114,20 @@ class Message:
 
     @property
     def node_in_data(self) -> BitRun | None:
-        """The bits of the field that identifies the node; None if the id does, or if a field has its low bits only."""
+        """The bits of the field that identifies the node; None if the id does, or if a field has its low bits only.
+
+        They are at most 32, so that every target has an integer for a node.
+        """
         bits = self.node_bits
-        return bits if self.id.nodes is None and bits is not None and not self.largest_node >> bits.width else None
+        if self.id.nodes is not None or bits is None or bits.width > MAX_NODE_BITS or self.has_low_bits_of_node:
+            return None
+        return bits
+
+    @property
+    def has_low_bits_of_node(self) -> bool:
+        """Whether a field contains the low bits of the node only."""
+        bits = self.node_bits
+        return bits is not None and bool(self.largest_node >> bits.width)
 
     @property
     def node_bits(self) -> BitRun | None:

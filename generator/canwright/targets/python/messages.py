@@ -142,7 +142,7 @@ class MessageViews:
             remote=message.remote,
             nodes=(nodes[0], nodes[-1]) if nodes is not None else None,
             node_field=text.attribute(holder.name) if holder else "",
-            node_mask=(1 << holder.width) - 1 if holder and message.largest_node >> holder.width else 0,
+            node_mask=(1 << holder.width) - 1 if holder and message.has_low_bits_of_node else 0,
             node_place=_place(message) if message.node_in_data else None,
             body=self._body(message, command.from_each) if has_fields and group not in self._bases else None,
             id=f"0x{encoding.fixed_id(message):X}",

@@ -40,6 +40,7 @@ class Refusal(str, Enum):
     NOT_FINITE = "not_finite"
     UNKNOWN_NODE = "unknown_node"
     NOT_ANSWER = "not_answer"
+    NOT_AVAILABLE = "not_available"
 
 
 class CodecError(ValueError):

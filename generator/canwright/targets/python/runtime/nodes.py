@@ -61,7 +61,8 @@ class Node(Generic[Q, A]):
     def make(self, message: type[M], **values: Any) -> M:
         """A message to or from this node, of a class of its edition.
 
-        Raises CodecError, also where nodes with these parameters do not have the command (unknown_code), and TypeError.
+        Raises CodecError, also where nodes with these parameters do not have the command (not_available), and
+        TypeError.
         A message without a node, such as a broadcast, is for every node on the bus; only its values are computed with the
         parameters of this node. The field that contains the node is set, too.
         """
@@ -78,13 +79,13 @@ class Node(Generic[Q, A]):
         return _made(message, **values, **{name: value for name, value in own.items() if name in taken})
 
     def _check_available(self, message: type[Message]) -> None:
-        """Checks that a node with these parameters has a command. Raises CodecError (unknown_code)."""
+        """Checks that a node with these parameters has a command. Raises CodecError (not_available)."""
         for name, values in message.ONLY.items():
             value = getattr(self.parameters, name)
             if value is not None and value not in values:
                 available = " or ".join(map(shown_choice, values))
                 text = f"{message.__name__} is available with {name}={available}; {self!r} has {shown_choice(value)}"
-                raise CodecError(Refusal.UNKNOWN_CODE, text)
+                raise CodecError(Refusal.NOT_AVAILABLE, text)
 
     def ids_of(self, direction: str) -> Iterable[tuple[int, int, bool, bool]]:
         """The ids of this node, as a `request` or a `reply`; see the function of the edition."""
