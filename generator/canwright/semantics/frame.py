@@ -100,11 +100,9 @@ def node_in_id(message: Message, frame: CanFrame) -> int | None:
 
 
 def node_of(message: Message, frame: CanFrame) -> int | None:
-    """The node of a frame of this message: in its id, else in the field that holds the node; None without one."""
-    if message.id.nodes is not None:
-        return node_in_id(message, frame)
-    bits = message.node_bits
-    return read_bits(bits, frame) if bits is not None else None
+    """The node of a frame of this message, in its id or in its data; None without one."""
+    bits = message.node_in_data
+    return node_in_id(message, frame) if bits is None else read_bits(bits, frame)
 
 
 def has_id(message: Message, frame: CanFrame) -> bool:

@@ -85,7 +85,8 @@ class CAdapter(Adapter):
                 values[field.name] = [float(value) for _, value in mine]
             else:
                 values[field.name] = _value(mine[0][1])
-        return Decoded(command, int(node) if message.id.nodes is not None else None, raw, values)
+        has_node = message.id.nodes is not None or message.node_in_data is not None
+        return Decoded(command, int(node) if has_node else None, raw, values)
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
