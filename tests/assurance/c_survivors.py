@@ -24,14 +24,14 @@ from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
-from canwright.semantics.decoder import Decoder, Rejection
+from canwright.semantics.decoder import Decoder, Identified, Rejection
 from canwright.semantics.encoder import Encoder
 from canwright.targets import c as target
 from canwright.targets.base import Specification
 
 from ..compilers import SANITIZED, ZIG
 from ..conformance.adapter import Adapter, CanFrame, Decoded, Raw, Refused, write_files
-from ..conformance.adapters.c import CAdapter
+from ..conformance.adapters.c import CAdapter, node_in_field
 from ..conformance.adapters.c_facts import Facts
 from ..conformance.adapters.c_harness import harness, header_text
 from ..conformance.adapters.reference import ReferenceAdapter
@@ -378,7 +378,7 @@ def _ask_frames(item: Specification, adapter: CAdapter) -> None:
         identified, named = decoder.identify(direction, frame), adapter.identify(direction, frame)
         if isinstance(identified, Rejection):
             assert named == Refused(identified.reason), (direction, frame)
-        elif named != (identified.message.command, identified.node or 0):  # a constant of the fields can be wrong
+        elif named != (identified.message.command, _node(identified, frame)):  # a constant of the fields can be wrong
             assert isinstance(wanted, Refused) and named == Refused(wanted.says), (direction, frame)
         found = adapter.check(direction, frame, known)
         if isinstance(wanted, Decoded):
@@ -386,6 +386,11 @@ def _ask_frames(item: Specification, adapter: CAdapter) -> None:
             assert found == (encoded if isinstance(encoded, Refused) else None), (direction, frame, known)
         else:
             assert found == Refused(wanted.says), (direction, frame, known)
+
+
+def _node(identified: Identified, frame: CanFrame) -> int:
+    """The node in the id or in a field of a frame; 0 without one."""
+    return node_in_field(identified.message, frame) if identified.node is None else identified.node
 
 
 def _ask_singles(item: Specification, adapter: CAdapter) -> None:

@@ -13,6 +13,7 @@ from canwright.model.layout import Field
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
+from canwright.semantics.frame import read_bits
 from canwright.targets import c as target
 from canwright.targets.base import Specification
 
@@ -85,7 +86,7 @@ class CAdapter(Adapter):
                 values[field.name] = [float(value) for _, value in mine]
             else:
                 values[field.name] = _value(mine[0][1])
-        return Decoded(command, int(node) if message.id.nodes is not None else None, raw, values)
+        return Decoded(command, self._node(message, frame, int(node)), raw, values)
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -112,6 +113,14 @@ class CAdapter(Adapter):
         for field, index, value in _items(message, values):
             words += [field.name, str(index), _written(value)]
         return self._encode(message, node, parameters, True, words)
+
+    @staticmethod
+    def _node(message: Message, frame: CanFrame, node: int) -> int | None:
+        """The node in the id. One in a field must be that of the frame, and 0 stands for none."""
+        if message.id.nodes is not None:
+            return node
+        assert node == node_in_field(message, frame), (message.name, frame, node)
+        return None
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         answer = self._ask("answers", *_frame(request), *_frame(reply))
@@ -204,6 +213,11 @@ class CAdapter(Adapter):
         if line[0] == "ok":
             return line[1:]
         return Refused(Refusal(line[1]), line[2] if len(line) > 2 else None)
+
+
+def node_in_field(message: Message, frame: CanFrame) -> int:
+    """The node that a field of a frame contains; 0 without one."""
+    return 0 if message.node_bits is None else read_bits(message.node_bits, frame)
 
 
 def _end(process: subprocess.Popen[str]) -> None:

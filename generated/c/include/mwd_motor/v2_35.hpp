@@ -2762,7 +2762,7 @@ CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
-/** Decodes a request of broadcast_torque; the result is the node, which is 0 as the id contains none. */
+/** Decodes a request of broadcast_torque; the result is the node, which is 0 as the frame contains none. */
 CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     broadcast_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {

@@ -5017,7 +5017,7 @@ static inline bool mwd_motor_v2_36_2024_11_command_available(
     }
 }
 
-/** Identifies the command of any request, and the node, which is 0 if the id contains none. */
+/** Identifies the command of any request, and the node, which is 0 if the frame contains none. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_request(
     mwd_motor_v2_36_2024_11_command_t *command, uint32_t *node, const canwright_frame_t *frame)
@@ -5120,7 +5120,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_request(
 typedef struct {
     /** The command that the frame belongs to. */
     mwd_motor_v2_36_2024_11_command_t command;
-    /** The node; 0 if the id contains none. */
+    /** The node, from the id or from a field; 0 if the frame contains none. */
     uint32_t node;
     /** The fields, by command. */
     union {
@@ -5336,7 +5336,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_any_request_check(
     }
 }
 
-/** Identifies the command of any reply, and the node, which is 0 if the id contains none. */
+/** Identifies the command of any reply, and the node, which is 0 if the frame contains none. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_reply(
     mwd_motor_v2_36_2024_11_command_t *command, uint32_t *node, const canwright_frame_t *frame)
@@ -5439,7 +5439,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_identify_reply(
 typedef struct {
     /** The command that the frame belongs to. */
     mwd_motor_v2_36_2024_11_command_t command;
-    /** The node; 0 if the id contains none. */
+    /** The node, from the id or from a field; 0 if the frame contains none. */
     uint32_t node;
     /** The fields, by command. */
     union {

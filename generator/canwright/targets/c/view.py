@@ -70,7 +70,14 @@ class FrameView(NamedTuple):
     @property
     def is_match_only(self) -> bool:
         """True if there is nothing to read or check after the match."""
-        return not (self.layout.members or self.layout.depends or self.message.other_constant or self.matches[1:])
+        message = self.message
+        return not (
+            self.layout.members
+            or self.layout.depends
+            or message.other_constant
+            or message.held_node
+            or self.matches[1:]
+        )
 
 
 class CommandView(NamedTuple):
