@@ -126,7 +126,7 @@ def _sent(of: _Edition, message: Message, golden: GoldenFrame, parameters: Mappi
             "&frame",
             f"{golden.node}u" if frame.message.pattern.rule.has_nodes else "",
             "&request" if frame.struct else "",
-            "&parameters" if frame.layout.takes_parameters else "",
+            "&parameters" if frame.takes_parameters else "",
         ),
     )
     printed = _print(of, Direction.REQUEST, "&frame")

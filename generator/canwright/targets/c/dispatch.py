@@ -169,7 +169,9 @@ class _Printer:
             groups.setdefault(key, []).append(case)
         for key, cases in groups.items():
             values = [value for case in cases for value in case.values]
-            then_ = key if isinstance(key, MatchView) and len(cases) > 1 else self.node(cases[0].then, has_nodes=has_nodes)
+            then_ = (
+                key if isinstance(key, MatchView) and len(cases) > 1 else self.node(cases[0].then, has_nodes=has_nodes)
+            )
             yield CaseView(_labels(node.subject, values), then_)
 
 
