@@ -523,7 +523,9 @@ def test_wrong_arguments(arguments: list[str], message: str) -> None:
     assert not list(Path().glob("*.p*")) and not list(Path().glob(".*part"))
 
 
-@pytest.mark.parametrize("spelling", ["bus.log", "./bus.log", "folder/../bus.log", "symbolic.log", "hard.log", "absolute"])
+@pytest.mark.parametrize(
+    "spelling", ["bus.log", "./bus.log", "folder/../bus.log", "symbolic.log", "hard.log", "absolute"]
+)
 @pytest.mark.parametrize("option", ["--out", "--split", "--plot"])
 def test_an_output_never_replaces_the_log(option: str, spelling: str) -> None:
     suffix = {"--plot": ".svg"}.get(option, ".log")

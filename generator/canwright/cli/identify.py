@@ -14,9 +14,9 @@ from ..model.formatting import bus_id, counted, sent
 from ..recordings.exports import bus_name
 from ..recordings.grouping import groups
 from ..recordings.identify import Identifier
-from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
 from ..recordings.readers import LogError, open_log
 from ..recordings.recorded import Counts
+from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import node_names
 from .terminal import print_json, print_text

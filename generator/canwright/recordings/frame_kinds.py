@@ -256,7 +256,9 @@ class FrameKinds:
         """The time in ns within which a request is answered, but for commands with a reply time of their own."""
         if self._window is not None:
             return self._window
-        return max(WINDOW, int(2 * (self.edition.bus.reply_within_ms or 0) * 1_000_000), 2 * (behaviour.reply_time or 0))
+        return max(
+            WINDOW, int(2 * (self.edition.bus.reply_within_ms or 0) * 1_000_000), 2 * (behaviour.reply_time or 0)
+        )
 
     def _opens(self, request: Form) -> tuple[Opened, ...]:
         command = self.edition.command(request.message.command)

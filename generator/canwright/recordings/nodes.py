@@ -11,8 +11,8 @@ from ..model.edition import Edition
 from ..model.types import Assignment
 from ..semantics.frame import CanFrame, has_id
 from .identify import identify
-from .results import NodeResult
 from .recorded import Recorded
+from .results import NodeResult
 
 IDENTIFIED_FROM = 20_000
 """The number of frames at the start of a log from which editions are identified."""

@@ -37,6 +37,10 @@ EXTENDED = 1 << 31
 REMOTE = 1 << 30
 
 
+class NotAvailable(Exception):  # noqa: N818 - an answer
+    """A node with the parameters does not have the command."""
+
+
 class CAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, the functions of each message, and the conversions."""
 
@@ -154,6 +158,14 @@ class CAdapter(Adapter):
         answer = self._ask("check", f"any_{direction.value}", *self._known(parameters), *_frame(frame))
         return answer if isinstance(answer, Refused) else None
 
+    def has_command(self, message: Message, parameters: Parameters) -> bool:
+        """Whether a message whose fields are 0 is encoded, or rejected for another reason than the parameters."""
+        try:
+            self._encode(message, message.id.nodes[0] if message.id.nodes else None, parameters, False, [])
+        except NotAvailable:
+            return False
+        return True
+
     def milli(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
         """`to` thousandths of the unit, or `from` them."""
         answer = self._ask("milli", type_name, *self._known(parameters), direction, str(number))
@@ -204,6 +216,8 @@ class CAdapter(Adapter):
         assert line, f"the program has no answer to: {' '.join(words)}"
         if line[0] == "ok":
             return line[1:]
+        if line[1] == "not_available":
+            raise NotAvailable(*words)
         return Refused(Refusal(line[1]), line[2] if len(line) > 2 else None)
 
 

@@ -2175,10 +2175,10 @@ CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
 
 /** Encodes a request of set_power, if it is valid. */
 CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
+    ::std::uint32_t node, const set_power_request &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
-    const status done = ::mwd_motor_v2_35_set_power_request_encode(&to, node, &message);
+    const status done = ::mwd_motor_v2_35_set_power_request_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
@@ -2199,10 +2199,10 @@ CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
 
 /** Encodes a request of set_torque, if it is valid. */
 CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
+    ::std::uint32_t node, const set_torque_request &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
-    const status done = ::mwd_motor_v2_35_set_torque_request_encode(&to, node, &message);
+    const status done = ::mwd_motor_v2_35_set_torque_request_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
@@ -2762,7 +2762,7 @@ CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
     return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
 }
 
-/** Decodes a request of broadcast_torque; the result is the node, which is 0 as the id contains none. */
+/** Decodes a request of broadcast_torque; the result is the node, which is 0 as the frame contains none. */
 CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
     broadcast_torque_request &message, const frame &from, status *why = nullptr) noexcept
 {

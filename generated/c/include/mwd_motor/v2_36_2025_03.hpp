@@ -3165,10 +3165,10 @@ CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
 
 /** Encodes a request of set_power, if it is valid. */
 CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
+    ::std::uint32_t node, const set_power_request &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
-    const status done = ::mwd_motor_v2_36_2025_03_set_power_request_encode(&to, node, &message);
+    const status done = ::mwd_motor_v2_36_2025_03_set_power_request_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
@@ -3189,10 +3189,10 @@ CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
 
 /** Encodes a request of set_torque, if it is valid. */
 CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
+    ::std::uint32_t node, const set_torque_request &message, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
-    const status done = ::mwd_motor_v2_36_2025_03_set_torque_request_encode(&to, node, &message);
+    const status done = ::mwd_motor_v2_36_2025_03_set_torque_request_encode(&to, node, &message, &known);
     if (why != nullptr) {
         *why = done;
     }
@@ -3983,10 +3983,10 @@ CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
 
 /** Encodes a request of read_status_3, if it is valid. */
 CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
+    ::std::uint32_t node, const read_status_3_request &, const parameters &known, status *why = nullptr) noexcept
 {
     frame to{};
-    const status done = ::mwd_motor_v2_36_2025_03_read_status_3_request_encode(&to, node);
+    const status done = ::mwd_motor_v2_36_2025_03_read_status_3_request_encode(&to, node, &known);
     if (why != nullptr) {
         *why = done;
     }
