@@ -462,6 +462,7 @@
           });
           return make("label", {}, box, text(texts.members?.[name], name));
         }),
+        ...one.value.filter((bits) => typeof bits !== "string").map((bits) => `${say("no_name")}: 0x${frames.hex(bits, 2)}`),
       );
     }
     if (one.reason !== null) {

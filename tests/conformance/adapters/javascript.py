@@ -58,7 +58,8 @@ class JavaScriptAdapter(Adapter):
             field = self._field(direction, found["command"], one["name"])
             assert one["unit"] == (field.type.unit.symbol if field.type.unit else None)
             if one["reason"] != Refusal.MISSING_PARAMETER.value:
-                values[one["name"]] = _value(one["value"])
+                value = _names(field, one["raw"], one["value"]) if field.type.flags else one["value"]
+                values[one["name"]] = _value(value)
         return Decoded(found["command"], found["node"], found["raw"], values)
 
     def encode_raw(
@@ -138,6 +139,16 @@ def _number(value: Any) -> Any:
     if value.denominator == 1 and float(value) != value:
         return {"bigint": str(value)}
     return float(value)
+
+
+def _names(field: Field, raw: Any, flags: Any) -> Any:
+    """The names of flags; what follows are all other bits, so that nothing is lost."""
+    if field.is_array:
+        return [_names(field, one, each) for one, each in zip(raw, flags, strict=True)]
+    names = [one for one in flags if isinstance(one, str)]
+    rest = raw & ~sum(1 << flag.value for flag in field.type.flags)
+    assert flags == [*names, *([rest] if rest else [])]
+    return names
 
 
 def _value(value: Any) -> Value:
