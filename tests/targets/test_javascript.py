@@ -153,7 +153,18 @@ def test_messages_are_json(tmp_path: Path) -> None:
         console.log(JSON.stringify([make(2n ** 64n - 1n), make(5)]));"""
     first, second = json.loads(run(program))
     exact = {"count": str(2**64 - 1)}
-    assert list(first) == "family edition direction command node parameters frame fields raw values".split()
+    assert list(first) == [
+        "family",
+        "edition",
+        "direction",
+        "command",
+        "node",
+        "parameters",
+        "frame",
+        "fields",
+        "raw",
+        "values",
+    ]
     assert (first["raw"], first["values"], first["parameters"]) == (exact, exact, {"size": str(2**60)})
     assert first["fields"][0]["raw"] == first["fields"][0]["value"] == str(2**64 - 1)
     assert (second["raw"], second["frame"]["data"]) == ({"count": 5}, [5, 0, 0, 0, 0, 0, 0, 0])
