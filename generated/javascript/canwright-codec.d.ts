@@ -27,7 +27,8 @@ export type Refusal =
   | "out_of_range"
   | "not_finite"
   | "unknown_node"
-  | "not_answer";
+  | "not_answer"
+  | "not_available";
 
 /** A frame or a value is rejected. */
 export class CodecError extends Error {

@@ -171,9 +171,15 @@ class Questions:
         data = (word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little")
         return frame._replace(id=id_, data=data)
 
+    def _having(self, message: Message, known: Parameters) -> Parameters:
+        """Parameters of a node that has the command of a request: C does not encode it for other nodes."""
+        only = self._edition.command(message.command).only if message.direction is Direction.REQUEST else {}
+        lacking = [name for name, values in only.items() if known.get(name, values[0]) not in values]
+        return {**known, **{name: self._chance.choice(only[name]) for name in lacking}}
+
     def _known(self, message: Message) -> Parameters:
-        """Parameters under which the fields of a message are known."""
-        known = dict(self._parameters())
+        """Parameters under which the fields of a message are known and a node has the command of a request."""
+        known = dict(self._having(message, self._parameters()))
         name = message.layout.parameter
         if name is not None and name not in known:
             known[name] = self._chance.choice(self._edition.parameter(name).values).name
@@ -219,7 +225,7 @@ class Questions:
 
     def _raws(self, message: Message) -> Iterator[Question]:
         """Every limit of every field, one field at a time, and every limit of the node."""
-        known = self._parameters()
+        known = self._having(message, self._parameters())
         for node in self._nodes(message):
             encoder = self._encoders.under(known)
             raws = {name: self._raw(encoder, field) for name, field in (encoder.fields(message) or {}).items()}

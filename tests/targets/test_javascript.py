@@ -11,6 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.semantics.candidates import Candidates
@@ -288,6 +289,27 @@ CodecError: it comes from node 2, not 1
 """
 
 
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_requests_that_a_node_does_not_have_are_rejected(spec: Path, tmp_path: Path) -> None:
+    """Before anything else, and only if the parameters that decide it are given; replies and frames of the bus are not."""
+    item, asked = specification(spec), 0
+    adapter = JavaScriptAdapter.create(item, tmp_path)
+    for message in item.edition.all_messages():
+        command = item.edition.command(message.command)
+        for parameter in item.edition.parameters:
+            for value in parameter.values:
+                content = {"node": -1, "raw": {"nonsense": 1}, "parameters": {parameter.name: value.name}}
+                question = {"direction": message.direction.value, "command": message.command, "content": content}
+                refusal = adapter.refusal("encode", **question)
+                is_available = message.direction is Direction.REPLY or command.available({parameter.name: value.name})
+                assert (refusal != "not_available") == is_available, question
+                asked += not is_available
+    limited = [c for c in item.edition.commands if c.request and any(c.only.values())]
+    assert bool(asked) == any(
+        len(item.edition.parameter(n).values) > len(v) for c in limited for n, v in c.only.items()
+    )
+
+
 @pytest.mark.parametrize("name", ["mwd_motor/v2.35", "press/v1"])
 def test_candidates_are_those_of_the_reference(name: str, tmp_path: Path) -> None:
     spec = next(spec for spec in SPECS if called(spec) == name)
@@ -329,7 +351,8 @@ def test_reserved_names_of_packages(tmp_path: Path) -> None:
 def test_refusals_are_those_of_the_model() -> None:
     declared = (RUNTIME / "canwright-codec.d.ts").read_text("utf-8")
     names = re.search(r"type Refusal =([^;]*);", declared)
-    assert names and re.findall(r'"(\w+)"', names.group(1)) == [refusal.value for refusal in Refusal]
+    refusals = [*(refusal.value for refusal in Refusal), "not_available"]  # the reference has no such node
+    assert names and re.findall(r'"(\w+)"', names.group(1)) == refusals
 
 
 USE = """\

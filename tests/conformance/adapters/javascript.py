@@ -93,12 +93,20 @@ class JavaScriptAdapter(Adapter):
         found = self.ask("answers", request=_frame(request), reply=_frame(reply))
         return found if isinstance(found, Refused) else None
 
-    def ask(self, task: str, **question: Any) -> Any:
-        """The answer of the process, or the refusal."""
+    def refusal(self, task: str, **question: Any) -> str:
+        """The name of the refusal; empty for an answer, or for a wrong argument."""
+        return str(self._answer(task, question).get("refusal", ""))
+
+    def _answer(self, task: str, question: Mapping[str, Any]) -> dict[str, Any]:
         assert self._node.stdin is not None and self._node.stdout is not None
         self._node.stdin.write(json.dumps({"task": task, **question}) + "\n")
         self._node.stdin.flush()
-        answer = json.loads(self._node.stdout.readline(), object_hook=_bigint)
+        answer: dict[str, Any] = json.loads(self._node.stdout.readline(), object_hook=_bigint)
+        return answer
+
+    def ask(self, task: str, **question: Any) -> Any:
+        """The answer of the process, or the refusal."""
+        answer = self._answer(task, question)
         if "refusal" in answer:
             return Refused(Refusal(answer["refusal"]), answer.get("field"))
         if "error" in answer:

@@ -159,6 +159,7 @@ class Codec {
   encode(direction, command, { node = null, values, raw, parameters } = NOTHING) {
     const message = this.message(direction, command);
     const known = this.known(parameters);
+    message.checkAvailable(known);
     message.rule.check(node);
     const fields = message.fields(known);
     const given = values ?? raw ?? NOTHING;
@@ -460,6 +461,7 @@ class Message {
     this.command = table.command;
     this.rule = new IdRule(table);
     this.length = table.length;
+    this.only = Object.entries(table.only ?? NOTHING);
     this.keys = (table.keys ?? []).map(({ segments, values }) => ({ bits: new Bits(segments), values }));
     this.mask = table.mask ?? 0;
     this.layout = layout;
@@ -490,6 +492,16 @@ class Message {
     }
     const hasKeys = this.keys.every((key) => key.values.includes(key.bits.read(frame)));
     return hasKeys ? null : wrong("unknown_code", "the code differs");
+  }
+
+  /** Throws CodecError if no node with these parameters has the command. */
+  checkAvailable(parameters) {
+    for (const [name, values] of this.only) {
+      const value = parameters[name];
+      if (value !== undefined && !values.includes(value)) {
+        throw new CodecError("not_available", `${this.command} is available with ${name} ${values.join(" or ")}, not ${value}`);
+      }
+    }
   }
 
   checkConstants(frame, parameters) {
