@@ -27,6 +27,7 @@ from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified, Rejection
 from canwright.semantics.encoder import Encoder
+from canwright.semantics.frame import node_of
 from canwright.targets import c as target
 from canwright.targets.base import Specification
 

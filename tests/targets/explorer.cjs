@@ -15,7 +15,17 @@ for (const [, path] of page.matchAll(/<script src="([^"]*)">/g)) {
 const canwright = vm.runInContext("canwright", context);
 const replace = (_, value) => (typeof value === "bigint" ? { bigint: String(value) } : value);
 
-const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ line, parameters }) => {
+/** The frame with another value of a field, or the reason for which there is none. */
+function written(one, { name, value, raw }) {
+  try {
+    const changed = value === undefined ? raw : canwright.meaning.rawOf(one, name, value);
+    return canwright.frames.format(canwright.meaning.encode(one, { raw: { ...one.decoded.raw, [name]: changed } }));
+  } catch (error) {
+    return error.refusal ?? String(error);
+  }
+}
+
+const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ line, parameters, enter }) => {
   const frame = canwright.frames.parseLine(line);
   return frame && {
     frame: canwright.frames.format(frame),
@@ -27,11 +37,15 @@ const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ line, parame
       command: one.decoded.command,
       node: one.decoded.node,
       raw: one.decoded.raw,
+      fields: one.decoded.fields,
       deviation: one.deviation,
+      obstacle: canwright.code.obstacle(one),
       series: one.variant?.values ?? null,
-      c: one.deviation === "range" ? "" : canwright.code.c(one),
-      python: one.deviation === "range" ? "" : canwright.code.python(one),
+      c: canwright.code.obstacle(one) ? "" : canwright.code.c(one),
+      python: canwright.code.obstacle(one) ? "" : canwright.code.python(one),
       cansend: canwright.code.cansend(one),
+      entered: enter && written(one, { name: enter.name, value: enter.value }),
+      entered_raw: enter && written(one, { name: enter.name, raw: enter.raw }),
     })),
   };
 });

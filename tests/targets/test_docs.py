@@ -10,10 +10,12 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import parse_qsl
 from xml.etree import ElementTree
 
 import markdown as python_markdown
 import pytest
+from canwright.model import formatting
 from canwright.project.loader import specification
 from canwright.targets import docs
 from canwright.templating.markup import markdown
@@ -47,13 +49,31 @@ def test_every_link_leads_somewhere(pages: dict[str, str]) -> None:
         for link in re.findall(r"\]\(([^)]+)\)", text):
             file, _, anchor = link.partition("#")
             if file.endswith("/explorer/index.html") and anchor:
-                assert re.fullmatch(r"frame=[0-9A-F]+%23[0-9A-F]*&edition=v2.35&direction=(request|reply)", anchor)
+                assert re.match(
+                    r"frame=[0-9A-F]+%23[0-9A-F]*&edition=v2.35&direction=(request|reply)&command=\w+", anchor
+                )
             found = posixpath.normpath(posixpath.join(posixpath.dirname(path), file))
             if found.startswith("../"):
                 assert (ROOT / "generated/docs" / found).exists(), f"{path}: {link}"
                 continue
             assert found in pages, f"{path}: {link}"
             assert not anchor or anchor in anchors[found], f"{path}: {link}"
+
+
+def test_links_to_the_explorer_are_golden_frames_with_their_parameters(pages: dict[str, str]) -> None:
+    frames = specification(SPEC).frames
+    assert frames is not None
+    golden = {
+        (formatting.sent(frame), frame.direction.value, *((n, str(v)) for n, v in frame.parameters.items()))
+        for frame in frames.frames
+    }
+    linked = set()
+    for text in pages.values():
+        for query in re.findall(r"explorer/index\.html#([^)]+)\)", text):
+            frame, _, direction, _, *parameters = parse_qsl(query)
+            linked.add((frame[1], direction[1], *parameters))
+    assert linked <= golden
+    assert any(len(one) > 2 for one in linked)
 
 
 def test_pictures_are_drawings_that_show_every_field(pages: dict[str, str]) -> None:

@@ -9,12 +9,13 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
-from canwright.language.golden_frames import GoldenFrame
+from canwright.language.golden_frames import GoldenFrame, Value
 from canwright.model import formatting
 from canwright.project.loader import specification
 from canwright.targets import c, python
@@ -63,11 +64,72 @@ def test_golden_frames_and_their_code(spec: Path, tmp_path: Path) -> None:
         fitting = [one for one in same if one["command"] == message.command and one["raw"] == dict(frame.raw)]
         assert fitting, (line, same)
         assert fitting[0]["cansend"] == f"cansend can0 {line}"
-        if not fitting[0]["deviation"] and not frame.decode_only:
+        if not fitting[0]["deviation"] and not fitting[0]["obstacle"] and not frame.decode_only:
             programs.setdefault((frame.direction.value, message.command), (line, fitting[0]["c"], fitting[0]["python"]))
     assert len(programs) > len(item.edition.all_messages()) // 2
     _run_python(write_files(python.generate([item], {}), tmp_path), list(programs.values()))
     _run_c(write_files(c.generate([item], {}), tmp_path), list(programs.values()))
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_no_value_depends_on_a_parameter_that_is_not_given(spec: Path, tmp_path: Path) -> None:
+    """Values are those of golden frames; without the parameters, a value that depends on them is shown for each of their values."""
+    item = specification(spec)
+    assert item.frames is not None
+    folder = write_files(explorer([EditionSource(item)]), tmp_path)
+    frames = [frame for frame in item.frames.frames if frame.values and len(frame.data) <= 8]
+    given = interpret(folder, list(map(_question, frames)))
+    alone = interpret(folder, [{**_question(frame), "parameters": {}} for frame in frames])
+    for frame, answers in ((f, a) for f, *both in zip(frames, given, alone, strict=True) for a in both):
+        message = item.edition.command(frame.command).message(frame.direction)
+        assert message is not None
+        raw, found = dict(frame.raw), [(one["direction"], one["command"], one["raw"]) for one in answers["found"]]
+        shown = answers["found"][found.index((message.direction.value, message.command, raw))]["fields"]
+        assert all(field["reason"] or field["missing"] == [] for field in shown)
+        for field in (field for field in shown if field["name"] in frame.values):
+            results = [
+                case for case in field["cases"] if set(case["values"]) & {str(v) for v in frame.parameters.values()}
+            ]
+            assert len(results) <= 1
+            _same_value(frame.values[field["name"]], results[0] if results else field, frame)
+
+
+def _same_value(wanted: Value, result: Mapping[str, Any], frame: GoldenFrame) -> None:
+    """Checks that a result is a golden value, or states that it needs a number parameter."""
+    value, reason = result["value"], result["reason"]
+    if wanted == "none":
+        assert value is None and reason, frame
+    elif reason == "missing_parameter":
+        assert value is None and frame.parameters, frame
+    else:
+        listed = wanted if isinstance(wanted, list) else [wanted]
+        named = wanted == [] or isinstance(listed[0], str)  # bits without a name are in no golden value
+        shown = [one for one in value if not named or isinstance(one, str)] if isinstance(value, list) else [value]
+        pairs = zip(listed, shown, strict=True)
+        assert all(each in (one, float(one) if isinstance(one, Fraction) else one) for one, each in pairs), frame
+
+
+def test_a_value_is_not_encoded_without_its_parameter(tmp_path: Path) -> None:
+    """Raw integers are; a motor without the command, and a program that would have to assume a series, are named."""
+    folder = write_files(explorer([EditionSource(specification(MOTOR))]), tmp_path)
+    reply, power = "141#A1329B00F4010080", "141#A000000064000000"
+    entered = {"name": "iq", "value": 2.5, "raw": 310}
+    answers = interpret(folder, [
+        {"line": reply, "parameters": {}, "enter": entered},
+        {"line": reply, "parameters": {"series": "MG"}, "enter": entered},
+        {"line": reply, "parameters": {"series": "MH"}, "enter": entered},
+        {"line": power, "parameters": {}},
+        {"line": power, "parameters": {"series": "MG"}},
+    ])  # fmt: skip
+    first = [answer["found"][0] for answer in answers]
+    assert [one.get("entered") for one in first[:3]] == ["missing_parameter", "141#A1329B00F4010080", "no_scale"]
+    assert {one.get("entered_raw") for one in first[:3]} == {"141#A1323601F4010080"}
+    assert [one["obstacle"] for one in first] == ["needs", "", "", "", "absent"]
+    assert first[0]["fields"][1]["cases"] == [
+        {"values": ["MF"], "value": 155 * 16.5 / 2048, "reason": None},
+        {"values": ["MH"], "value": None, "reason": "no_scale"},
+        {"values": ["MG"], "value": 155 * 33 / 2048, "reason": None},
+    ]
 
 
 def _run_python(folder: Path, programs: Sequence[tuple[str, str, str]]) -> None:

@@ -89,10 +89,11 @@ REPLAY = """
   const raw = Object.entries(found.decoded.raw).map(([name, one]) => [name, [one].flat().map(String)]);
   let written = "";
   try {
-    const { values, node, fields } = found.decoded;
+    const { node, fields } = found.decoded;
     const isCoarse = ({ raw }) => [raw].flat().some((one) => one >= 2 ** 50 || one <= -(2 ** 50));
+    const values = Object.fromEntries(fields.map(({ name, value }) => [name, value]));
     const content = fields.some((one) => one.reason || isCoarse(one)) ? { raw: found.decoded.raw } : { values };
-    written = canwright.frames.format(encode(command, { node: node ?? undefined, ...content, parameters: found.parameters }).frame);
+    written = canwright.frames.format(encode(command, { node: node ?? undefined, ...content, parameters: found.assumed[0] }).frame);
   } catch (error) {
     written = error.refusal;
   }
@@ -146,6 +147,35 @@ def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open)
     assert "no CAN frame" in page.locator("#problem").inner_text()
     box.fill("7FF#00")
     assert "No message has this id" in page.locator("#problem").inner_text()
+
+
+def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
+    """Without the series, there is a value for each, no input of amperes, and no program; invalid parameters are named."""
+    page = opened(page_of_motors, "#frame=141%23A1329B00F4010080&edition=v2.35&series=XX&gear_ratio=0.5")
+    assert "series cannot be XX" in page.locator("#parameter-problem").inner_text()
+    assert "gear_ratio cannot be 0.5" in page.locator("#parameter-problem").inner_text()
+    assert page.locator("#parameters [aria-invalid=true]").count() == 2
+    current = page.locator("#fields tr[data-field=iq]")
+    assert current.locator(".case").all_inner_texts() == [
+        "MF: 1.248779296875 A",
+        "MH: the manual gives no scale",
+        "MG: 2.49755859375 A",
+    ]
+    assert page.get_by_label("Value of iq", exact=True).count() == 0
+    assert (
+        page.locator("#c").inner_text()
+        == page.locator("#python").inner_text()
+        == "depends on Motor series: set it above"
+    )
+    page.get_by_label("Raw integer of iq").fill("310")
+    page.get_by_label("Raw integer of iq").press("Enter")
+    assert page.get_by_label("Frame, or a line").input_value() == "141#A1323601F4010080"
+    page.get_by_label("Motor series").select_option("MG")
+    assert page.get_by_label("Value of iq", exact=True).input_value() == str(310 * 33 / 2048)
+    assert (
+        "SERIES_MG" in page.locator("#c").inner_text()
+        and "gear_ratio" in page.locator("#parameter-problem").inner_text()
+    )
 
 
 def test_a_message_is_composed(page_of_motors: Path, opened: Open) -> None:

@@ -11,6 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.semantics.candidates import Candidates
@@ -143,6 +144,70 @@ def test_integers_above_53_bits_are_bigint(tmp_path: Path) -> None:
     ]
 
 
+def test_messages_are_json(tmp_path: Path) -> None:
+    """Also those with BigInt; integers that no number holds are texts."""
+    text = WIDE.replace("commands:", "parameters: {size: {number: {}}}\ncommands:")
+    folder = write_files(target.generate([Specification(edition(tmp_path, text), None)], {}), tmp_path)
+    program = f"""
+        import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
+        const make = (count) => lamp.encodeRequest("count", {{ raw: {{ count }}, parameters: {{ size: 2n ** 60n }} }});
+        console.log(JSON.stringify([make(2n ** 64n - 1n), make(5)]));"""
+    first, second = json.loads(run(program))
+    exact = {"count": str(2**64 - 1)}
+    assert list(first) == [
+        "family",
+        "edition",
+        "direction",
+        "command",
+        "node",
+        "parameters",
+        "frame",
+        "fields",
+        "raw",
+        "values",
+    ]
+    assert (first["raw"], first["values"], first["parameters"]) == (exact, exact, {"size": str(2**60)})
+    assert first["fields"][0]["raw"] == first["fields"][0]["value"] == str(2**64 - 1)
+    assert (second["raw"], second["frame"]["data"]) == ({"count": 5}, [5, 0, 0, 0, 0, 0, 0, 0])
+
+
+FLAGS = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100}, other: {id: 0x300}}
+types:
+  errors: {raw: u8, flags: {low: {bit: 0}, hot: {bit: 3}, torn: {bit: 7}}}
+  faults: {raw: u64, flags: {first: {bit: 0}, last: {bit: 63}}}
+commands:
+  errors: {request: none, reply: {errors: {at: 0, type: errors}}}
+  faults: {address: other, request: none, reply: {faults: {at: 0, type: faults}}}
+"""
+
+
+def test_flags_without_a_name_are_kept(tmp_path: Path) -> None:
+    """They follow the names as one integer; a message with them is not sent, as in all languages, and never without them."""
+    folder = write_files(target.generate([Specification(edition(tmp_path, FLAGS), None)], {}), tmp_path)
+    program = f"""
+        import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
+        const values = (id, data) => lamp.decodeReply({{ id, data: [...data, ...Array(8 - data.length).fill(0)] }}).values;
+        const given = (errors) => {{
+          try {{ return lamp.encodeReply("errors", {{ values: {{ errors }} }}).frame.data[0]; }} catch (error) {{ return error.refusal; }}
+        }};
+        console.log(JSON.stringify([
+          values(0x100, [0xF9]), values(0x100, [0x89]), values(0x100, [0]),
+          values(0x300, [3, 0, 0, 0, 0, 0, 0, 0xC0]).faults.map(String),
+          [["low", "hot", "torn", 0x70], ["low", 0x80], ["low", 1.5], ["low", "other"], 0x89, 0xF9].map(given),
+        ]));"""
+    assert json.loads(run(program)) == [
+        {"errors": ["low", "hot", "torn", 0x70]},
+        {"errors": ["low", "hot", "torn"]},
+        {"errors": []},
+        ["first", "last", str((1 << 62) + 2)],
+        ["out_of_range", 0x81, "out_of_range", "out_of_range", 0x89, "out_of_range"],
+    ]
+
+
 FLOAT = """\
 canwright: 1
 family: lamp
@@ -224,6 +289,27 @@ CodecError: it comes from node 2, not 1
 """
 
 
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_requests_that_a_node_does_not_have_are_rejected(spec: Path, tmp_path: Path) -> None:
+    """Before anything else, and only if the parameters that decide it are given; replies and frames of the bus are not."""
+    item, asked = specification(spec), 0
+    adapter = JavaScriptAdapter.create(item, tmp_path)
+    for message in item.edition.all_messages():
+        command = item.edition.command(message.command)
+        for parameter in item.edition.parameters:
+            for value in parameter.values:
+                content = {"node": -1, "raw": {"nonsense": 1}, "parameters": {parameter.name: value.name}}
+                question = {"direction": message.direction.value, "command": message.command, "content": content}
+                refusal = adapter.refusal("encode", **question)
+                is_available = message.direction is Direction.REPLY or command.available({parameter.name: value.name})
+                assert (refusal != "not_available") == is_available, question
+                asked += not is_available
+    limited = [c for c in item.edition.commands if c.request and any(c.only.values())]
+    assert bool(asked) == any(
+        len(item.edition.parameter(n).values) > len(v) for c in limited for n, v in c.only.items()
+    )
+
+
 @pytest.mark.parametrize("name", ["mwd_motor/v2.35", "press/v1"])
 def test_candidates_are_those_of_the_reference(name: str, tmp_path: Path) -> None:
     spec = next(spec for spec in SPECS if called(spec) == name)
@@ -265,7 +351,8 @@ def test_reserved_names_of_packages(tmp_path: Path) -> None:
 def test_refusals_are_those_of_the_model() -> None:
     declared = (RUNTIME / "canwright-codec.d.ts").read_text("utf-8")
     names = re.search(r"type Refusal =([^;]*);", declared)
-    assert names and re.findall(r'"(\w+)"', names.group(1)) == [refusal.value for refusal in Refusal]
+    refusals = [*(refusal.value for refusal in Refusal), "not_available"]  # the reference has no such node
+    assert names and re.findall(r'"(\w+)"', names.group(1)) == refusals
 
 
 USE = """\

@@ -7,6 +7,11 @@ canwright.code = (() => {
     return `cansend can0 ${canwright.frames.format(decoded.frame)}`;
   }
 
+  /** Why no program of C or Python can send a message: `needs` a parameter, "range", "absent", or empty. */
+  function obstacle({ deviation, assumed }) {
+    return assumed.length > 1 ? "needs" : deviation === "reserved" ? "" : deviation;
+  }
+
   function own(object, name) {
     return object && Object.hasOwn(object, name) ? object[name] : undefined;
   }
@@ -119,5 +124,5 @@ canwright.code = (() => {
     return denominator === 1n ? String(numerator) : /^[\d.]+$/.test(value) ? value : `Fraction(${numerator}, ${denominator})`;
   }
 
-  return { cansend, c, python };
+  return { cansend, c, python, obstacle };
 })();

@@ -158,7 +158,7 @@ export interface Layouts {
     /** Supply voltage; resolution 0.1 V */
     readonly voltage: FieldOf<number, number, number | bigint>;
     /** Errors */
-    readonly errors: FieldOf<number, readonly ("low_voltage" | "over_temperature")[], readonly ("low_voltage" | "over_temperature")[] | number | bigint>;
+    readonly errors: FieldOf<number, readonly ("low_voltage" | "over_temperature" | number)[], readonly ("low_voltage" | "over_temperature" | number | bigint)[] | number | bigint>;
   };
   readonly read_status_3_reply: {
     /** Motor temperature; °C */

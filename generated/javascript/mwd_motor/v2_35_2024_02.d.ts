@@ -166,7 +166,7 @@ export interface Layouts {
     /** Motor state */
     readonly motor_state: FieldOf<number, "on" | "off" | null, "on" | "off" | number | bigint>;
     /** Errors */
-    readonly errors: FieldOf<number, readonly ("low_voltage" | "over_temperature")[], readonly ("low_voltage" | "over_temperature")[] | number | bigint>;
+    readonly errors: FieldOf<number, readonly ("low_voltage" | "over_temperature" | number)[], readonly ("low_voltage" | "over_temperature" | number | bigint)[] | number | bigint>;
   };
   readonly read_status_3_reply: {
     /** Motor temperature; °C */

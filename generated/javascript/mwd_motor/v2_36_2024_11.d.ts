@@ -184,7 +184,7 @@ export interface Layouts {
     /** Motor state */
     readonly motor_state: FieldOf<number, "on" | "off" | null, "on" | "off" | number | bigint>;
     /** Errors */
-    readonly errors: FieldOf<number, readonly ("low_voltage" | "over_voltage" | "driver_overheat" | "motor_overheat" | "over_current" | "short_circuit" | "stall" | "input_lost")[], readonly ("low_voltage" | "over_voltage" | "driver_overheat" | "motor_overheat" | "over_current" | "short_circuit" | "stall" | "input_lost")[] | number | bigint>;
+    readonly errors: FieldOf<number, readonly ("low_voltage" | "over_voltage" | "driver_overheat" | "motor_overheat" | "over_current" | "short_circuit" | "stall" | "input_lost")[], readonly ("low_voltage" | "over_voltage" | "driver_overheat" | "motor_overheat" | "over_current" | "short_circuit" | "stall" | "input_lost" | number | bigint)[] | number | bigint>;
   };
   readonly read_status_3_reply: {
     /** Motor temperature; °C */

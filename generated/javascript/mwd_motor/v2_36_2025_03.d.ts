@@ -230,7 +230,7 @@ export interface Layouts {
     /** Calibration ratio */
     readonly align_ratio: FieldOf<number, number, number | bigint>;
     /** Calibration state */
-    readonly align_state: FieldOf<number, readonly ("succeeded" | "phase_reversed")[], readonly ("succeeded" | "phase_reversed")[] | number | bigint>;
+    readonly align_state: FieldOf<number, readonly ("succeeded" | "phase_reversed" | number)[], readonly ("succeeded" | "phase_reversed" | number | bigint)[] | number | bigint>;
   };
   readonly write_position_as_zero_rom_reply: {
     /** Written encoder offset; resolution 360/16384 ° (14), 360/32768 ° (15), 360/65536 ° (16); raw 0..16383 (14), 0..32767 (15), 0..65535 (16) */
@@ -254,7 +254,7 @@ export interface Layouts {
     /** Motor state */
     readonly motor_state: FieldOf<number, "on" | "off" | null, "on" | "off" | number | bigint>;
     /** Errors */
-    readonly errors: FieldOf<number, readonly ("low_voltage" | "over_voltage" | "driver_overheat" | "motor_overheat" | "over_current" | "short_circuit" | "stall" | "input_lost")[], readonly ("low_voltage" | "over_voltage" | "driver_overheat" | "motor_overheat" | "over_current" | "short_circuit" | "stall" | "input_lost")[] | number | bigint>;
+    readonly errors: FieldOf<number, readonly ("low_voltage" | "over_voltage" | "driver_overheat" | "motor_overheat" | "over_current" | "short_circuit" | "stall" | "input_lost")[], readonly ("low_voltage" | "over_voltage" | "driver_overheat" | "motor_overheat" | "over_current" | "short_circuit" | "stall" | "input_lost" | number | bigint)[] | number | bigint>;
   };
   readonly read_status_3_reply: {
     /** Motor temperature; °C */

@@ -58,7 +58,8 @@ class JavaScriptAdapter(Adapter):
             field = self._field(direction, found["command"], one["name"])
             assert one["unit"] == (field.type.unit.symbol if field.type.unit else None)
             if one["reason"] != Refusal.MISSING_PARAMETER.value:
-                values[one["name"]] = _value(one["value"])
+                value = _names(field, one["raw"], one["value"]) if field.type.flags else one["value"]
+                values[one["name"]] = _value(value)
         return Decoded(found["command"], found["node"], found["raw"], values)
 
     def encode_raw(
@@ -92,12 +93,20 @@ class JavaScriptAdapter(Adapter):
         found = self.ask("answers", request=_frame(request), reply=_frame(reply))
         return found if isinstance(found, Refused) else None
 
-    def ask(self, task: str, **question: Any) -> Any:
-        """The answer of the process, or the refusal."""
+    def refusal(self, task: str, **question: Any) -> str:
+        """The name of the refusal; empty for an answer, or for a wrong argument."""
+        return str(self._answer(task, question).get("refusal", ""))
+
+    def _answer(self, task: str, question: Mapping[str, Any]) -> dict[str, Any]:
         assert self._node.stdin is not None and self._node.stdout is not None
         self._node.stdin.write(json.dumps({"task": task, **question}) + "\n")
         self._node.stdin.flush()
-        answer = json.loads(self._node.stdout.readline(), object_hook=_bigint)
+        answer: dict[str, Any] = json.loads(self._node.stdout.readline(), object_hook=_bigint)
+        return answer
+
+    def ask(self, task: str, **question: Any) -> Any:
+        """The answer of the process, or the refusal."""
+        answer = self._answer(task, question)
         if "refusal" in answer:
             return Refused(Refusal(answer["refusal"]), answer.get("field"))
         if "error" in answer:
@@ -138,6 +147,16 @@ def _number(value: Any) -> Any:
     if value.denominator == 1 and float(value) != value:
         return {"bigint": str(value)}
     return float(value)
+
+
+def _names(field: Field, raw: Any, flags: Any) -> Any:
+    """The names of flags; what follows are all other bits, so that nothing is lost."""
+    if field.is_array:
+        return [_names(field, one, each) for one, each in zip(raw, flags, strict=True)]
+    names = [one for one in flags if isinstance(one, str)]
+    rest = raw & ~sum(1 << flag.value for flag in field.type.flags)
+    assert flags == [*names, *([rest] if rest else [])]
+    return names
 
 
 def _value(value: Any) -> Value:

@@ -2,6 +2,7 @@
 
 import { createInterface } from "node:readline";
 import { pathToFileURL } from "node:url";
+import { isDeepStrictEqual } from "node:util";
 
 const edition = await import(pathToFileURL(process.argv[2]).href);
 
@@ -32,7 +33,7 @@ const tasks = {
   encode: ({ direction, command, content }) => {
     const message = edition[direction === "request" ? "encodeRequest" : "encodeReply"](command, content);
     const again = edition.decodeAs(direction, command, message.frame, content.parameters);
-    if (JSON.stringify(again, replace) !== JSON.stringify(message, replace)) {
+    if (!isDeepStrictEqual(again, message)) {
       throw new Error(`${JSON.stringify(message, replace)} is decoded as ${JSON.stringify(again, replace)}`);
     }
     return message.frame;

@@ -46,7 +46,7 @@ def worked(edition: str, frame: GoldenFrame, message: Message) -> Worked:
     units = {f.name: f" {f.type.unit.symbol}" for f in message.layout.fields if f.type.unit}
     return Worked(
         frame,
-        f"[`{formatting.sent(frame)}`]({explorer_link(edition, frame)})",
+        f"[`{formatting.sent(frame)}`]({explorer_link(edition, frame, message)})",
         ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
         "<br>".join(_meanings(frame, units)) or "%(none)s",
     )

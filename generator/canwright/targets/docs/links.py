@@ -8,7 +8,7 @@ from urllib.parse import quote, urlencode
 from ...language.golden_frames import GoldenFrame
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.message import Command
+from ...model.message import Command, Message
 
 COMMANDS = "commands/"
 """The folder of the command pages, from the folder of their edition."""
@@ -31,9 +31,14 @@ def command_link(edition: Edition, name: str) -> str:
     return command_page(edition.command(name))
 
 
-def explorer_link(edition: str, frame: GoldenFrame) -> str:
-    """The frame explorer with a frame, from the page of a command; the site has a copy of it, or removes the link."""
-    state = {"frame": formatting.sent(frame), "edition": edition, "direction": frame.direction.value}
+def explorer_link(edition: str, frame: GoldenFrame, message: Message) -> str:
+    """The frame explorer with a frame of a message and its parameters, from the page of a command.
+
+    The site has a copy of the explorer, or removes the link.
+    """
+    state = {"frame": formatting.sent(frame), "edition": edition}
+    state |= {"direction": message.direction.value, "command": message.command}
+    state |= {name: str(value) for name, value in frame.parameters.items() if name not in state}
     return f"../../../../javascript/explorer/index.html#{urlencode(state, quote_via=quote)}"
 
 

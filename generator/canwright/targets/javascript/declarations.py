@@ -137,7 +137,8 @@ def _types(type_: Type) -> Sequence[str]:
         return raw, f"{names} | null", f"{names} | {number}"
     if type_.flags:
         names = " | ".join(text.quoted(flag.name) for flag in type_.flags)
-        return raw, f"readonly ({names})[]", f"readonly ({names})[] | {number}"
+        rest = f" | {raw}" if len(type_.flags) < type_.width else ""
+        return raw, f"readonly ({names}{rest})[]", f"readonly ({names} | {number})[] | {number}"
     if type_.is_plain:
         return raw, raw, number
     linear = type_.linear.constant

@@ -73,11 +73,13 @@ class EditionTables:
         }
 
     def _message(self, message: Message) -> Table:
+        only = self._edition.command(message.command).only if message.direction is Direction.REQUEST else {}
         return {
             "command": message.command,
             "direction": message.direction.value,
             **_rule(message.id, message.remote, message.id_mask),
             "length": message.dlc,
+            "only": {name: list(values) for name, values in only.items()} or None,
             "keys": [_key(message, number) for number in range(len(message.keys))] or None,
             "layout": self.layouts[message.layout],
             "nodeBits": segments(message.node_bits.segments, message.node_bits.space) if message.node_bits else None,

@@ -30,12 +30,16 @@
 
   function say(key, ...values) {
     const text = canwright.labels[state.lang][key];
-    return values.reduce((whole, value, i) => whole.replace(`{${i}}`, value), text);
+    return values.reduce((whole, value, i) => whole.replace(`{${i}}`, () => value), text);
   }
 
   /** A text of the spec in the language of the page, otherwise in another one. */
   function text(texts, otherwise = "") {
     return texts?.[state.lang] ?? texts?.en ?? Object.values(texts ?? {})[0] ?? otherwise;
+  }
+
+  function parameterTitle(edition, name) {
+    return text(edition.texts.parameters[name]?.title, name);
   }
 
   function titleOf({ edition, decoded }) {
@@ -83,6 +87,15 @@
     at("parameters-box").hidden = !items.length;
   }
 
+  /** Marks the parameters that are valid in no edition; they are ignored. */
+  function showInvalid() {
+    const names = meaning.invalid(Object.fromEntries(Object.entries(state.parameters).filter(([, value]) => value !== "")));
+    for (const { name } of meaning.parameters()) {
+      at(`parameter-${name}`).setAttribute("aria-invalid", String(names.includes(name)));
+    }
+    at("parameter-problem").textContent = names.map((name) => say("invalid", name, state.parameters[name])).join(" ");
+  }
+
   function showCommands() {
     const edition = meaning.find(state.edition) ?? chosen?.edition ?? meaning.editions[0];
     at("edition").replaceChildren(
@@ -102,7 +115,7 @@
     state.edition = meaning.label(edition);
     if (direction) {
       Object.assign(state, { direction, command });
-      use(meaning.blank(edition, direction, command, state.parameters).decoded.frame);
+      use(meaning.blank(edition, direction, command, state.parameters));
     } else {
       state.command = "";
       update();
@@ -169,6 +182,7 @@
     const frame = line ? frames.parseLine(line) : null;
     found = frame ? meaning.interpret(frame, state.parameters) : [];
     chosen = found.find(isPreferred) ?? found[0] ?? null;
+    showInvalid();
     at("problem").textContent = line && !frame ? say("no_frame") : frame && !found.length ? reasons(frame) : "";
     at("frame").setAttribute("aria-invalid", String(Boolean(line && !frame)));
     show();
@@ -218,7 +232,7 @@
       const { edition, decoded, variant, deviation } = one;
       const facts = [say(decoded.direction), meaning.label(edition)];
       if (variant) {
-        facts.push(`${text(edition.texts.parameters[variant.parameter]?.title, variant.parameter)}: ${variant.values.join(", ")}`);
+        facts.push(`${parameterTitle(edition, variant.parameter)}: ${variant.values.join(", ")}`);
       }
       if (decoded.node !== null) {
         facts.push(say("node", decoded.node));
@@ -246,8 +260,15 @@
 
   /** A value with its unit; the raw integer if there is none. */
   function shown({ raw, value, unit, reason }) {
-    const list = (one) => (Array.isArray(one) ? `[${one.map(list).join(", ")}]` : String(one));
-    return reason === null ? `${list(value)}${unit ? ` ${unit}` : ""}` : `${say("raw")} ${list(raw)}`;
+    return reason === null ? inUnit(value, unit) : `${say("raw")} ${listed(raw)}`;
+  }
+
+  function inUnit(value, unit) {
+    return `${listed(value)}${unit ? ` ${unit}` : ""}`;
+  }
+
+  function listed(value) {
+    return Array.isArray(value) ? `[${value.map(listed).join(", ")}]` : String(value);
   }
 
   function showChosen() {
@@ -382,7 +403,7 @@
         make("th", { scope: "row" }, button, make("small", {}, text(title))),
         make("td", { dataset: { title: say("value") } }, valueInput(one, description, edition.texts.types[type])),
         make("td", { dataset: { title: say("raw_integer") } }, rawInput(one)),
-        make("td", {}, facts(description, edition.texts.types[type], one)),
+        make("td", {}, facts(description, edition, edition.texts.types[type], one)),
       );
       row.addEventListener("focusin", () => highlight(one.name));
       return row;
@@ -393,11 +414,11 @@
     highlight(field);
   }
 
-  function facts(description, texts, { unit, reason }) {
+  function facts(description, edition, texts, { unit, reason, missing }) {
     const by = (list) => list.map(([names, what]) => `${what ?? say("not_given")}${names ? ` (${names})` : ""}`).join(", ");
     const parts = [place(description)];
     if (reason) {
-      parts.push(say(reason));
+      parts.push(missing.length ? needed(edition, missing) : say(reason));
     }
     if (texts.resolution) {
       parts.push(`${say("resolution")} ${by(texts.resolution)}`);
@@ -408,6 +429,11 @@
       parts.push(`${say(description.type.encoding === "float" ? "range_of" : "raw_range")} ${by(texts.range)}`);
     }
     return parts.join(" · ");
+  }
+
+  /** What to do to see a value that depends on parameters. */
+  function needed(edition, missing) {
+    return say("needs", missing.map((name) => parameterTitle(edition, name)).join(", "));
   }
 
   function valueInput(one, { isArray, type }, texts) {
@@ -435,12 +461,21 @@
           });
           return make("label", {}, box, text(texts.members?.[name], name));
         }),
+        ...one.value.filter((bits) => typeof bits !== "string").map((bits) => `${say("no_name")}: 0x${frames.hex(bits, 2)}`),
       );
     }
-    const known = one.reason === null;
-    const input = make("input", { ariaLabel: label, value: known ? [one.value].flat().join(" ") : "", disabled: !known, size: 12 });
+    if (one.reason !== null) {
+      return make("span", {}, ...(one.cases.length ? one.cases.map((each) => caseLine(each, one)) : ["–"]));
+    }
+    const input = make("input", { ariaLabel: label, value: [one.value].flat().join(" "), size: 12 });
     input.addEventListener("change", () => enter(one.name, { value: numbers(input.value, isArray, Number) }));
     return make("span", {}, input, one.unit ? ` ${one.unit}` : "");
+  }
+
+  /** `MG: 2.5 A`: the result under some values of a parameter that is not given; without these if all have one result. */
+  function caseLine({ values, value, reason }, { unit, cases }) {
+    const result = reason === null ? inUnit(value, unit) : say(reason);
+    return make("span", { className: "case" }, cases.length > 1 ? say("case", values.join(", "), result) : result);
   }
 
   function rawInput(one) {
@@ -462,16 +497,13 @@
   }
 
   /** Encodes the message with another value of one field, or for another node, and shows the frame. */
-  function enter(name, { value, raw, node = chosen.decoded.node ?? undefined }) {
-    const { edition, decoded, parameters } = chosen;
-    const encode = decoded.direction === "request" ? edition.codec.encodeRequest : edition.codec.encodeReply;
-    const { direction, command } = decoded;
+  function enter(name, { value, raw, node }) {
+    const { edition, decoded } = chosen;
     try {
-      const changed = value === undefined ? raw : edition.codec.rawOf(direction, command, name, value, parameters);
-      const raws = name === "" ? decoded.raw : { ...decoded.raw, [name]: changed };
-      const { frame } = encode(command, { node, raw: raws, parameters });
+      const changed = value === undefined ? raw : meaning.rawOf(chosen, name, value);
+      const frame = meaning.encode(chosen, { node, raw: name === "" ? decoded.raw : { ...decoded.raw, [name]: changed } });
       at("field-problem").textContent = "";
-      Object.assign(state, { edition: meaning.label(edition), direction, command });
+      Object.assign(state, { edition: meaning.label(edition), direction: decoded.direction, command: decoded.command });
       const focused = document.activeElement?.ariaLabel;
       use(frame);
       [...at("fields").querySelectorAll("input, select")].find((one) => one.ariaLabel === focused)?.focus();
@@ -485,8 +517,11 @@
 
   function showCode() {
     at("bytes").textContent = chosen.decoded.frame.data.map((byte) => frames.hex(byte, 2)).join(" ");
-    for (const language of ["cansend", "c", "python"]) {
-      at(language).textContent = chosen.deviation === "range" && language !== "cansend" ? say("range") : code[language](chosen);
+    at("cansend").textContent = code.cansend(chosen);
+    const obstacle = code.obstacle(chosen);
+    const instead = obstacle === "needs" ? needed(chosen.edition, [chosen.variant.parameter]) : obstacle && say(obstacle);
+    for (const language of ["c", "python"]) {
+      at(language).textContent = instead || code[language](chosen);
     }
   }
 

@@ -41,7 +41,7 @@ canwright.meaning = (() => {
   /** The given parameters that an edition has, without those that are invalid in it. */
   function known(edition, given) {
     const own = ([name, value]) => Object.hasOwn(edition.codec.PARAMETERS, name) && isValid(edition, name, String(value));
-    return Object.fromEntries(Object.entries(given).filter(own));
+    return Object.fromEntries(Object.entries(given).filter(own).map(([name, value]) => [name, String(value)]));
   }
 
   function isValid(edition, name, value) {
@@ -56,25 +56,56 @@ canwright.meaning = (() => {
     return number !== null && number[0] > 0n && !(low && isBelow(number, low)) && !(high && isBelow(high, number));
   }
 
+  /** The names of given parameters that are valid in no edition. */
+  function invalid(given) {
+    return Object.keys(given).filter((name) => !editions.some((edition) => Object.hasOwn(known(edition, given), name)));
+  }
+
+  /** The parameter values that a command is limited to, by parameter. */
+  function limits(edition, { command }) {
+    return edition.texts.commands[command].only ?? {};
+  }
+
+  /** Parameters under which a message exists: given ones that permit it, and those of which it leaves one value. */
+  function settled(edition, message, given) {
+    const only = limits(edition, message);
+    const permitted = Object.entries(given).filter(([name, value]) => own(only, name)?.includes(value) ?? true);
+    const single = Object.entries(only).filter(([, values]) => values.length === 1).map(([name, [value]]) => [name, value]);
+    return Object.fromEntries([...permitted, ...single]);
+  }
+
   /**
    * The values of a parameter under which a message exists, apart for each set of fields that it `decides`.
    * One item, which can be null, if no parameter decides on the fields.
    */
-  function variants(edition, message, given) {
+  function variants(edition, message, parameters) {
     const { parameter, fields } = message;
-    const only = edition.texts.commands[message.command].only ?? {};
+    const only = limits(edition, message);
     if (parameter === null) {
       const [condition] = Object.entries(only);
       return [condition ? { parameter: condition[0], values: condition[1], decides: false } : null];
     }
     const groups = new Map();
-    for (const value of given[parameter] ? [given[parameter]] : edition.codec.PARAMETERS[parameter].values) {
-      if (!only[parameter] || only[parameter].includes(value)) {
-        const key = fields.map((field) => (field.only === null || field.only.includes(value) ? 1 : 0)).join("");
-        groups.set(key, [...(groups.get(key) ?? []), value]);
-      }
+    for (const value of possible(edition, message, parameters, parameter)) {
+      const key = fields.map((field) => (field.only === null || field.only.includes(value) ? 1 : 0)).join("");
+      groups.set(key, [...(groups.get(key) ?? []), value]);
     }
     return [...groups.values()].map((values) => ({ parameter, values, decides: true }));
+  }
+
+  /** The values that a choice can have where a message exists. */
+  function possible(edition, message, parameters, name) {
+    const given = own(parameters, name);
+    return given === undefined ? (own(limits(edition, message), name) ?? edition.codec.PARAMETERS[name].values) : [given];
+  }
+
+  /** The parameters of a variant: one set, or several that have the same fields. */
+  function assumptions(parameters, variant) {
+    return variant?.decides ? variant.values.map((value) => ({ ...parameters, [variant.parameter]: value })) : [parameters];
+  }
+
+  function own(object, name) {
+    return Object.hasOwn(object, name) ? object[name] : undefined;
   }
 
   /** The number of bits of a frame that a message determines. */
@@ -83,12 +114,42 @@ canwright.meaning = (() => {
     return 8 * message.length - decoded.fields.reduce((sum, { name }) => sum + widths.get(name), 0);
   }
 
-  /** Why a sender that obeys the spec cannot send a frame: "range", "reserved", or empty. */
-  function deviation(edition, decoded, parameters) {
-    const { direction, command, node, raw, frame } = decoded;
+  /** The message of raw integers under the first of some assumptions that allows them. Throws CodecError if none does. */
+  function encodedUnder(edition, { direction, command }, node, raw, assumed) {
     const encode = direction === "request" ? edition.codec.encodeRequest : edition.codec.encodeReply;
+    let refused;
+    for (const parameters of assumed) {
+      try {
+        return encode(command, { node, raw, parameters });
+      } catch (error) {
+        if (!(error instanceof canwright.CodecError)) {
+          throw error;
+        }
+        refused ??= error;
+      }
+    }
+    throw refused;
+  }
+
+  /** The frame of a message with other raw integers or another node. Throws CodecError. */
+  function encode({ edition, message, decoded, assumed }, { node = decoded.node ?? undefined, raw = decoded.raw }) {
+    return encodedUnder(edition, message, node, raw, assumed).frame;
+  }
+
+  /** The raw integer of a value of a field. Throws CodecError, also if its scale depends on a parameter that is not given. */
+  function rawOf({ edition, message, decoded, assumed }, name, value) {
+    const { missing } = decoded.fields.find((field) => field.name === name);
+    if (missing.length) {
+      throw new canwright.CodecError("missing_parameter", `${name} depends on ${missing.join(", ")}`, name);
+    }
+    return edition.codec.rawOf(message.direction, message.command, name, value, assumed[0]);
+  }
+
+  /** Why a sender that obeys the spec cannot send a frame: "range", "reserved", or empty. */
+  function deviation(edition, message, decoded, assumed) {
+    const { node, raw, frame } = decoded;
     try {
-      const again = encode(command, { node, raw, parameters });
+      const again = encodedUnder(edition, message, node ?? undefined, raw, assumed);
       return canwright.frames.format(again.frame) === canwright.frames.format(frame) ? "" : "reserved";
     } catch (error) {
       if (error instanceof canwright.CodecError) {
@@ -98,32 +159,79 @@ canwright.meaning = (() => {
     }
   }
 
+  /**
+   * The fields of a frame. `missing` are the parameters that a value depends on and that are not given. If one is a choice,
+   * the field has no value but `cases`: the results `{ values, value, reason }` by its values.
+   */
+  function fieldsOf(edition, message, decoded, { parameters, variant, assumed }) {
+    const types = new Map(message.fields.map(({ name, type }) => [name, type]));
+    return decoded.fields.map((field, position) => {
+      const { linear } = types.get(field.name);
+      const by = linear?.by;
+      const isOpen = by !== undefined && own(parameters, by) === undefined;
+      const choices = isOpen && variant?.parameter === by ? variant.values : by && possible(edition, message, parameters, by);
+      const lines = by ? choices.map((value) => own(linear.cases, value)) : [linear];
+      const needed = [...(isOpen ? [by] : []), ...lines.map((line) => line?.times)];
+      const missing = [...new Set(needed)].filter((name) => name !== undefined && own(parameters, name) === undefined);
+      if (!isOpen) {
+        return { ...field, missing, cases: [] };
+      }
+      const under = (value) => decodedAs(edition, message, decoded.frame, { ...assumed[0], [by]: value }).fields[position];
+      return { ...field, value: null, reason: "missing_parameter", missing, cases: grouped(choices, under) };
+    });
+  }
+
+  function decodedAs(edition, { direction, command }, frame, parameters) {
+    return edition.codec.decodeAs(direction, command, frame, parameters);
+  }
+
+  /** The different results, each with the parameter values under which it applies. */
+  function grouped(values, result) {
+    const found = new Map();
+    for (const name of values) {
+      const { value, reason } = result(name);
+      const key = `${reason} ${value}`;
+      found.set(key, { values: [...(found.get(key)?.values ?? []), name], value, reason });
+    }
+    return [...found.values()];
+  }
+
+  /** A frame as a message, with the fields that the message has under a variant; null if it is another message. */
   function interpretation(edition, candidate, variant, frame, given) {
-    const message = edition.messages.get(`${candidate.direction} ${candidate.command}`);
-    const chosen = variant?.decides ? { ...given, [variant.parameter]: variant.values[0] } : given;
+    const message = messageOf(edition, candidate);
+    const isOne = variant?.decides && variant.values.length === 1;
+    const parameters = { ...settled(edition, message, given), ...(isOne ? { [variant.parameter]: variant.values[0] } : {}) };
+    const assumed = assumptions(parameters, variant);
     let decoded;
     try {
-      decoded = edition.codec.decodeAs(candidate.direction, candidate.command, frame, chosen);
+      decoded = decodedAs(edition, message, frame, assumed[0]);
     } catch (error) {
       if (error instanceof canwright.CodecError) {
         return null;
       }
       throw error;
     }
-    const differs = deviation(edition, decoded, chosen);
-    const isAbsent = variant && !variant.decides && given[variant.parameter] && !variant.values.includes(given[variant.parameter]);
-    const isAnnounced = edition.texts.commands[candidate.command]?.implemented === false;
-    const isOpposite = frame.sent !== undefined && frame.sent !== null && frame.sent !== (candidate.direction === "request");
+    const { direction, command, node, raw } = decoded;
+    const fields = fieldsOf(edition, message, decoded, { parameters, variant, assumed });
+    const isAbsent = Object.entries(limits(edition, message)).some(([name, values]) => !values.includes(own(given, name) ?? values[0]));
+    const differs = deviation(edition, message, decoded, assumed);
+    const isAnnounced = edition.texts.commands[command].implemented === false;
+    const isOpposite = frame.sent !== undefined && frame.sent !== null && frame.sent !== (direction === "request");
     const penalty = ({ reserved: 3, range: 2 }[differs] ?? 0) + (isOpposite ? 0.5 : 0);
     return {
       edition,
       message,
-      decoded,
+      decoded: { direction, command, node, frame: decoded.frame, raw, fields },
       variant,
-      parameters: chosen,
-      deviation: differs,
+      parameters,
+      assumed,
+      deviation: isAbsent ? "absent" : differs,
       rank: [penalty + (isAnnounced ? 4 : 0) + (isAbsent ? 5 : 0), -determined(message, decoded)],
     };
+  }
+
+  function messageOf(edition, { direction, command }) {
+    return edition.messages.get(`${direction} ${command}`);
   }
 
   /** All messages that a frame can be, the most probable first. */
@@ -132,8 +240,8 @@ canwright.meaning = (() => {
     for (const edition of editions) {
       const given = known(edition, parameters);
       for (const candidate of edition.codec.candidates(frame)) {
-        const message = edition.messages.get(`${candidate.direction} ${candidate.command}`);
-        for (const variant of variants(edition, message, given)) {
+        const message = messageOf(edition, candidate);
+        for (const variant of variants(edition, message, settled(edition, message, given))) {
           const one = interpretation(edition, candidate, variant, frame, given);
           if (one) {
             found.push(one);
@@ -144,18 +252,15 @@ canwright.meaning = (() => {
     return found.sort((one, other) => one.rank[0] - other.rank[0] || one.rank[1] - other.rank[1]);
   }
 
-  /** The message of an edition with the smallest raw integers that are allowed, as a start for entering values. */
-  function blank(edition, direction, command, parameters) {
-    const given = known(edition, parameters);
-    const message = edition.messages.get(`${direction} ${command}`);
-    const [variant] = variants(edition, message, given);
-    const chosen = variant?.decides ? { ...given, [variant.parameter]: variant.values[0] } : given;
-    const present = message.fields.filter(({ fixed, only }) => fixed === null && (only === null || only.includes(chosen[message.parameter])));
-    const encode = direction === "request" ? edition.codec.encodeRequest : edition.codec.encodeReply;
+  /** The frame of a message with the smallest raw integers that are allowed, as a start for entering values. */
+  function blank(edition, direction, command, given) {
+    const message = messageOf(edition, { direction, command });
+    const parameters = settled(edition, message, known(edition, given));
+    const [variant] = variants(edition, message, parameters);
+    const assumed = assumptions(parameters, variant);
+    const present = message.fields.filter(({ fixed, only }) => fixed === null && (only === null || only.includes(assumed[0][message.parameter])));
     const raw = Object.fromEntries(present.map((field) => [field.name, start(field)]));
-    const node = message.nodes ? message.nodes[0] : undefined;
-    const decoded = encode(command, { node, raw, parameters: chosen });
-    return { edition, message, decoded, variant, parameters: chosen, deviation: "", rank: [0, 0] };
+    return encodedUnder(edition, message, message.nodes ? message.nodes[0] : undefined, raw, assumed).frame;
   }
 
   function start({ isArray, elements, type }) {
@@ -165,5 +270,5 @@ canwright.meaning = (() => {
     return isArray ? elements.map(() => raw) : raw;
   }
 
-  return { editions, label, find, parameters, known, interpret, blank };
+  return { editions, label, find, parameters, invalid, interpret, blank, encode, rawOf };
 })();

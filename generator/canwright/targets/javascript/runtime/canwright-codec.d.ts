@@ -25,7 +25,8 @@ export type Refusal =
   | "out_of_range"
   | "not_finite"
   | "unknown_node"
-  | "not_answer";
+  | "not_answer"
+  | "not_available";
 
 /** A frame or a value is rejected. */
 export class CodecError extends Error {
@@ -71,6 +72,8 @@ export interface Message<D extends Direction, C, Fields, Parameters> {
   readonly fields: readonly FieldResult[];
   readonly raw: Part<Fields, "raw">;
   readonly values: Part<Fields, "value">;
+  /** The message without BigInt, for JSON: a BigInt is a number if that is exact, otherwise text. */
+  toJSON(): object;
 }
 
 /** The content of a message: either values in units or raw integers, of all its fields; neither without fields. */

@@ -24,13 +24,13 @@ export class FieldType {
     this.isWide = table.width > WIDEST_NUMBER;
     this.names = table.enum && new Map(table.enum);
     this.values = table.enum && new Map(table.enum.map(([value, name]) => [name, value]));
-    this.bits = table.flags && new Map(table.flags.map(([bit, name]) => [name, bit]));
+    this.bits = table.flags && new Map(table.flags.map(([bit, name]) => [name, 1n << BigInt(bit)]));
     const size = 1n << BigInt(table.width);
     this.low = this.isSigned ? -size / 2n : 0n;
     this.high = this.isSigned ? size / 2n - 1n : size - 1n;
     const isConstant = !table.linear?.by && !table.linear?.times;
     this.constantLine = isConstant ? this.lineAt(Object.create(null)) : null;
-    this.mask = table.flags && table.flags.reduce((mask, [bit]) => mask | (1n << BigInt(bit)), 0n);
+    this.mask = table.flags && [...this.bits.values()].reduce((mask, bit) => mask | bit, 0n);
   }
 
   /** An integer as the raw integers of this type are: a BigInt if the type has more than 53 bits. */
@@ -44,8 +44,7 @@ export class FieldType {
       return this.names.has(raw) ? { value: this.names.get(raw) } : { value: null, reason: "out_of_range" };
     }
     if (this.bits) {
-      const isSet = ([, bit]) => (BigInt(raw) >> BigInt(bit)) & 1n;
-      return { value: Object.freeze([...this.bits].filter(isSet).map(([name]) => name)) };
+      return { value: this.flagsOf(BigInt(raw)) };
     }
     const line = this.line(parameters);
     if (typeof line === "string") {
@@ -60,6 +59,21 @@ export class FieldType {
     }
     const value = scaled(number, line);
     return Number.isFinite(value) ? { value } : { value: null, reason: "out_of_range" };
+  }
+
+  /** The names of set bits; bits without a name follow as one integer. */
+  flagsOf(raw) {
+    const set = [];
+    for (const [name, bit] of this.bits) {
+      if (raw & bit) {
+        set.push(name);
+      }
+    }
+    const rest = raw & ~this.mask;
+    if (rest) {
+      set.push(this.integer(rest));
+    }
+    return Object.freeze(set);
   }
 
   /** The raw integer nearest to a value, ties away from zero. Throws CodecError if the value is rejected. */
@@ -95,7 +109,7 @@ export class FieldType {
     return (this.width === 32 ? toOdd : quotient)(above * sign, line.factor * sign);
   }
 
-  /** The raw integer of the name of an enum, of names of flags, or of an integer. */
+  /** The raw integer of the name of an enum, of flags as names and integers, or of an integer. */
   named(value, field) {
     const unknown = (name) => new CodecError("out_of_range", `${field} has no value ${JSON.stringify(name)}`, field);
     if (typeof value === "string" && this.names) {
@@ -105,11 +119,12 @@ export class FieldType {
       return this.values.get(value);
     }
     if (Array.isArray(value) && this.bits) {
-      return value.reduce((raw, name) => {
-        if (!this.bits.has(name)) {
-          throw unknown(name);
+      return value.reduce((raw, one) => {
+        const isInteger = typeof one === "bigint" || Number.isInteger(one);
+        if (!isInteger && !this.bits.has(one)) {
+          throw unknown(one);
         }
-        return raw | (1n << BigInt(this.bits.get(name)));
+        return raw | (isInteger ? BigInt(one) : this.bits.get(one));
       }, 0n);
     }
     if (typeof value === "number" && !Number.isInteger(value)) {
