@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import lzma
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 
@@ -231,3 +232,74 @@ def test_a_missing_package(
     file.write_bytes(start)
     with open_log(str(file)) as log, pytest.raises(LogError, match=rf"needs {project}; run: pip install {project}$"):
         list(log)
+
+
+ASC_DATES = (
+    "date Mon Mar 4 09:21:13.159 am 2024",
+    "date Mo Mär 4 09:21:13.159 2024",
+    "date Mo. 04.03.2024 09:21:13",
+    "date lun. mars 4 09:21:13.159 2024",
+    "date 周一 3月 4 09:21:13 2024",
+)
+ASC_TAILS = (
+    "internal events logged\n// version 13.0.0\nBegin Triggerblock {}\n   0.000000 Start of measurement\n",
+    "no internal events logged\n",
+    "",
+)
+ASC_FRAMES = {
+    "hex": ("8 9A 00 00 00 00 00 00 00", "8 9A 32 00 E7 01 00 00 00  Length = 240015 BitCount = 124 ID = 321", "141"),
+    "dec": ("8 154 0 0 0 0 0 0 0", "8 154 50 0 231 1 0 0 0", "321"),
+}
+
+
+@pytest.mark.parametrize("date", ASC_DATES)
+@pytest.mark.parametrize("tail", ASC_TAILS)
+@pytest.mark.parametrize("base", ASC_FRAMES)
+@pytest.mark.parametrize("times", ["absolute", "relative"])
+def test_asc_of_any_language_with_absolute_or_relative_times(
+    tmp_path: Path, date: str, tail: str, base: str, times: str
+) -> None:
+    """Relative times are since the line before, which can be an event."""
+    request, reply, id_ = ASC_FRAMES[base]
+    file = tmp_path / "log.asc"
+    file.write_text(
+        f"{date}\nbase {base}  timestamps {times}\n{tail.format(date[5:])}"
+        f"   0.010000 1  {id_}  Tx   d {request}\n"
+        f"   0.000500 1  {id_}  Rx   d {reply}\n"
+        "   0.100000 1  Statistic: D 1 R 0 XD 0 XR 0 E 0 O 0 B 0.02%\n"
+        f"   1.000000 1  {id_}  Tx   d {request}\n",
+        encoding="utf-8",
+    )
+    with open_log(str(file)) as opened:
+        frames = list(opened)
+    since = {"absolute": [10, 0.5, 1000], "relative": [10, 10.5, 1110.5]}[times]
+    assert [(one.time or 0) / 1e6 for one in frames] == since
+    assert {one.frame.id for one in frames} == {0x141} and frames[1].frame.data.hex() == "9a3200e701000000"
+    assert opened.counts.skipped == {Part.OTHER: 1}
+
+
+@pytest.mark.parametrize(
+    ("suffix", "start", "line"),
+    [
+        ("log", "", "(1.000000) can0 141#9A00000000000000\n"),
+        ("asc", "base hex  timestamps absolute\n", "   0.5 1  141  Rx   d 8 9A 00 00 00 00 00 00 00\n"),
+        ("trc", ";$FILEVERSION=1.1\n", "     1)      1059.9  Rx     0141  8  9A 00 00 00 00 00 00 00\n"),
+        ("csv", "timestamp,arbitration_id,extended,remote,error,dlc,data\n", "1.5,0x141,0,0,0,8,mgAAAAAAAAA=\n"),
+        ("csv", "Time Stamp,ID,Extended,Bus,LEN,D1,D2\n", "166064000,00000141,false,0,2,9A,00\n"),
+    ],
+)
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_line_without_an_end_needs_no_memory(
+    tmp_path: Path, suffix: str, start: str, line: str, packed: bool
+) -> None:
+    text = (start + line + line.rstrip() + " 00" * 3_000_000 + "\n" + line).encode()
+    file = tmp_path / f"log.{suffix}"
+    file.write_bytes(gzip.compress(text, 1) if packed else text)
+    del text
+    tracemalloc.start()
+    with open_log(str(file)) as opened:
+        assert len(list(opened)) == 2
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 2_000_000
+    assert opened.counts.skipped == {Part.MALFORMED: 1} and opened.counts.examples[Part.MALFORMED][0][0] in (2, 3)

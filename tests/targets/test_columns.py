@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tracemalloc
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -259,6 +260,20 @@ def test_a_batch_with_wrong_columns_is_an_error(package: Package) -> None:
         package.arrow.schema(decoder, "nothing")
     with pytest.raises(ValueError, match="depend on the parameter series"):
         package.arrow.schema(package.edition.decoder(), "motion_feedback")
+
+
+@pytest.mark.parametrize("block", [64, 1 << 21])
+def test_a_line_without_an_end_needs_no_memory(package: Package, tmp_path: Path, block: int) -> None:
+    line = b"(1.000000) can0 141#9A00000000000000\n"
+    path = tmp_path / "log"
+    path.write_bytes(line + b"x" * 3_000_000 + b"\n" + line + b"y" * 3_000_000)
+    log = package.logs.Log(path, block=block)
+    tracemalloc.start()
+    assert sum(len(frames) for frames in log) == 2
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 200_000 + 4 * block
+    assert log.skipped == {"lines of no data frame": 2}
 
 
 def test_duckdb_and_polars(package: Package, tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from ..model.edition import Edition
 from ..model.message import Direction
 from ..recordings import candump, plot as pictures, split as split_logs
 from ..recordings.directions import Directions
+from ..recordings.doubts import copies, doubts
 from ..recordings.exports import CsvLines, bus_name, json_line
 from ..recordings.new_files import is_overwritten, new_file, new_folder, same_path
 from ..recordings.nodes import IDENTIFIED_FROM, Nodes, NodeSetting, family_of, nodes_of
@@ -156,7 +157,8 @@ def decode(
     At the end, a summary lists missing, late, unexpected and rejected frames for each node, and everything that was
     skipped. With --split or --plot, rows are printed only if --format is given.
 
-    Exit status: 0 if all lines and all frames of the nodes are decoded, 1 if not, 2 if it could not run.
+    Exit status: 0 if all lines and all frames of the nodes are decoded, 1 if not or if their directions are not certain, 2
+    if it could not run.
     """
     editions = [one.edition for one in read(specs, packaged=True)]
     set_ = node_settings(editions, settings)
@@ -241,10 +243,12 @@ def _decode(
     remarks = _write(rows, outputs, summary)
     summary.finish()
     print_text(summary_text(summary, nodes, log.counts), error=outputs.prints_rows and outputs.form != "text")
-    for remark in remarks:
+    behaviours = directions.behaviours or {}
+    doubtful = [*doubts(summary, behaviours)]
+    for remark in [*remarks, *copies(summary, behaviours), *doubtful]:
         print_text(f"{remark}\n", error=outputs.prints_rows and outputs.form != "text")
     unread = log.counts.skipped[Part.MALFORMED] + log.counts.skipped[Part.TRUNCATED]
-    if unread or summary.has_rejected or any(choice.edition is None for choice in nodes.identified.values()):
+    if unread or doubtful or summary.has_rejected or any(choice.edition is None for choice in nodes.identified.values()):
         sys.exit(FINDINGS)
 
 

@@ -7,6 +7,7 @@ counted, and after a failure reading goes on with the next line.
 from __future__ import annotations
 
 import io
+import itertools
 import re
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, BinaryIO, cast
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 from ..model.layout import MAX_DATA_BYTES
 from ..semantics.frame import CanFrame
 from .packages import require
-from .recorded import Counts, Mark, Part, Recorded
+from .recorded import OVERLONG, Counts, Mark, Part, Recorded
 
 if TYPE_CHECKING:
     import can
@@ -29,6 +30,10 @@ _FRAME = {
 """What a line of a frame starts with; the lines before the first are the header."""
 _ASC_EVENT = re.compile(r"\s*\d+\.\d+\s+\d+\s+\w+:(?!.*\s(Rx|Tx)\s)")
 """An event on a channel in ASC, such as `Statistic:`, which is no frame."""
+_ASC_BASE = re.compile(r"\s*base\s+(hex|dec)(?:\s+timestamps\s+(\w+))?", re.IGNORECASE)
+_ASC_TIME = re.compile(r"(\s*)(\d+)\.(\d{1,9})(?=\s)")
+_ASC_COMMENT = "//\n"
+_ASC_HEADER_END = "internal events logged\n"
 _ERROR_LINE = re.compile(r"\s*\d+\)?\s+[\d.]+\s+(\d+\s+)?(ERROR|Error|Warng|ER|STATUS|ST)\b")
 _PYTHON_CAN = {"can": "python-can"}
 _NEEDED = {"mf4": {**_PYTHON_CAN, "asammdf": "asammdf"}}
@@ -111,16 +116,46 @@ def _recorded(form: str, message: can.Message) -> Recorded | Part:
     return Recorded(round(message.timestamp * 1e6) * 1_000, "" if bus is None else str(bus), frame, mark)
 
 
+class _Asc:
+    """The lines of a log in ASC as its reader needs them.
+
+    Of the header, it needs the base only: it stops at a date in an unknown language. Times that are relative to the line
+    before, which need not be a frame, become absolute.
+    """
+
+    def __init__(self) -> None:
+        self._is_relative = False
+        self._time = 0
+
+    def header(self, line: str) -> str:
+        """A line before the first frame."""
+        found = _ASC_BASE.match(line)
+        if found is None:
+            self.line(line)
+            return _ASC_COMMENT
+        self._is_relative = (found[2] or "").lower() == "relative"
+        return f"base {found[1].lower()}  timestamps absolute\n"
+
+    def line(self, line: str) -> str:
+        """A frame or an event."""
+        found = _ASC_TIME.match(line) if self._is_relative else None
+        if found is None:
+            return line
+        self._time += int(found[2]) * 1_000_000_000 + int(found[3].ljust(9, "0"))
+        return f"{found[1]}{self._time // 1_000_000_000}.{self._time % 1_000_000_000:09d}{line[found.end() :]}"
+
+
 class _Feed:
     """The lines of a log for readers, one after the other, each of which gets the header first."""
 
     def __init__(self, form: str, lines: Iterable[str], counts: Counts) -> None:
         self.ended = False
         self._form, self._counts = form, counts
-        self._lines = enumerate(lines, start=1)
+        self._lines: Iterator[tuple[int, str]] = enumerate(lines, start=1)
         self._header: list[str] = []
         self._in_header, self._replayed = True, 0
         self._open: tuple[int, str] | None = None
+        self._asc = _Asc() if form == "asc" else None
 
     def __iter__(self) -> Iterator[str]:
         return self
@@ -135,13 +170,18 @@ class _Feed:
         except StopIteration:
             self.ended = True
             raise
-        self._in_header = self._in_header and not _FRAME[self._form].match(line)
+        was_in_header = self._in_header
+        self._in_header = was_in_header and not _FRAME[self._form].match(line)
         if self._in_header:
-            self._header.append(line)
-            self._replayed += 1
+            self._header.append(self._asc.header(line) if self._asc else line)
+        elif was_in_header and self._asc:
+            self._lines = itertools.chain([(number, line)], self._lines)
+            self._header.append(_ASC_HEADER_END)
         else:
             self._open = number, line
-        return line
+            return self._asc.line(line) if self._asc else line
+        self._replayed += 1
+        return self._header[-1]
 
     def took(self) -> None:
         """The last line is a frame."""
@@ -168,7 +208,9 @@ class _Feed:
         if self._open is not None:
             line = self._open[1]
             is_event = self._form == "asc" and _ASC_EVENT.match(line)
-            if _ERROR_LINE.match(line):
+            if line.startswith(OVERLONG):
+                self.skip(Part.MALFORMED)
+            elif _ERROR_LINE.match(line):
                 self.skip(Part.ERROR)
             else:
                 self.skip(Part.MALFORMED if _FRAME[self._form].match(line) and not is_event else Part.OTHER)

@@ -14,10 +14,15 @@ from typing import BinaryIO, cast
 
 from . import by_python_can, candump, savvycan
 from .packages import MissingPackageError
-from .recorded import Counts, Part, Recorded
+from .recorded import OVERLONG, Counts, Part, Recorded
 
 STANDARD_INPUT = "-"
 _PEEKED = 4096
+_MAX_LINE = 4096
+"""The maximum number of characters of a line. The longest lines of CAN FD frames have a few hundred."""
+_SKIPPED = 1 << 16
+"""The number of characters of a longer line that are skipped at once."""
+_SHOWN = 80
 _COMPRESSED: dict[bytes, Callable[[BinaryIO], object]] = {b"\x1f\x8b": gzip.open, b"\xfd7zXZ\x00": lzma.open}
 _BINARY = {b"LOGG": "blf", b"MDF ": "mf4", b"UnFinMF ": "mf4"}
 _MARKED = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
@@ -90,11 +95,22 @@ def _read(source: io.BufferedReader, counts: Counts) -> Iterator[Recorded]:
         if start.startswith(magic):
             return by_python_can.read_bytes(form, source, counts)
     encoding = next((name for mark, name in _MARKED.items() if start.startswith(mark)), _unmarked(start))
-    lines = io.TextIOWrapper(source, encoding, errors="replace")
+    lines = _lines(io.TextIOWrapper(source, encoding, errors="replace"))
     form = _form(start.decode(encoding, "replace").lstrip("\ufeff"))
     if form == "savvycan":
         return savvycan.read(lines, counts)
     return candump.read(lines, counts) if form == "candump" else by_python_can.read_lines(form, lines, counts)
+
+
+def _lines(text: io.TextIOWrapper) -> Iterator[str]:
+    """The lines of a text. Of a line that is too long to be one of a log, only the start is kept, as a damaged line."""
+    while line := text.readline(_MAX_LINE):
+        if len(line) == _MAX_LINE and not line.endswith("\n"):
+            rest = line
+            while rest and not rest.endswith("\n"):
+                rest = text.readline(_SKIPPED)
+            line = f"{OVERLONG}{line[:_SHOWN]}\n"
+        yield line
 
 
 def _unmarked(start: bytes) -> str:

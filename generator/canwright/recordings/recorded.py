@@ -37,6 +37,8 @@ class Part(str, Enum):
     """Comments and events that a log format allows."""
 
 
+OVERLONG = "\ufffd"
+"""What stands at the start of a line that was too long: no format has such a line."""
 EXAMPLES = 3
 """How many lines of each part are kept to be shown."""
 

@@ -103,14 +103,15 @@ class Summary:
         node.decided[judged.decided_by] += 1
         for name in row.missing:
             node.without[name] = None
+        if judged.decided_by is DecidedBy.COPY:
+            node.copies += 1
+            return
         node.requests += judged.direction is Direction.REQUEST
         node.replies += judged.direction is Direction.REPLY
         if judged.rejection is not None:
             reason = judged.rejection.reason
             known = node.rejected.setdefault(reason, RejectedFrames(judged.rejection, frame))
             known.count += 1
-        elif judged.decided_by is DecidedBy.COPY:
-            node.copies += 1
         elif judged.direction is Direction.REQUEST:
             self._request(judged, judged.edition)
         else:

@@ -1,0 +1,56 @@
+"""Reasons to doubt the directions of a log, as sentences."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from ..model.message import Direction
+from .bus_behaviour import Behaviour
+from .directions import DecidedBy
+from .summary import Summary
+
+_LEAST = 8
+"""The number of replies from which a share of unexpected ones is taken."""
+_SHOWN = 3
+"""The number of commands that are listed."""
+_MARKS = "to be certain, record the marks of sent frames (`candump -l -x`, BLF, ASC)"
+
+
+def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[str]:
+    """A sentence for each bus whose directions are not certain."""
+    replies: Counter[str] = Counter()
+    unexpected: Counter[str] = Counter()
+    inferred: Counter[str] = Counter()
+    for (bus, _), node in summary.nodes.items():
+        inferred[bus] += node.frames - node.decided[DecidedBy.ID] - node.decided[DecidedBy.MARK]
+        replies[bus] += node.replies
+        unexpected[bus] += node.unexpected
+    for bus, count in replies.items():
+        where = f"{bus}: " if bus else ""
+        behaviour = behaviours.get(bus, Behaviour())
+        if count >= _LEAST and 4 * unexpected[bus] > count:
+            causes = ["it lacks requests", "replies take longer than --window"]
+            if inferred[bus]:
+                causes.insert(1, "the host sets reserved bits")
+            advice = f"; {_MARKS}" if inferred[bus] else ""
+            yield (
+                f"{where}{unexpected[bus]} of {count} replies answer no request in the log: {', '.join(causes[:-1])} or "
+                f"{causes[-1]}{advice}"
+            )
+        elif behaviour.old_bits and not behaviour.is_marked:
+            names = sorted(bits.request.command for bits in behaviour.old_bits)
+            shown = ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
+            varies = any(bits.value is None for bits in behaviour.old_bits)
+            how = f"times decide on their directions; {_MARKS}" if varies else "they are the same in all requests"
+            yield f"{where}the host sends old bytes in reserved bits of {shown}: {how}"
+
+
+def copies(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[str]:
+    """Sentences about frames that were recorded twice."""
+    for bus, behaviour in behaviours.items():
+        where = f"{bus}: " if bus else ""
+        count = sum(node.copies for (of, _), node in summary.nodes.items() if of == bus)
+        if count:
+            what = " and ".join(f"{direction.value}s" for direction in Direction if direction in behaviour.copied)
+            yield f"{where}{what} are recorded twice; {count} copies are not counted"
