@@ -136,7 +136,7 @@ class Codec {
 
   result(message, node, frame, raws, parameters) {
     const fields = message.fields(parameters).map((field) => field.result(raws.get(field.name), parameters));
-    return Object.freeze({
+    return new MessageResult({
       family: this.tables.family,
       edition: this.tables.edition,
       direction: message.direction,
@@ -161,6 +161,7 @@ class Codec {
   encode(direction, command, { node = null, values, raw, parameters } = NOTHING) {
     const message = this.message(direction, command);
     const known = this.known(parameters);
+    message.checkAvailable(known);
     message.rule.check(node);
     const fields = message.fields(known);
     const given = values ?? raw ?? NOTHING;
@@ -440,9 +441,9 @@ class Field {
   }
 
   result(raw, parameters) {
-    const found = (this.isArray ? raw : [raw]).map((one) => this.type.value(one, parameters));
-    const reason = found.find((one) => one.reason)?.reason ?? null;
-    const value = this.isArray ? Object.freeze(found.map((one) => one.value)) : found[0].value;
+    const results = (this.isArray ? raw : [raw]).map((one) => this.type.value(one, parameters));
+    const reason = results.find((one) => one.reason)?.reason ?? null;
+    const value = this.isArray ? Object.freeze(results.map((one) => one.value)) : results[0].value;
     return Object.freeze({ name: this.name, raw, value, unit: this.type.unit ?? null, reason });
   }
 
@@ -462,6 +463,7 @@ class Message {
     this.command = table.command;
     this.rule = new IdRule(table);
     this.length = table.length;
+    this.only = Object.entries(table.only ?? NOTHING);
     this.keys = (table.keys ?? []).map(({ segments, values }) => ({ bits: new Bits(segments), values }));
     this.mask = table.mask ?? 0;
     this.layout = layout;
@@ -500,6 +502,16 @@ class Message {
     return this.hasNodeInData ? this.nodeBits.read(frame) : inId;
   }
 
+  /** Throws CodecError if no node with these parameters has the command. */
+  checkAvailable(parameters) {
+    for (const [name, values] of this.only) {
+      const value = parameters[name];
+      if (value !== undefined && !values.includes(value)) {
+        throw new CodecError("not_available", `${this.command} is available with ${name} ${values.join(" or ")}, not ${value}`);
+      }
+    }
+  }
+
   checkConstants(frame, parameters) {
     const present = this.layout.variant(parameters) ?? this.layout.every.filter((field) => field.only === null);
     for (const field of present) {
@@ -534,6 +546,39 @@ class Message {
     }
     return checkedFrame({ id, data, extended: this.rule.extended, remote: this.rule.remote });
   }
+}
+
+/** A frame with its meaning; immutable. */
+class MessageResult {
+  constructor({ family, edition, direction, command, node, parameters, frame, fields, raw, values }) {
+    this.family = family;
+    this.edition = edition;
+    this.direction = direction;
+    this.command = command;
+    this.node = node;
+    this.parameters = parameters;
+    this.frame = frame;
+    this.fields = fields;
+    this.raw = raw;
+    this.values = values;
+    Object.freeze(this);
+  }
+
+  toJSON() {
+    return withoutBigInt({ ...this });
+  }
+}
+
+/** A value for JSON: a BigInt is a number if that is exact, otherwise text. */
+function withoutBigInt(value) {
+  if (typeof value === "bigint") {
+    return Number.isSafeInteger(Number(value)) ? Number(value) : String(value);
+  }
+  if (Array.isArray(value)) {
+    return value.map(withoutBigInt);
+  }
+  const isRecord = typeof value === "object" && value !== null;
+  return isRecord ? Object.fromEntries(Object.entries(value).map(([name, item]) => [name, withoutBigInt(item)])) : value;
 }
 
 function frozen(value) {

@@ -10309,7 +10309,6 @@ editions[4] = (function()
     messages[31].nodes = {}
     messages[31].echo = false
     messages[31].distinct = true
-    messages[31].slow = true
     messages[32].reply = messages[96]
     messages[32].nodes = {}
     messages[32].echo = false

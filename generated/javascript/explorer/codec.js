@@ -154,13 +154,13 @@ class FieldType {
     this.isWide = table.width > WIDEST_NUMBER;
     this.names = table.enum && new Map(table.enum);
     this.values = table.enum && new Map(table.enum.map(([value, name]) => [name, value]));
-    this.bits = table.flags && new Map(table.flags.map(([bit, name]) => [name, bit]));
+    this.bits = table.flags && new Map(table.flags.map(([bit, name]) => [name, 1n << BigInt(bit)]));
     const size = 1n << BigInt(table.width);
     this.low = this.isSigned ? -size / 2n : 0n;
     this.high = this.isSigned ? size / 2n - 1n : size - 1n;
     const isConstant = !table.linear?.by && !table.linear?.times;
     this.constantLine = isConstant ? this.lineAt(Object.create(null)) : null;
-    this.mask = table.flags && table.flags.reduce((mask, [bit]) => mask | (1n << BigInt(bit)), 0n);
+    this.mask = table.flags && [...this.bits.values()].reduce((mask, bit) => mask | bit, 0n);
   }
 
   /** An integer as the raw integers of this type are: a BigInt if the type has more than 53 bits. */
@@ -174,8 +174,7 @@ class FieldType {
       return this.names.has(raw) ? { value: this.names.get(raw) } : { value: null, reason: "out_of_range" };
     }
     if (this.bits) {
-      const isSet = ([, bit]) => (BigInt(raw) >> BigInt(bit)) & 1n;
-      return { value: Object.freeze([...this.bits].filter(isSet).map(([name]) => name)) };
+      return { value: this.flagsOf(BigInt(raw)) };
     }
     const line = this.line(parameters);
     if (typeof line === "string") {
@@ -190,6 +189,21 @@ class FieldType {
     }
     const value = scaled(number, line);
     return Number.isFinite(value) ? { value } : { value: null, reason: "out_of_range" };
+  }
+
+  /** The names of set bits; bits without a name follow as one integer. */
+  flagsOf(raw) {
+    const set = [];
+    for (const [name, bit] of this.bits) {
+      if (raw & bit) {
+        set.push(name);
+      }
+    }
+    const rest = raw & ~this.mask;
+    if (rest) {
+      set.push(this.integer(rest));
+    }
+    return Object.freeze(set);
   }
 
   /** The raw integer nearest to a value, ties away from zero. Throws CodecError if the value is rejected. */
@@ -225,7 +239,7 @@ class FieldType {
     return (this.width === 32 ? toOdd : quotient)(above * sign, line.factor * sign);
   }
 
-  /** The raw integer of the name of an enum, of names of flags, or of an integer. */
+  /** The raw integer of the name of an enum, of flags as names and integers, or of an integer. */
   named(value, field) {
     const unknown = (name) => new CodecError("out_of_range", `${field} has no value ${JSON.stringify(name)}`, field);
     if (typeof value === "string" && this.names) {
@@ -235,11 +249,12 @@ class FieldType {
       return this.values.get(value);
     }
     if (Array.isArray(value) && this.bits) {
-      return value.reduce((raw, name) => {
-        if (!this.bits.has(name)) {
-          throw unknown(name);
+      return value.reduce((raw, one) => {
+        const isInteger = typeof one === "bigint" || Number.isInteger(one);
+        if (!isInteger && !this.bits.has(one)) {
+          throw unknown(one);
         }
-        return raw | (1n << BigInt(this.bits.get(name)));
+        return raw | (isInteger ? BigInt(one) : this.bits.get(one));
       }, 0n);
     }
     if (typeof value === "number" && !Number.isInteger(value)) {
@@ -509,7 +524,7 @@ class Codec {
 
   result(message, node, frame, raws, parameters) {
     const fields = message.fields(parameters).map((field) => field.result(raws.get(field.name), parameters));
-    return Object.freeze({
+    return new MessageResult({
       family: this.tables.family,
       edition: this.tables.edition,
       direction: message.direction,
@@ -534,6 +549,7 @@ class Codec {
   encode(direction, command, { node = null, values, raw, parameters } = NOTHING) {
     const message = this.message(direction, command);
     const known = this.known(parameters);
+    message.checkAvailable(known);
     message.rule.check(node);
     const fields = message.fields(known);
     const given = values ?? raw ?? NOTHING;
@@ -813,9 +829,9 @@ class Field {
   }
 
   result(raw, parameters) {
-    const found = (this.isArray ? raw : [raw]).map((one) => this.type.value(one, parameters));
-    const reason = found.find((one) => one.reason)?.reason ?? null;
-    const value = this.isArray ? Object.freeze(found.map((one) => one.value)) : found[0].value;
+    const results = (this.isArray ? raw : [raw]).map((one) => this.type.value(one, parameters));
+    const reason = results.find((one) => one.reason)?.reason ?? null;
+    const value = this.isArray ? Object.freeze(results.map((one) => one.value)) : results[0].value;
     return Object.freeze({ name: this.name, raw, value, unit: this.type.unit ?? null, reason });
   }
 
@@ -835,6 +851,7 @@ class Message {
     this.command = table.command;
     this.rule = new IdRule(table);
     this.length = table.length;
+    this.only = Object.entries(table.only ?? NOTHING);
     this.keys = (table.keys ?? []).map(({ segments, values }) => ({ bits: new Bits(segments), values }));
     this.mask = table.mask ?? 0;
     this.layout = layout;
@@ -873,6 +890,16 @@ class Message {
     return this.hasNodeInData ? this.nodeBits.read(frame) : inId;
   }
 
+  /** Throws CodecError if no node with these parameters has the command. */
+  checkAvailable(parameters) {
+    for (const [name, values] of this.only) {
+      const value = parameters[name];
+      if (value !== undefined && !values.includes(value)) {
+        throw new CodecError("not_available", `${this.command} is available with ${name} ${values.join(" or ")}, not ${value}`);
+      }
+    }
+  }
+
   checkConstants(frame, parameters) {
     const present = this.layout.variant(parameters) ?? this.layout.every.filter((field) => field.only === null);
     for (const field of present) {
@@ -907,6 +934,39 @@ class Message {
     }
     return checkedFrame({ id, data, extended: this.rule.extended, remote: this.rule.remote });
   }
+}
+
+/** A frame with its meaning; immutable. */
+class MessageResult {
+  constructor({ family, edition, direction, command, node, parameters, frame, fields, raw, values }) {
+    this.family = family;
+    this.edition = edition;
+    this.direction = direction;
+    this.command = command;
+    this.node = node;
+    this.parameters = parameters;
+    this.frame = frame;
+    this.fields = fields;
+    this.raw = raw;
+    this.values = values;
+    Object.freeze(this);
+  }
+
+  toJSON() {
+    return withoutBigInt({ ...this });
+  }
+}
+
+/** A value for JSON: a BigInt is a number if that is exact, otherwise text. */
+function withoutBigInt(value) {
+  if (typeof value === "bigint") {
+    return Number.isSafeInteger(Number(value)) ? Number(value) : String(value);
+  }
+  if (Array.isArray(value)) {
+    return value.map(withoutBigInt);
+  }
+  const isRecord = typeof value === "object" && value !== null;
+  return isRecord ? Object.fromEntries(Object.entries(value).map(([name, item]) => [name, withoutBigInt(item)])) : value;
 }
 
 function frozen(value) {

@@ -5049,10 +5049,7 @@ class SaveStoredSettingsReply(Reply):
 
 
 REPLY_WITHIN_MS = 0.25
-"""The longest time from a request to its reply, in ms; None where the specification gives no time.
-
-It does not apply to calibrate_encoder.
-"""
+"""The longest time from a request to its reply, in ms; None where the specification gives no time."""
 
 AnyRequest: TypeAlias = Union[
     MotorOffRequest,

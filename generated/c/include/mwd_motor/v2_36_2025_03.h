@@ -30,7 +30,7 @@
 #define MWD_MOTOR_V2_36_2025_03_EDITION         "v2.36-2025-03"
 /** The SHA-256 of the spec, in hexadecimal. */
 #define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "d90ae073f670b9fc066ce2b7ad9688a6f14a21bddebb1b9500153b8ab975642b"
-/** Maximum time from request to reply, in microseconds. It does not apply to calibrate_encoder. */
+/** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_36_2025_03_REPLY_WITHIN_US 250u
 
 #if defined(__cplusplus) && defined(__GNUC__)
