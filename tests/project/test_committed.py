@@ -132,3 +132,9 @@ def test_errata_name_other_editions_by_their_ids(spec: Path) -> None:
             continue
         for text in (text for key in ("printed", "used", "why") for text in erratum[key].values()):
             assert not vague.search(text.replace("All", "all")), (erratum["id"], text)
+
+
+def test_c_headers_are_ascii() -> None:
+    """Compilers disagree about the encoding of a source file, and some warn about other characters in comments."""
+    headers = [file for file in tracked("generated/c") if file.suffix == ".h"]
+    assert headers and [file.name for file in headers if not file.read_bytes().isascii()] == []
