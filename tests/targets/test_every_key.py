@@ -1,0 +1,188 @@
+"""Every key of the language reaches an output: a generated file, or for golden frames also a finding of `check`."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from canwright.diagnostics.diagnostic import SpecError
+from canwright.language.edition import EditionSpec, json_schema
+from canwright.language.golden_frames import GoldenFrames
+from canwright.project.loader import load
+from canwright.project.pipeline import generate
+from canwright.targets.registry import target_names
+
+from ..compare.test_every_key import CHANGES, TEXT
+from ..strangers.everything import FRAMES, SPEC
+
+OF_EDITION: dict[str, dict[str, Any]] = {
+    **CHANGES,
+    "EditionSpec.family": {"family": "torch"},
+    "EditionSpec.edition": {"edition": "v2"},
+    "EditionSpec.date": {"date": "2024-01"},
+    "ErratumSpec.where": {"errata.0.where": ["commands.read"]},
+}
+"""`Concept.key` to what is set in the spec, by dotted path; None takes a key away."""
+
+REQUEST = {"id": 0x101, "data": "11 03 00 00 00 00 00 00"}
+FRAME, REFUSED, VALUES, EXCHANGE = "frames.0", "refused.0", "refused.1", "exchanges.0"
+OF_FRAMES: dict[str, dict[str, Any]] = {
+    "GoldenFrames.family": {"family": "torch"},
+    "GoldenFrames.edition": {"edition": "v2"},
+    "GoldenFrames.sources": {"sources": {"paper": TEXT}},
+    "GoldenFrames.frames": {"frames": []},
+    "GoldenFrames.refused": {"refused": [REQUEST | {"decode": "request", "source": "manual", "says": "unknown_id"}]},
+    "GoldenFrames.exchanges": {
+        "exchanges": [{"source": "manual", "request": REQUEST, "reply": REQUEST | {"id": 0x102}}]
+    },
+    "CheckedFrame.id": {f"{EXCHANGE}.reply.id": 0x102},
+    "CheckedFrame.extended": {f"{EXCHANGE}.reply.extended": True},
+    "CheckedFrame.remote": {f"{EXCHANGE}.reply.remote": True},
+    "CheckedFrame.data": {f"{EXCHANGE}.reply.data": "11 01 64 00 00 00 00 00"},
+    "Exchange.source": {f"{EXCHANGE}.source": "paper"},
+    "Exchange.parameters": {f"{EXCHANGE}.parameters": {"size": "huge"}},
+    "Exchange.request": {f"{EXCHANGE}.request": {"id": 0x102, "data": "10 01 64 00 00 00 00 00"}},
+    "Exchange.reply": {f"{EXCHANGE}.reply": {"id": 0x102, "data": "10 01 64 00 00 00 00 00"}},
+    "Exchange.says": {f"{EXCHANGE}.says": "not_answer"},
+    "GoldenFrame.source": {f"{FRAME}.source": "paper"},
+    "GoldenFrame.manual": {f"{FRAME}.manual": "9"},
+    "GoldenFrame.note": {f"{FRAME}.note": TEXT},
+    "GoldenFrame.parameters": {f"{FRAME}.parameters": {"count": 2}},
+    "GoldenFrame.request": {f"{FRAME}.request": "dim"},
+    "GoldenFrame.reply": {f"{FRAME}.reply": "turn"},
+    "GoldenFrame.id": {f"{FRAME}.id": 0x102},
+    "GoldenFrame.extended": {f"{FRAME}.extended": True},
+    "GoldenFrame.remote": {f"{FRAME}.remote": True},
+    "GoldenFrame.node": {f"{FRAME}.node": 2},
+    "GoldenFrame.data": {f"{FRAME}.data": "12 65 00 00 00 02 00 00"},
+    "GoldenFrame.raw": {f"{FRAME}.raw.angle": 101},
+    "GoldenFrame.values": {f"{FRAME}.values.angle": 3},
+    "GoldenFrame.decode_only": {f"{FRAME}.decode_only": True},
+    "RefusedFrame.source": {f"{REFUSED}.source": "paper"},
+    "RefusedFrame.parameters": {f"{REFUSED}.parameters": {"size": "huge"}},
+    "RefusedFrame.decode": {f"{REFUSED}.decode": "reply", f"{REFUSED}.id": 0x200},
+    "RefusedFrame.id": {f"{REFUSED}.id": 0x101},
+    "RefusedFrame.extended": {"refused.2.extended": None},
+    "RefusedFrame.remote": {"refused.3.remote": None},
+    "RefusedFrame.data": {f"{REFUSED}.id": 0x101, f"{REFUSED}.data": "11 03 00 00 00 00 00 00"},
+    "RefusedFrame.says": {f"{REFUSED}.says": "wrong_length"},
+    "RefusedValues.source": {f"{VALUES}.source": "paper"},
+    "RefusedValues.parameters": {f"{VALUES}.parameters": {"size": "huge"}},
+    "RefusedValues.encode": {f"{VALUES}.encode": "reply"},
+    "RefusedValues.command": {f"{VALUES}.command": "dim"},
+    "RefusedValues.node": {f"{VALUES}.node": 9},
+    "RefusedValues.raw": {f"{VALUES}.values": None, f"{VALUES}.raw": {"angle": 0}},
+    "RefusedValues.values": {f"{VALUES}.values": {"angle": 0, "share": 0}},
+    "RefusedValues.says": {f"{VALUES}.says": "no_scale"},
+    "RefusedValues.field": {f"{VALUES}.field": "share"},
+}
+
+NOT_SHOWN = {
+    "EditionSpec.canwright": "the version of the language",
+    "GoldenFrames.canwright": "the version of the language",
+    "TypeSpec.plausible": "for `identify` and `decode`, see tests/recordings/test_identify.py",
+    **{
+        f"{concept}.renamed_from": "for `diff`, see tests/compare/test_renames.py"
+        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec")
+    },
+}
+
+NOT_SHOWN |= {
+    f"{concept}.{key}": "for readers of the golden frames"
+    for concept in ("Exchange", "RefusedFrame", "RefusedValues")
+    for key in ("manual", "note")
+}
+
+Files = Mapping[str, str]
+
+
+def _keys(concept: type[EditionSpec] | type[GoldenFrames]) -> set[str]:
+    schema = json_schema(concept)
+    concepts = {schema["title"]: schema, **schema["$defs"]}
+    return {f"{name}.{key}" for name, one in concepts.items() for key in one.get("properties", {})}
+
+
+def _output(folder: Path, of_edition: Mapping[str, Any], of_frames: Mapping[str, Any], *, golden: bool) -> Files:
+    """Every generated file, with the same hash of the spec; with golden frames also what `check` finds."""
+    spec = yaml.load(SPEC, yaml.CSafeLoader)
+    spec["languages"] = ["en"]
+    spec["errata"][0] |= {"manual": "1", "printed": "One.", "used": "Another.", "why": "It is so."}
+    frames = yaml.load(FRAMES, yaml.CSafeLoader)
+    frames["sources"] = {"manual": "A manual"}
+    read = {
+        "decode": "request",
+        "source": "manual",
+        "id": 0x101,
+        "data": "11 03 00 00 00 00 00 00",
+        "says": "unknown_id",
+    }
+    frames["refused"] += [read | {"extended": True}, read | {"remote": True}]
+    for data, changes in ((spec, of_edition), (frames, of_frames)):
+        for path, value in changes.items():
+            _set(data, path, value)
+    for name, data in (("spec.yaml", spec), ("spec.frames.yaml", frames)):
+        (folder / name).write_text(json.dumps(data, indent=1), "utf-8")
+    try:
+        loaded = load(folder / "spec.yaml", "spec.yaml", golden=golden)
+    except SpecError as error:
+        return {"check": str(error)}
+    edition = replace(loaded.specification.edition, hash="0" * 64)
+    files = generate([loaded.specification._replace(edition=edition)], target_names(), {}).files
+    found = {"check": "\n".join(map(str, loaded.warnings))} if golden else {}
+    return found | {path: content.decode("utf-8") for path, content in files.items()}
+
+
+def _set(data: Any, path: str, value: object) -> None:
+    *steps, last = [int(step) if step.isdigit() and step != "14" else step for step in path.split(".")]
+    for step in steps:
+        data = data[step]
+    if value is None:
+        del data[last]
+    else:
+        data[last] = copy.deepcopy(value)
+
+
+@pytest.fixture(scope="module")
+def unchanged(tmp_path_factory: pytest.TempPathFactory) -> Mapping[bool, Files]:
+    """The output without and with golden frames."""
+    folder = tmp_path_factory.mktemp("unchanged")
+    output = {golden: _output(folder, {}, {}, golden=golden) for golden in (False, True)}
+    assert "error" not in output[True]["check"]
+    return output
+
+
+def test_every_key_is_known() -> None:
+    assert {*OF_EDITION, *OF_FRAMES, *NOT_SHOWN} == _keys(EditionSpec) | _keys(GoldenFrames)
+    assert not {*OF_EDITION, *OF_FRAMES} & {*NOT_SHOWN}
+
+
+@pytest.mark.parametrize("key", OF_EDITION)
+def test_a_key_of_an_edition_is_printed(key: str, unchanged: Mapping[bool, Files], tmp_path: Path) -> None:
+    changed = _output(tmp_path, OF_EDITION[key], {}, golden=False)
+    assert "check" not in changed, "the change makes the spec invalid"
+    assert _shown(OF_EDITION[key], unchanged[False], changed), f"{key} {MISSING}"
+
+
+@pytest.mark.parametrize("key", OF_FRAMES)
+def test_a_key_of_golden_frames_is_printed_or_checked(
+    key: str, unchanged: Mapping[bool, Files], tmp_path: Path
+) -> None:
+    changed = _output(tmp_path, {}, OF_FRAMES[key], golden=True)
+    assert not re.search(r"\[(missing-key|type|unknown-key|value)\]", changed["check"]), "the change is not valid"
+    assert _shown(OF_FRAMES[key], unchanged[True], changed), f"{key} {MISSING}"
+
+
+MISSING = "reaches no output: print it, or list it with a reason in NOT_SHOWN"
+
+
+def _shown(changes: Mapping[str, Any], unchanged: Files, changed: Files) -> list[str]:
+    """The files in which a change appears; that of a text appears as the text."""
+    differing = [path for path in changed if changed[path] != unchanged.get(path)]
+    return [path for path in differing if TEXT in changed[path] or TEXT not in changes.values()]
