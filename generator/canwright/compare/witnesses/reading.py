@@ -453,8 +453,8 @@ def shown(field: Field, raw: Raw, assignment: Assignment) -> str:
 def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
     if value is None:
         return str(raw)
-    if isinstance(value, str):
-        return value
+    if isinstance(value, str):  # a member, or a float that is no number
+        return value if type_.enum else value + unit
     if isinstance(value, list):
         others = [str(_rest(type_, raw))] if _rest(type_, raw) else []
         return " + ".join([*map(str, value), *others]) or "0"
