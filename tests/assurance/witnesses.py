@@ -141,11 +141,11 @@ def _is_value(text: str, known: Any) -> bool:
         return text == str(int(known[1]))
     if known[0] == "raw":
         return text == str(known[1])
+    if not math.isfinite(known[0]):
+        return text == "not finite"
     number, _, unit = text.partition(" ")
     if unit != _SYMBOLS.get(known[1], known[1]):
         return False
-    if not math.isfinite(float(number.lstrip("≈"))):
-        return number == str(float(known[0]))
     about = number.startswith("≈")
     return math.isclose(float(number.lstrip("≈")), known[0], rel_tol=1e-5 if about else 1e-12, abs_tol=1e-300)
 

@@ -10,7 +10,7 @@ from ...model import formatting
 from ...model.layout import MAX_DATA_BYTES, ConstantRole, Element, Field, NodeRole, ReservedRole, Space
 from ...model.message import Direction, Key, KeyRole, Message
 from ...model.types import IDENTITY, Assignment, Dependent, Encoding, Type
-from ...semantics.decoder import Decoder, Identified, Value, field_value, rejects_constants, value_of
+from ...semantics.decoder import Decoder, Identified, Value, field_value, is_finite, rejects_constants, value_of
 from ...semantics.encoder import Encoder, Encoders
 from ...semantics.frame import CanFrame, Raw, data_bits, difference, has_id_rule, raw_of, wrong_constants
 from .. import match
@@ -452,9 +452,10 @@ def shown(field: Field, raw: Raw, assignment: Assignment) -> str:
 
 def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
     if value is None:
-        return str(raw)
-    if isinstance(value, str):  # a member, or a float that is no number
-        return value if type_.enum else value + unit
+        is_number = type_.encoding is not Encoding.FLOAT or is_finite(type_, raw)
+        return str(raw) if is_number else "not finite"
+    if isinstance(value, str):
+        return value
     if isinstance(value, list):
         others = [str(_rest(type_, raw))] if _rest(type_, raw) else []
         return " + ".join([*map(str, value), *others]) or "0"
