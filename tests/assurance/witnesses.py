@@ -17,7 +17,7 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.targets.python.text import attribute
 
-from .behaviour import Binding, Frame, Meaning, Names, meaning, nodes_of
+from .behaviour import Binding, Frame, Meaning, Names, meaning
 
 _FIELD = re.compile(r"`(\w+) = ([^`]*)`")
 _COMMAND = re.compile(r"`(\w+)`")
@@ -103,7 +103,8 @@ def _as(
     if found is None or message is None:
         return None
     cls = binding.of(message)
-    for node in nodes_of(cls):
+    nodes = range(cls.NODES[0], cls.NODES[1] + 1) if hasattr(cls, "NODES") else [None]
+    for node in nodes:
         try:
             decoded = cls.unpack(node, frame.id, frame.data, parameters)
             sent = not is_sender or message.accept or found.is_echoed or decoded.encode() == frame.data
@@ -140,6 +141,8 @@ def _is_value(text: str, known: Any) -> bool:
         return text == str(int(known[1]))
     if known[0] == "raw":
         return text == str(known[1])
+    if not math.isfinite(known[0]):
+        return text == "not finite"
     number, _, unit = text.partition(" ")
     if unit != _SYMBOLS.get(known[1], known[1]):
         return False

@@ -15,7 +15,9 @@ from canwright.project.loader import load, specification
 from canwright.templating.resources import CHANGE_EXAMPLES
 from click.testing import CliRunner
 
-from ..spec_texts import MINIMAL, ROOT, edition
+from ..assurance.compare import dumped
+from ..assurance.edits import reordered
+from ..spec_texts import MINIMAL, ROOT, SPECS, called, edition
 
 V2_35 = ROOT / "spec/mwd_motor/v2.35.yaml"
 
@@ -62,6 +64,24 @@ def test_order_in_the_file_is_no_change(tmp_path: Path) -> None:
     changed = _reordered(original)
     assert changed != original and sorted(changed.splitlines()) == sorted(original.splitlines())
     assert compare(specification(V2_35).edition, edition(tmp_path, changed)) == ()
+
+
+@pytest.mark.parametrize("file", SPECS, ids=called)
+def test_order_of_keys_is_no_change(file: Path, tmp_path: Path) -> None:
+    """Except for addresses, states and modes, of which the first has a meaning, and for items of lists."""
+    data = yaml.load(file.read_text("utf-8"), yaml.CSafeLoader)
+    turned = edition(tmp_path, dumped(reordered(data, lambda keys: keys[::-1])))
+    original = specification(file).edition
+    assert compare(original, turned) == ()
+    assert compare(turned, original) == ()
+
+
+def test_a_text_in_one_language_is_shown_in_that_language(tmp_path: Path) -> None:
+    text = MINIMAL.replace("family:", "languages: [en, zh]\nfamily:").replace(
+        "unit:", "title: {en: Level, zh: 亮度}, unit:"
+    )
+    (change,) = compare(edition(tmp_path, text), edition(tmp_path, text.replace("zh: 亮度", "zh: Level")))
+    assert change.says() == "the title of `level` is “Level” (was “亮度”)"
 
 
 def test_ways_to_write_the_same_are_no_change(tmp_path: Path) -> None:

@@ -378,3 +378,70 @@ def test_a_request_that_is_rejected_has_no_reply(tmp_path: Path) -> None:
     oven = (ROOT / "tests/assurance/specs/oven/v1.yaml").read_text("utf-8")
     (change,) = found(tmp_path, oven, (oven[oven.index("  erase_recipe:") :], ""))
     assert verdicts([change]) == {"command-removed command erase_recipe": {"sending": LOUD}}
+
+
+STATUS = """
+  status: {code: 0x20, reply: {level: {at: 2, type: level}, power: {at: 4, raw: u16}}}
+  reset: {code: 0x21, reply: {of: status}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("fields", "item"),
+    [
+        ("power: {at: 4, raw: u8}, faults: {at: 5, raw: u8}", "field-added command status"),
+        ("power: {at: 4, raw: u15}, is_hot: {at: 5.7, raw: u1}", "width-changed command status"),
+        ("power: {at: 4, raw: u8}, mode: {at: 5, raw: u8, constant: 3}", "field-added command status"),
+    ],
+)
+def test_new_fields_in_the_bits_of_a_field_are_silent(fields: str, item: str, tmp_path: Path) -> None:
+    changes = found(tmp_path, MINIMAL + STATUS, ("power: {at: 4, raw: u16}", fields))
+    assert verdicts(changes)[item] == {"receiving": SILENT}
+    assert any("reads `power = " in w.says() for c in changes for w in c.witnesses)
+
+
+def test_a_constant_without_the_unit_of_a_field_is_silent(tmp_path: Path) -> None:
+    constant = "level: {at: 2, raw: u16, constant: 1}, power"
+    changes = found(tmp_path, MINIMAL + STATUS, ("level: {at: 2, type: level}, power", constant))
+    assert {"receiving": SILENT} in verdicts(changes).values()
+    says = [w.says() for c in changes for w in c.witnesses]
+    assert "101#2000010000000000: the new node sends `status`: `level = 1`; the old host reads `level = 0.1 %`" in says
+
+
+def test_a_shared_reply_affects_all_commands_that_have_it(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, MINIMAL + STATUS, ("power: {at: 4, raw: u16}", "power: {at: 5, raw: u16}"))
+    assert change.used_by == ("status", "reset")
+
+
+def test_exchanged_names_of_entries_are_silent(tmp_path: Path) -> None:
+    names = [("      top_speed: {", "      other: {"), ("      brake_delay: {", "      top_speed: {")]
+    changes = found(tmp_path, WINCH, *names, ("      other: {", "      brake_delay: {"))
+    assert {c.impact for c in changes if c.witnesses} == {Impact.SILENT}
+    assert "entry settings.top_speed" in {str(c.item) for c in changes}
+
+
+def test_a_frame_with_a_node_in_its_data_has_its_fixed_id(tmp_path: Path) -> None:
+    valve = (ROOT / "tests/specs/valve/v1.yaml").read_text("utf-8")
+    field = "{valve: {at: 2, raw: u16, byte_order: big, holds: node}}"
+    changes = found(tmp_path, valve, (field, field.replace(", byte_order: big", "")))
+    frames = [w.frame for c in changes for w in c.witnesses]
+    assert {frame.id for frame in frames if frame is not None} == {0x7E5}
+
+
+def test_values_are_decimals(tmp_path: Path) -> None:
+    scaled = MINIMAL.replace("scale: 0.1", "scale: 1/3")
+    changes = found(tmp_path, scaled, ("scale: 1/3", "scale: 1/7"))
+    says = [w.says() for c in changes for w in c.witnesses]
+    assert (
+        "101#1000010000000000: the old host sends `dim`: `level = ≈0.333333 %`; the new node reads `level = ≈0.142857 %`"
+        in says
+    )
+
+
+def test_only_frames_that_exist_are_shown(tmp_path: Path) -> None:
+    """A field of a command with another code: the new node rejects the frames of the old host."""
+    both = ("    code: 0x10", "    code: 0x11"), ("at: 2", "at: 4")
+    changes = found(tmp_path, MINIMAL, *both)
+    (moved,) = (c for c in changes if c.rule.id == "field-moved")
+    assert moved.impact is Impact.SILENT
+    assert moved.witnesses == ()

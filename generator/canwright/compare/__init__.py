@@ -23,8 +23,9 @@ _CATEGORIES, _IMPACTS = list(Category), list(Impact)
 
 
 def compare(old: Edition, new: Edition, exporters: Sequence[Exporter] = ()) -> tuple[Change, ...]:
-    """Every change from `old` to `new`, in the order of the specs; what surrounds the commands comes first.
+    """Every change from `old` to `new`, in the order of the old spec; what surrounds the commands comes first.
 
+    The order of keys makes no difference, except where the first one has a meaning, as that of addresses.
     A renamed item is reported with its names in each of the `exporters`, which are targets.
     """
     from .comparison import changes

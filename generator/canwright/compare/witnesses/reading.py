@@ -10,7 +10,7 @@ from ...model import formatting
 from ...model.layout import MAX_DATA_BYTES, ConstantRole, Element, Field, NodeRole, ReservedRole, Space
 from ...model.message import Direction, Key, KeyRole, Message
 from ...model.types import IDENTITY, Assignment, Dependent, Encoding, Type
-from ...semantics.decoder import Decoder, Identified, Value, field_value, rejects_constants, value_of
+from ...semantics.decoder import Decoder, Identified, Value, field_value, is_finite, rejects_constants, value_of
 from ...semantics.encoder import Encoder, Encoders
 from ...semantics.frame import CanFrame, Raw, data_bits, difference, has_id_rule, raw_of, wrong_constants
 from .. import match
@@ -184,11 +184,16 @@ class _Pair:
                 for sent, read in self._elements(source, raw, target, found)
                 for difference in self._differences(source.type, sent, target.type, read, encoder)
             ]
+            fields = tuple(dict.fromkeys((source, target, varied, *self._fixed_in(target))))
             for aspect, members in differences:
-                fields = tuple(dict.fromkeys((source, target, varied)))
                 yield self._misread(aspect, assignment, encoder, frame, source, raw, target, found, fields, members)
             if not differences and target.demanded is None and encoder.rejects_raw(target, found) is not None:
                 yield from self._out_of_range(assignment, encoder, frame, source, raw, target)
+
+    def _fixed_in(self, target: Field) -> list[Field]:
+        """The fields that are always sent as the same raw integer and that share bits with one that is read."""
+        variant = self._transfer.sent.layout.variant(self._encoder.assignment)
+        return [f for f in (variant.fields if variant else ()) if f.fixed is not None and match.overlap(f, target)]
 
     def _has_foreign_id(self, frame: CanFrame) -> bool:
         """Whether a frame is rejected because of bits of its id, although both messages follow one rule."""
@@ -367,11 +372,18 @@ class _Pair:
         known = {**self._encoder.assignment, **assignment}
         stated = {**assignment, **{n: known[n] for f in fields for n in parameters_of(f.type) if n in known}}
         witness = Witness(self._transfer.side, impact, stated, frame, sentence, facts)
-        paths: list[DocumentPath] = [path for f in fields for path in (f.path, f.type.path)]
+        paths = [path for f in fields for path in _paths(f)]
         exists = self._transfer.is_identified(frame) and (
             impact is Impact.LOUD or rejects_constants(self._transfer.read, frame, known) is None
         )
         return Observation(aspect, witness, self._transfer.commands, tuple(dict.fromkeys(paths)), members, exists)
+
+
+def _paths(field: Field) -> Iterator[DocumentPath]:
+    """The paths of a field and of its type; a type without a name belongs to several fields."""
+    yield field.path
+    if field.type.path[0] == "types":
+        yield field.type.path
 
 
 def parameters_of(type_: Type) -> tuple[str, ...]:
@@ -440,7 +452,8 @@ def shown(field: Field, raw: Raw, assignment: Assignment) -> str:
 
 def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
     if value is None:
-        return str(raw)
+        is_number = type_.encoding is not Encoding.FLOAT or is_finite(type_, raw)
+        return str(raw) if is_number else "not finite"
     if isinstance(value, str):
         return value
     if isinstance(value, list):
