@@ -9,19 +9,19 @@ import pickle
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from enum import IntEnum, IntFlag
+from enum import Enum, IntEnum, IntFlag
 from fractions import Fraction
 from types import ModuleType
 from typing import Any
 
 from canwright.model.edition import Edition
-from canwright.model.layout import Space
+from canwright.model.layout import NodeRole, Space
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.targets.base import Specification
 from canwright.targets.python.text import attribute, class_name
 
-from ..conformance.adapters.python import PythonAdapter
+from ..conformance.adapters.python import PythonAdapter, node_in_id
 
 EXACT = 1 << 51
 """Values of raw integers from here on are rounded to doubles, some to those of other raw integers."""
@@ -97,6 +97,7 @@ def _check_class(edition: Edition, message: Message, cls: Any) -> None:
     else:
         assert (message.id.nodes[0], message.id.nodes[-1]) == cls.NODES and message.id.node_step == cls.NODE_STEP
     assert getattr(cls, "CODE", None) == (message.keys[0].value if message.keys else None), cls
+    _check_holder(message, cls)
     if message.direction is Direction.REQUEST or command.request is None:
         assert command.title[language] == cls.TITLE, cls
         assert tuple(effect.name for effect in command.effects) == cls.EFFECTS, cls
@@ -104,6 +105,19 @@ def _check_class(edition: Edition, message: Message, cls: Any) -> None:
         only = {name: tuple(_plain(value) for value in values) for name, values in cls.ONLY.items()}
         assert only == {attribute(name): values for name, values in command.only.items()}, cls
         assert command.manual == cls.MANUAL, cls
+
+
+def _check_holder(message: Message, cls: Any) -> None:
+    """The field with the node, the parameters on which the fields depend, and the fields of patterns by position."""
+    holder, layout = message.node_bits, message.layout
+    assert (attribute(holder.name) if holder else "") == cls.NODE_FIELD
+    is_part = holder is not None and message.has_low_bits_of_node
+    assert ((1 << holder.width) - 1 if holder and is_part else -1) == cls.NODE_MASK
+    numbers = {name for field in layout.fields for name in field.type.numbers}
+    assert set(cls.DEPENDS) == {attribute(name) for name in numbers.union(layout.parameters)}
+    if layout.fields:
+        always = tuple(attribute(field.name) for field in layout.fields if field.fixed is None and not field.only)
+        assert always == cls.__match_args__
 
 
 def _plain(value: Any) -> str:
@@ -169,13 +183,13 @@ def _check_answers(item: Specification, module: ModuleType) -> None:
                     assert parameters is None or answer == wanted, (asked, reply)
                     continue
                 assert answer.parameters is module.UNKNOWN, (asked, reply)
-                assert answer.node == module.node_of("reply", reply.id, **kind)
+                assert node_in_id(answer) == module.node_of("reply", reply.id, **kind)
 
 
 def _check_value(message: Any) -> None:
     """A message equals its copies, cannot be changed, reads as it is, and knows its fields."""
     cls, names = type(message), message.fields()
-    known = {"node": message.node, "parameters": message.parameters}
+    known = {"node": node_in_id(message), "parameters": message.parameters}
     if isinstance(_outcome(message.check), Rejected):
         for call in (message.encode, message.replace, functools.partial(cls.from_raw, **known, **message.raw())):
             _raises(ValueError, call)
@@ -193,7 +207,7 @@ def _check_value(message: Any) -> None:
     _check_given_node(message, values)
     assert message.values() == {name: None if isinstance(v, Rejected) else v for name, v in values.items()}
     text = repr(message)
-    parts = [f"node={message.node}"] if message.node is not None else []
+    parts = [f"node={message.node}"] if hasattr(cls, "NODES") else []
     for name, value in values.items():
         raw = isinstance(value, Rejected)
         parts.append(f"{name}_raw={message.raw()[name]!r}" if raw else f"{name}={value!r}")
@@ -205,6 +219,14 @@ def _check_value(message: Any) -> None:
             assert is_float or again == message
         _raises(AttributeError, setattr, message, name, value)
         _raises(AttributeError, delattr, message, name)
+    given = [(name, getattr(message.parameters, name)) for name in cls.DEPENDS]
+    if any(value is not None for _, value in given):
+        shown = (
+            f"{name}={str(value) if isinstance(value, Enum) else repr(value)}"
+            for name, value in given
+            if value is not None
+        )
+        parts.append(f"parameters=Parameters({', '.join(shown)})")
     assert text == f"{cls.__name__}({', '.join(parts)})"
     for name in set(cls.TYPES) - set(names):
         for one in (name, f"{name}_raw"):
@@ -224,7 +246,7 @@ def _is_exact(raw: int | list[int] | tuple[int, ...]) -> bool:
 
 def _check_without_parameters(message: Any) -> None:
     """Parameters that are not given are unknown; a message whose data is always the same has none."""
-    cls, known = type(message), {"node": message.node, **message.raw()}
+    cls, known = type(message), {"node": node_in_id(message), **message.raw()}
     unknown = sys.modules[cls.__module__].UNKNOWN
     wanted, found = _outcome(cls.from_raw, **known, parameters=unknown), _outcome(cls.from_raw, **known)
     assert found == wanted
@@ -234,7 +256,7 @@ def _check_without_parameters(message: Any) -> None:
 def _check_node(message: Any) -> None:
     cls, raw, parameters = type(message), message.raw(), message.parameters
     if not hasattr(cls, "NODES"):
-        assert message.node is None
+        assert message.node == (message.raw()[cls.NODE_FIELD] if "node" in vars(cls) else None)
         _raises(TypeError, message.replace, node=1)
         return
     first, last = cls.NODES
@@ -261,7 +283,7 @@ class _Index:
 def _check_given_node(message: Any, values: Mapping[str, Any]) -> None:
     """A constructor takes any kind of integer as the node, as an int, and no other node than those of the message."""
     cls = type(message)
-    if message.node is None or any(isinstance(value, Rejected) for value in values.values()):
+    if not hasattr(cls, "NODES") or any(isinstance(value, Rejected) for value in values.values()):
         return
     if "parameters" in cls.__init__.__annotations__:
         values = {**values, "parameters": message.parameters}
@@ -273,12 +295,16 @@ def _check_given_node(message: Any, values: Mapping[str, Any]) -> None:
 
 
 def _check_all_differ(messages: list[Any]) -> None:
-    """Messages are equal exactly if their class, node and raw integers are."""
+    """Messages are equal exactly if their class, node, raw integers, and the parameters on which they depend are."""
     for one, other in itertools.pairwise(messages):
-        same = (type(one), one.node, one.raw()) == (type(other), other.node, other.raw())
+        same = (type(one), one.node, one.raw(), _needed(one)) == (type(other), other.node, other.raw(), _needed(other))
         assert (one == other) is same and (one != other) is not same
         if same:
             assert hash(one) == hash(other)
+
+
+def _needed(message: Any) -> list[Any]:
+    return [getattr(message.parameters, name) for name in message.DEPENDS]
 
 
 def _check_nodes(edition: Edition, module: ModuleType, nodes: ModuleType) -> None:
@@ -309,12 +335,37 @@ def _check_nodes(edition: Edition, module: ModuleType, nodes: ModuleType) -> Non
                 assert _outcome(getattr(one, f"decode_{name}"), can_id, data, **flags) == wanted
             found = _outcome(getattr(bus, f"decode_{name}"), can_id, data, **flags)
             assert found == (wanted if there else Rejected(Refusal.UNKNOWN_ID.value)), (message.name, node)
+    _check_node_in_data(edition, module, bus)
     for message in edition.all_messages():
         if message.id.nodes == numbers and not message.layout.fields:
             made = getattr(module, class_name(message.name))
             assert first.make(made).node == numbers[0]
             assert "sets node itself" in str(_raises(TypeError, first.make, made, node=numbers[0]))
     _raises(TypeError, first.make, nodes.Message)
+
+
+def _check_node_in_data(edition: Edition, module: ModuleType, bus: Any) -> None:
+    """It is read with the data of a frame; ids whose frames contain it in the data are known."""
+    for message in edition.all_messages():
+        name, can_id = message.direction.value, message.id.base
+        flags = {"extended": message.id.extended, "remote": message.remote}
+        same_rule = edition.of_rule(message.direction, message.id)
+        if message.id.nodes is None:
+            in_data = any(one.node_in_data for one in same_rule if one.remote == message.remote)
+            assert module.has_node_in_data(name, can_id, **flags) is in_data
+            assert module.node_of(name, can_id, **flags) is None
+            for node in bus if message.node_in_data else ():
+                made = _outcome(node.make, getattr(module, class_name(message.name)), **_values_without_node(message))
+                if not isinstance(made, Rejected):
+                    frame = made.can_id, made.encode()
+                    assert made.node == node.node == module.node_of(name, *frame, **flags)
+                    assert bus.nodes_of(name, *frame, **flags) == (node,)
+
+
+def _values_without_node(message: Message) -> dict[str, Any]:
+    """Zeros for all fields but the node."""
+    fields = [field for field in message.layout.fields if field.fixed is None and not isinstance(field.role, NodeRole)]
+    return {attribute(field.name): [0] * len(field.elements) if field.is_array else 0 for field in fields}
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -244,3 +246,68 @@ def test_two_nodes_on_one_29_bit_id_are_refused(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert "both reply with the id 0x1001" in done.stdout
+
+
+class Line:
+    """A bus that returns own frames or not, with a node that replies to each frame."""
+
+    def __init__(self, returned: bool, answer: Callable[[can.Message], Sequence[can.Message]]) -> None:
+        self.returned, self.answer, self.queue = returned, answer, deque[can.Message]()
+        self.is_full = False
+
+    def send(self, frame: can.Message) -> None:
+        if self.is_full:
+            raise can.CanOperationError("the queue is full")
+        self.queue += [frame] * self.returned + list(self.answer(frame))
+
+    def recv(self, timeout: float) -> can.Message | None:
+        return self.queue.popleft() if self.queue else None
+
+
+def _times(count: int, frame: can.Message) -> Sequence[can.Message]:
+    return [frame] * count
+
+
+def _always(answer: Sequence[can.Message], frame: can.Message) -> Sequence[can.Message]:
+    return answer
+
+
+STATUS = can.Message(arbitration_id=0x141, data=bytes.fromhex("9A3200E701000000"), is_extended_id=False)
+
+
+@pytest.mark.parametrize("returned", [False, True])
+def test_own_frames_are_no_replies(returned: bool, package: dict[str, ModuleType]) -> None:
+    """The node echoes, is silent, and echoes again; a frame that equals the request is a reply once the copy came."""
+    old, python_can = package["v2_35"], package["python_can"]
+    probe, request = old.ReadStatus1Request(node=1), old.MotorOnRequest(node=1)
+    line = Line(returned, lambda frame: [STATUS])
+    own = python_can.OwnFrames.learn(line, probe, partial(old.decode_answer, probe), 1)
+    assert own.are_returned is returned and not line.queue
+
+    def ask() -> list[Any]:
+        own.send(request)
+        frames = list(iter(partial(line.recv, 0), None))
+        decode = partial(old.decode_answer, request)
+        return [python_can.from_message(frame, decode) for frame in frames if not own.is_own(frame)]
+
+    for echoes in (1, 0, 0, 1, 2):
+        line.answer = partial(_times, echoes)
+        assert ask() == [old.MotorOnReply(node=1)] * echoes
+    line.is_full = True
+    with pytest.raises(can.CanOperationError):
+        own.send(request)
+    assert not own.is_own(python_can.to_message(request))
+
+
+def test_nothing_is_learnt_from_a_silent_bus(package: dict[str, ModuleType]) -> None:
+    old, own_frames = package["v2_35"], package["python_can"].OwnFrames
+    probe = old.ReadStatus1Request(node=1)
+    decode = partial(old.decode_answer, probe)
+    other = can.Message(arbitration_id=0x141, data=b"other", is_extended_id=False)
+    for answer in ([], [other], [can.Message(arbitration_id=0x141, data=STATUS.data, is_error_frame=True)]):
+        with pytest.raises(TimeoutError, match=r"^no reply to ReadStatus1Request\(node=1\)$"):
+            own_frames.learn(Line(False, partial(_always, answer)), probe, decode, 0.01)
+    assert own_frames.learn(Line(True, lambda frame: []), probe, decode, 0.01).are_returned
+    # a driver may deliver the copy after the reply
+    late = Line(False, lambda frame: [STATUS, frame])
+    assert own_frames.learn(late, probe, decode, 0.01).are_returned
