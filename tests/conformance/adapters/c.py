@@ -46,6 +46,8 @@ class CAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, the functions of each message, and the conversions."""
 
     name = "c"
+    reports_absent = False
+    """Whether the value of a field that a node lacks is the reason; C has functions for types, not for fields."""
 
     def __init__(self, edition: Edition, program: Path, header: str = "") -> None:
         super().__init__(edition)
@@ -78,9 +80,9 @@ class CAdapter(Adapter):
         items = [words[i : i + 3] for i in range(0, len(words), 3)]
         assert words[-2:] != ["not", "clear"], f"{command}: fields of other commands are not 0"
         present = {field.name for field in variant.fields}
-        assert all(number == "0" for name, number, _ in items if name not in present), (
-            f"{command}: absent fields are not 0"
-        )
+        absent = [(number, value) for name, number, value in items if name not in present]
+        assert all(number == "0" for number, _ in absent), f"{command}: absent fields are not 0"
+        assert not self.reports_absent or all(value in ("?not_available", "+") for _, value in absent), command
         for field in (f for f in variant.fields if f.fixed is None):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
