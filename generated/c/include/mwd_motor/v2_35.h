@@ -1033,7 +1033,7 @@ static inline canwright_status_t mwd_motor_v2_35_motion_feedback_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motion_feedback_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_motion_feedback_t *message,
@@ -1103,7 +1103,7 @@ typedef struct {
     uint8_t iq_ki;
 } mwd_motor_v2_35_pid_gains_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_pid_gains_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_pid_gains_t *message)
@@ -1160,7 +1160,7 @@ static inline canwright_status_t mwd_motor_v2_35_status_1_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_status_1_pack(canwright_frame_t *frame, const mwd_motor_v2_35_status_1_t *message)
 {
@@ -1352,7 +1352,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_power_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_set_power_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_power_request_t *message)
@@ -1478,7 +1478,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_torque_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_set_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_torque_request_t *message)
@@ -1587,7 +1587,7 @@ typedef struct {
     int32_t speed;
 } mwd_motor_v2_35_set_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_set_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_speed_request_t *message)
@@ -1689,7 +1689,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_35_move_to_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_move_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_to_angle_request_t *message)
@@ -1796,7 +1796,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_35_move_to_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_move_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_to_angle_at_speed_request_t *message)
@@ -1919,7 +1919,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_turn_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_turn_to_angle_request_t *message)
@@ -2055,7 +2055,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_request_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_turn_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *message)
@@ -2172,7 +2172,7 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_35_move_by_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_move_by_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_by_angle_request_t *message)
@@ -2286,7 +2286,7 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_35_move_by_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_move_by_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_by_angle_at_speed_request_t *message)
@@ -2603,7 +2603,7 @@ typedef struct {
     int32_t acceleration;
 } mwd_motor_v2_35_read_acceleration_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_acceleration_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_acceleration_reply_t *message)
@@ -2671,7 +2671,7 @@ typedef struct {
     int32_t acceleration;
 } mwd_motor_v2_35_write_acceleration_ram_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_write_acceleration_ram_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_acceleration_ram_t *message)
@@ -2818,7 +2818,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_encoder_reply_t *message)
@@ -2915,7 +2915,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_write_encoder_offset_rom_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_encoder_offset_rom_t *message)
@@ -3056,7 +3056,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_repl
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_write_position_as_zero_rom_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *message)
@@ -3153,7 +3153,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_reply_che
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_multi_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_multi_turn_angle_reply_t *message)
@@ -3257,7 +3257,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_reply_ch
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_single_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_single_turn_angle_reply_t *message)
@@ -3603,7 +3603,7 @@ typedef struct {
     int16_t phase_c;
 } mwd_motor_v2_35_read_status_3_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_status_3_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_status_3_reply_t *message)
@@ -3703,7 +3703,7 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_torque_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_broadcast_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_broadcast_torque_request_t *message)

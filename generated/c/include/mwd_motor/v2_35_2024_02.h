@@ -1239,7 +1239,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_motion_feedback_t *message,
@@ -1334,7 +1334,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_status_1_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_status_1_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_status_1_t *message)
@@ -1366,7 +1366,7 @@ typedef struct {
     int16_t torque_limit;
 } mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_control_parameters_torque_limit_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *message)
@@ -1390,7 +1390,7 @@ typedef struct {
     int32_t acceleration_limit;
 } mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *message)
@@ -1416,7 +1416,7 @@ typedef struct {
     int32_t speed_limit;
 } mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_control_parameters_speed_limit_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *message)
@@ -1615,7 +1615,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_brake_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_brake_request_t *message)
@@ -1681,7 +1681,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_reply_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_brake_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_brake_reply_t *message)
@@ -1763,7 +1763,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_power_request_check
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_power_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_power_request_t *message)
@@ -1890,7 +1890,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_torque_request_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_torque_request_t *message)
@@ -1999,7 +1999,7 @@ typedef struct {
     int32_t speed;
 } mwd_motor_v2_35_2024_02_set_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_speed_request_t *message)
@@ -2126,7 +2126,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_limited_reque
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_speed_limited_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *message)
@@ -2237,7 +2237,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_35_2024_02_move_to_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_move_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_move_to_angle_request_t *message)
@@ -2344,7 +2344,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *message)
@@ -2464,7 +2464,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_request_c
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_turn_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *message)
@@ -2594,7 +2594,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *message)
@@ -2708,7 +2708,7 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_35_2024_02_move_by_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_move_by_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_move_by_angle_request_t *message)
@@ -2819,7 +2819,7 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *message)
@@ -3393,7 +3393,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_encoder_reply_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_read_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_read_encoder_reply_t *message)
@@ -3490,7 +3490,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_encoder_offset_ro
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_write_encoder_offset_rom_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *message)
@@ -3633,7 +3633,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_position_as_zero_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *message)
@@ -3732,7 +3732,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_multi_turn_angle_r
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *message)
@@ -3836,7 +3836,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_single_turn_angle_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *message)
@@ -3919,7 +3919,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_35_2024_02_set_angle_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_angle_t *message)
@@ -4237,7 +4237,7 @@ typedef struct {
     int16_t phase_c;
 } mwd_motor_v2_35_2024_02_read_status_3_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_read_status_3_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_read_status_3_reply_t *message)

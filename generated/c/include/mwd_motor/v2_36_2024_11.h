@@ -1262,7 +1262,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_motion_feedback_t *message,
@@ -1332,7 +1332,7 @@ typedef struct {
     uint16_t kd;
 } mwd_motor_v2_36_2024_11_pid_gains_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_pid_gains_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_pid_gains_t *message)
@@ -1392,7 +1392,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_status_1_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_status_1_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_status_1_t *message)
@@ -1434,7 +1434,7 @@ typedef struct {
     int16_t max_torque_current;
 } mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *message)
@@ -1468,7 +1468,7 @@ typedef struct {
     int32_t max_speed;
 } mwd_motor_v2_36_2024_11_control_parameters_max_speed_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_max_speed_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *message)
@@ -1507,7 +1507,7 @@ typedef struct {
     int32_t max_angle;
 } mwd_motor_v2_36_2024_11_control_parameters_max_angle_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_max_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *message)
@@ -1543,7 +1543,7 @@ typedef struct {
     int32_t current_ramp;
 } mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_current_ramp_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *message)
@@ -1579,7 +1579,7 @@ typedef struct {
     int32_t speed_ramp;
 } mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *message)
@@ -1777,7 +1777,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_brake_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_brake_request_t *message)
@@ -1843,7 +1843,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_reply_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_brake_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_brake_reply_t *message)
@@ -1925,7 +1925,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_power_request_check
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_set_power_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_set_power_request_t *message)
@@ -2052,7 +2052,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_torque_request_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_set_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_set_torque_request_t *message)
@@ -2192,7 +2192,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_speed_request_check
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_set_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_set_speed_request_t *message)
@@ -2307,7 +2307,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_36_2024_11_move_to_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_move_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_move_to_angle_request_t *message)
@@ -2414,7 +2414,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *message)
@@ -2534,7 +2534,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_request_c
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_turn_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *message)
@@ -2664,7 +2664,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *message)
@@ -2778,7 +2778,7 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_36_2024_11_move_by_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_move_by_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_move_by_angle_request_t *message)
@@ -2889,7 +2889,7 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *message)
@@ -4041,7 +4041,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_encoder_reply_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_read_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_read_encoder_reply_t *message)
@@ -4150,7 +4150,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_position_as_zero_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *message)
@@ -4249,7 +4249,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_multi_turn_angle_r
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *message)
@@ -4353,7 +4353,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_single_turn_angle_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *message)
@@ -4436,7 +4436,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_36_2024_11_set_angle_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_set_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_set_angle_t *message)
@@ -4754,7 +4754,7 @@ typedef struct {
     int16_t phase_c;
 } mwd_motor_v2_36_2024_11_read_status_3_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_read_status_3_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_read_status_3_reply_t *message)

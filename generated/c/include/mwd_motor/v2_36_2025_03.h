@@ -1714,7 +1714,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_motion_feedback_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2025_03_motion_feedback_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_motion_feedback_t *message,
@@ -1799,7 +1799,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_pid_gains_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_pid_gains_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_pid_gains_t *message)
@@ -1859,7 +1859,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_status_1_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_status_1_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_status_1_t *message)
@@ -1916,7 +1916,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_control_parameters_max_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *message)
@@ -1953,7 +1953,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_control_parameters_max_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_control_parameters_max_speed_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *message)
@@ -1987,7 +1987,7 @@ typedef struct {
     int32_t upper_angle;
 } mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_control_parameters_upper_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *message)
@@ -2017,7 +2017,7 @@ typedef struct {
     int32_t lower_angle;
 } mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_control_parameters_lower_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *message)
@@ -2056,7 +2056,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_control_parameters_spee
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *message)
@@ -2095,7 +2095,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_driver_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_driver_id_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *message)
@@ -2130,7 +2130,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_bus_typ
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_bus_type_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *message)
@@ -2165,7 +2165,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_rs485_b
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *message)
@@ -2200,7 +2200,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_can_bau
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *message)
@@ -2246,7 +2246,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_max_pow
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_max_power_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *message)
@@ -2282,7 +2282,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_max_spe
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_max_speed_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *message)
@@ -2321,7 +2321,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_max_ang
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_max_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *message)
@@ -2360,7 +2360,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_current
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_current_ramp_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *message)
@@ -2397,7 +2397,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stored_settings_speed_r
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *message)
@@ -2600,7 +2600,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_brake_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_brake_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_brake_request_t *message)
@@ -2666,7 +2666,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_brake_reply_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_brake_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_brake_reply_t *message)
@@ -2748,7 +2748,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_power_request_check
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_set_power_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_set_power_request_t *message)
@@ -2875,7 +2875,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_torque_request_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_set_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_set_torque_request_t *message)
@@ -3011,7 +3011,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_set_speed_request_check
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_set_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_set_speed_request_t *message)
@@ -3122,7 +3122,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_36_2025_03_move_to_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_move_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_move_to_angle_request_t *message)
@@ -3229,7 +3229,7 @@ typedef struct {
     int32_t angle;
 } mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *message)
@@ -3349,7 +3349,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_request_c
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_turn_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *message)
@@ -3479,7 +3479,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *message)
@@ -3593,7 +3593,7 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_36_2025_03_move_by_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_move_by_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_move_by_angle_request_t *message)
@@ -3704,7 +3704,7 @@ typedef struct {
     int32_t increment;
 } mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *message)
@@ -4967,7 +4967,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_encoder_reply_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_read_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_read_encoder_reply_t *message)
@@ -5084,7 +5084,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_calibrate_encoder_reply
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_calibrate_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *message)
@@ -5202,7 +5202,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_write_position_as_zero_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *message)
@@ -5304,7 +5304,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_multi_turn_angle_r
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *message)
@@ -5408,7 +5408,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_single_turn_angle_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *message)
@@ -5753,7 +5753,7 @@ typedef struct {
     int16_t phase_c;
 } mwd_motor_v2_36_2025_03_read_status_3_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_read_status_3_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_read_status_3_reply_t *message)
@@ -7709,7 +7709,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_setting_current_p
  */
 #define MWD_MOTOR_V2_36_2025_03_SAVE_SETTINGS_CODE 0x44u /**< Identifies the command in a frame. */
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_save_settings_request_pack(canwright_frame_t *frame)
 {
@@ -7763,7 +7763,7 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_save_settings_reply_che
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2025_03_save_settings_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2025_03_save_settings_reply_t *message)
