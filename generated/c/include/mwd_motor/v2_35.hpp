@@ -1067,23 +1067,30 @@ struct only_2 {
 /** The fields of ::mwd_motor_v2_35_motion_feedback_t. */
 struct motion_feedback : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
-    /** Output power, DATA[2..3]. Type power, a plain number. Raw -850..850. Only series MS; 0 otherwise. */
+    /**
+     * Output power, DATA[2..3]. Raw integer, type power, a plain number. Raw -850..850. Only series MS; 0 otherwise.
+     */
     ::canwright::raw<::std::int16_t> power{};
     /**
-     * Torque current, DATA[2..3]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MH. Raw
+     * Torque current, DATA[2..3]. Raw integer, type torque_current: torque_current_to_*, torque_current_from_*, with
+     * the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MH. Raw
      * -2048..2048. Only series MF, MH, MG; 0 otherwise.
      */
     ::canwright::raw<::std::int16_t> iq{};
-    /** Motor speed, DATA[4..5]. Type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1 deg/s. */
+    /**
+     * Motor speed, DATA[4..5]. Raw integer, type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1
+     * deg/s.
+     */
     ::canwright::raw<::std::int16_t> speed{};
     /**
-     * Encoder position, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 18).
+     * Encoder position, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 18).
      */
     ::canwright::raw<::std::uint16_t> encoder{};
 };
@@ -1160,17 +1167,17 @@ constexpr bool same(const motion_feedback &one, const motion_feedback &other) no
 
 /** The fields of ::mwd_motor_v2_35_pid_gains_t. */
 struct pid_gains : ::canwright::message {
-    /** Position loop, P, DATA[2]. Type gain, a plain number. */
+    /** Position loop, P, DATA[2]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint8_t> angle_kp{};
-    /** Position loop, I, DATA[3]. Type gain, a plain number. */
+    /** Position loop, I, DATA[3]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint8_t> angle_ki{};
-    /** Speed loop, P, DATA[4]. Type gain, a plain number. */
+    /** Speed loop, P, DATA[4]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint8_t> speed_kp{};
-    /** Speed loop, I, DATA[5]. Type gain, a plain number. */
+    /** Speed loop, I, DATA[5]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint8_t> speed_ki{};
-    /** Torque loop, P, DATA[6]. Type gain, a plain number. */
+    /** Torque loop, P, DATA[6]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint8_t> iq_kp{};
-    /** Torque loop, I, DATA[7]. Type gain, a plain number. */
+    /** Torque loop, I, DATA[7]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint8_t> iq_ki{};
 };
 
@@ -1256,12 +1263,15 @@ constexpr bool same(const pid_gains &one, const pid_gains &other) noexcept
 /** The fields of ::mwd_motor_v2_35_status_1_t. */
 struct status_1 : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
-    /** Supply voltage, DATA[3..4]. Type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.1 V. */
+    /**
+     * Supply voltage, DATA[3..4]. Raw integer, type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.1 V.
+     */
     ::canwright::raw<::std::uint16_t> voltage{};
-    /** Errors, DATA[7]. Type error_flags: ERROR_FLAGS_*. */
+    /** Errors, DATA[7]. Raw integer, type error_flags: ERROR_FLAGS_*. */
     ::canwright::raw<::std::uint8_t> errors{};
 };
 
@@ -1313,7 +1323,7 @@ constexpr bool same(const status_1 &one, const status_1 &other) noexcept
 
 /** The fields of ::mwd_motor_v2_35_set_power_request_t. */
 struct set_power_request : ::canwright::message {
-    /** Target power, DATA[4..5]. Type power, a plain number. Raw -850..850. */
+    /** Target power, DATA[4..5]. Raw integer, type power, a plain number. Raw -850..850. */
     ::canwright::raw<::std::int16_t> power{};
 };
 
@@ -1344,9 +1354,9 @@ constexpr bool same(const set_power_request &one, const set_power_request &other
 /** The fields of ::mwd_motor_v2_35_set_torque_request_t. */
 struct set_torque_request : ::canwright::message {
     /**
-     * Target torque current, DATA[4..5]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Target torque current, DATA[4..5]. Raw integer, type torque_current: torque_current_to_*,
+     * torque_current_from_*, with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series
+     * MG). None is known for MS, MH. Raw -2048..2048.
      */
     ::canwright::raw<::std::int16_t> iq{};
 };
@@ -1379,8 +1389,8 @@ constexpr bool same(const set_torque_request &one, const set_torque_request &oth
 /** The fields of ::mwd_motor_v2_35_set_speed_request_t. */
 struct set_speed_request : ::canwright::message {
     /**
-     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
-     * 0.01 deg/s.
+     * Target speed, DATA[4..7]. Raw integer, type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*.
+     * Resolution (1 LSB): 0.01 deg/s.
      */
     ::canwright::raw<::std::int32_t> speed{};
 };
@@ -1413,8 +1423,8 @@ constexpr bool same(const set_speed_request &one, const set_speed_request &other
 /** The fields of ::mwd_motor_v2_35_move_to_angle_request_t. */
 struct move_to_angle_request : ::canwright::message {
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> angle{};
 };
@@ -1447,13 +1457,13 @@ constexpr bool same(const move_to_angle_request &one, const move_to_angle_reques
 /** The fields of ::mwd_motor_v2_35_move_to_angle_at_speed_request_t. */
 struct move_to_angle_at_speed_request : ::canwright::message {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> angle{};
 };
@@ -1499,11 +1509,11 @@ constexpr bool same(const move_to_angle_at_speed_request &one, const move_to_ang
 
 /** The fields of ::mwd_motor_v2_35_turn_to_angle_request_t. */
 struct turn_to_angle_request : ::canwright::message {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     ::canwright::raw<::std::uint8_t> spin_direction{};
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::uint32_t> angle{};
 };
@@ -1547,16 +1557,16 @@ constexpr bool same(const turn_to_angle_request &one, const turn_to_angle_reques
 
 /** The fields of ::mwd_motor_v2_35_turn_to_angle_at_speed_request_t. */
 struct turn_to_angle_at_speed_request : ::canwright::message {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     ::canwright::raw<::std::uint8_t> spin_direction{};
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::uint32_t> angle{};
 };
@@ -1615,7 +1625,8 @@ constexpr bool same(const turn_to_angle_at_speed_request &one, const turn_to_ang
 /** The fields of ::mwd_motor_v2_35_move_by_angle_request_t. */
 struct move_by_angle_request : ::canwright::message {
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> increment{};
 };
@@ -1648,12 +1659,13 @@ constexpr bool same(const move_by_angle_request &one, const move_by_angle_reques
 /** The fields of ::mwd_motor_v2_35_move_by_angle_at_speed_request_t. */
 struct move_by_angle_at_speed_request : ::canwright::message {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> increment{};
 };
@@ -1700,8 +1712,8 @@ constexpr bool same(const move_by_angle_at_speed_request &one, const move_by_ang
 /** The fields of ::mwd_motor_v2_35_write_acceleration_ram_t. */
 struct write_acceleration_ram : ::canwright::message {
     /**
-     * Acceleration, DATA[4..7]. Type acceleration: acceleration_to_*, acceleration_from_*. Resolution (1 LSB): 1
-     * deg/s^2.
+     * Acceleration, DATA[4..7]. Raw integer, type acceleration: acceleration_to_*, acceleration_from_*. Resolution (1
+     * LSB): 1 deg/s^2.
      */
     ::canwright::raw<::std::int32_t> acceleration{};
 };
@@ -1734,9 +1746,10 @@ constexpr bool same(const write_acceleration_ram &one, const write_acceleration_
 /** The fields of ::mwd_motor_v2_35_write_encoder_offset_rom_t. */
 struct write_encoder_offset_rom : ::canwright::message {
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 18).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 18).
      */
     ::canwright::raw<::std::uint16_t> encoder_offset{};
 };
@@ -1771,9 +1784,9 @@ constexpr bool same(const write_encoder_offset_rom &one, const write_encoder_off
 /** The fields of ::mwd_motor_v2_35_broadcast_torque_request_t. */
 struct broadcast_torque_request : ::canwright::message {
     /**
-     * Torque current of each motor, DATA[0..1] to DATA[6..7]. Type broadcast_current: broadcast_current_to_*,
-     * broadcast_current_from_*. Element 0 is number 1, the last one number 4. Resolution (1 LSB): 32/2000 A. Raw
-     * -2000..2000.
+     * Torque current of each motor, DATA[0..1] to DATA[6..7]. Raw integer, type broadcast_current:
+     * broadcast_current_to_*, broadcast_current_from_*. Element 0 is number 1, the last one number 4. Resolution (1
+     * LSB): 32/2000 A. Raw -2000..2000.
      */
     ::canwright::raw<::std::int16_t> iq[4]{};
 };
@@ -1823,8 +1836,8 @@ constexpr bool same(const broadcast_torque_request &one, const broadcast_torque_
 /** The fields of ::mwd_motor_v2_35_read_acceleration_reply_t. */
 struct read_acceleration_reply : ::canwright::message {
     /**
-     * Acceleration, DATA[4..7]. Type acceleration: acceleration_to_*, acceleration_from_*. Resolution (1 LSB): 1
-     * deg/s^2.
+     * Acceleration, DATA[4..7]. Raw integer, type acceleration: acceleration_to_*, acceleration_from_*. Resolution (1
+     * LSB): 1 deg/s^2.
      */
     ::canwright::raw<::std::int32_t> acceleration{};
 };
@@ -1858,22 +1871,24 @@ constexpr bool same(const read_acceleration_reply &one, const read_acceleration_
 /** The fields of ::mwd_motor_v2_35_read_encoder_reply_t. */
 struct read_encoder_reply : ::canwright::message {
     /**
-     * Encoder position, DATA[2..3]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 18).
+     * Encoder position, DATA[2..3]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 18).
      */
     ::canwright::raw<::std::uint16_t> encoder{};
     /**
-     * Measured encoder position, DATA[4..5]. Type encoder_position: encoder_position_to_*, encoder_position_from_*,
-     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 18).
+     * Measured encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 18).
      */
     ::canwright::raw<::std::uint16_t> encoder_measured{};
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 18).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 18).
      */
     ::canwright::raw<::std::uint16_t> encoder_offset{};
 };
@@ -1930,10 +1945,10 @@ constexpr bool same(const read_encoder_reply &one, const read_encoder_reply &oth
 /** The fields of ::mwd_motor_v2_35_write_position_as_zero_rom_reply_t. */
 struct write_position_as_zero_rom_reply : ::canwright::message {
     /**
-     * Written encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 18).
+     * Written encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 18).
      */
     ::canwright::raw<::std::uint16_t> encoder_offset{};
 };
@@ -1969,8 +1984,8 @@ constexpr bool same(
 /** The fields of ::mwd_motor_v2_35_read_multi_turn_angle_reply_t. */
 struct read_multi_turn_angle_reply : ::canwright::message {
     /**
-     * Multi-turn angle, DATA[1..7]. Type multi_turn_angle: multi_turn_angle_to_*, multi_turn_angle_from_*. Resolution
-     * (1 LSB): 0.01 deg.
+     * Multi-turn angle, DATA[1..7]. Raw integer, type multi_turn_angle: multi_turn_angle_to_*,
+     * multi_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int64_t> angle{};
 };
@@ -2005,7 +2020,7 @@ constexpr bool same(const read_multi_turn_angle_reply &one, const read_multi_tur
 /** The fields of ::mwd_motor_v2_35_read_single_turn_angle_reply_t. */
 struct read_single_turn_angle_reply : ::canwright::message {
     /**
-     * Single-turn angle of the output, DATA[4..7]. Type single_turn_position: single_turn_position_to_*,
+     * Single-turn angle of the output, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
      * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
      */
     ::canwright::raw<::std::uint32_t> angle{};
@@ -2041,22 +2056,23 @@ constexpr bool same(const read_single_turn_angle_reply &one, const read_single_t
 /** The fields of ::mwd_motor_v2_35_read_status_3_reply_t. */
 struct read_status_3_reply : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
     /**
-     * Phase A current, DATA[2..3]. Type phase_current: phase_current_to_*, phase_current_from_*. Resolution (1 LSB):
-     * 1/64 A.
+     * Phase A current, DATA[2..3]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*.
+     * Resolution (1 LSB): 1/64 A.
      */
     ::canwright::raw<::std::int16_t> phase_a{};
     /**
-     * Phase B current, DATA[4..5]. Type phase_current: phase_current_to_*, phase_current_from_*. Resolution (1 LSB):
-     * 1/64 A.
+     * Phase B current, DATA[4..5]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*.
+     * Resolution (1 LSB): 1/64 A.
      */
     ::canwright::raw<::std::int16_t> phase_b{};
     /**
-     * Phase C current, DATA[6..7]. Type phase_current: phase_current_to_*, phase_current_from_*. Resolution (1 LSB):
-     * 1/64 A.
+     * Phase C current, DATA[6..7]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*.
+     * Resolution (1 LSB): 1/64 A.
      */
     ::canwright::raw<::std::int16_t> phase_c{};
 };

@@ -1359,23 +1359,31 @@ struct only_2 {
 /** The fields of ::mwd_motor_v2_35_2024_02_motion_feedback_t. */
 struct motion_feedback : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
-    /** Output power, DATA[2..3]. Type output_power, a plain number. Raw -1000..1000. Only series MS; 0 otherwise. */
+    /**
+     * Output power, DATA[2..3]. Raw integer, type output_power, a plain number. Raw -1000..1000. Only series MS; 0
+     * otherwise.
+     */
     ::canwright::raw<::std::int16_t> power{};
     /**
-     * Torque current, DATA[2..3]. Type measured_torque_current: measured_torque_current_to_*,
+     * Torque current, DATA[2..3]. Raw integer, type measured_torque_current: measured_torque_current_to_*,
      * measured_torque_current_from_*, with the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A
      * (series MG). None is known for MH. Only series MF, MH, MG; 0 otherwise.
      */
     ::canwright::raw<::std::int16_t> iq{};
-    /** Motor speed, DATA[4..5]. Type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1 deg/s. */
+    /**
+     * Motor speed, DATA[4..5]. Raw integer, type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1
+     * deg/s.
+     */
     ::canwright::raw<::std::int16_t> speed{};
     /**
-     * Encoder position, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder position, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder{};
 };
@@ -1453,18 +1461,23 @@ constexpr bool same(const motion_feedback &one, const motion_feedback &other) no
 /** The fields of ::mwd_motor_v2_35_2024_02_status_1_t. */
 struct status_1 : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
-    /** Supply voltage, DATA[2..3]. Type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01 V. */
+    /**
+     * Supply voltage, DATA[2..3]. Raw integer, type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01
+     * V.
+     */
     ::canwright::raw<::std::int16_t> voltage{};
     /**
-     * Supply current, DATA[4..5]. Type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1 LSB): 0.01 A.
+     * Supply current, DATA[4..5]. Raw integer, type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1
+     * LSB): 0.01 A.
      */
     ::canwright::raw<::std::int16_t> current{};
-    /** Motor state, DATA[6]. Type motor_state: MOTOR_STATE_*. */
+    /** Motor state, DATA[6]. Raw integer, type motor_state: MOTOR_STATE_*. */
     ::canwright::raw<::std::uint8_t> motor_state{};
-    /** Errors, DATA[7]. Type error_flags: ERROR_FLAGS_*. */
+    /** Errors, DATA[7]. Raw integer, type error_flags: ERROR_FLAGS_*. */
     ::canwright::raw<::std::uint8_t> errors{};
 };
 
@@ -1538,7 +1551,7 @@ constexpr bool same(const status_1 &one, const status_1 &other) noexcept
 
 /** The fields of ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t. */
 struct control_parameters_torque_limit : ::canwright::message {
-    /** Torque limit, DATA[4..5]. Type i16, a plain number. */
+    /** Torque limit, DATA[4..5]. Raw integer, type i16, a plain number. */
     ::canwright::raw<::std::int16_t> torque_limit{};
 };
 
@@ -1573,7 +1586,7 @@ constexpr bool same(const control_parameters_torque_limit &one, const control_pa
 
 /** The fields of ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t. */
 struct control_parameters_acceleration_limit : ::canwright::message {
-    /** Acceleration limit, DATA[4..7]. Type i32, a plain number. */
+    /** Acceleration limit, DATA[4..7]. Raw integer, type i32, a plain number. */
     ::canwright::raw<::std::int32_t> acceleration_limit{};
 };
 
@@ -1610,7 +1623,7 @@ constexpr bool same(
 
 /** The fields of ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t. */
 struct control_parameters_speed_limit : ::canwright::message {
-    /** Speed limit, DATA[4..7]. Type i32, a plain number. */
+    /** Speed limit, DATA[4..7]. Raw integer, type i32, a plain number. */
     ::canwright::raw<::std::int32_t> speed_limit{};
 };
 
@@ -1645,7 +1658,7 @@ constexpr bool same(const control_parameters_speed_limit &one, const control_par
 
 /** The fields of ::mwd_motor_v2_35_2024_02_brake_request_t. */
 struct brake_request : ::canwright::message {
-    /** Brake action, DATA[1]. Type brake_action: BRAKE_ACTION_*. */
+    /** Brake action, DATA[1]. Raw integer, type brake_action: BRAKE_ACTION_*. */
     ::canwright::raw<::std::uint8_t> action{};
 };
 
@@ -1675,7 +1688,7 @@ constexpr bool same(const brake_request &one, const brake_request &other) noexce
 
 /** The fields of ::mwd_motor_v2_35_2024_02_set_power_request_t. */
 struct set_power_request : ::canwright::message {
-    /** Target power, DATA[4..5]. Type power_i16, a plain number. Raw -850..850. */
+    /** Target power, DATA[4..5]. Raw integer, type power_i16, a plain number. Raw -850..850. */
     ::canwright::raw<::std::int16_t> power{};
 };
 
@@ -1706,9 +1719,9 @@ constexpr bool same(const set_power_request &one, const set_power_request &other
 /** The fields of ::mwd_motor_v2_35_2024_02_set_torque_request_t. */
 struct set_torque_request : ::canwright::message {
     /**
-     * Target torque current, DATA[4..5]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Target torque current, DATA[4..5]. Raw integer, type torque_current: torque_current_to_*,
+     * torque_current_from_*, with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series
+     * MG). None is known for MS, MH. Raw -2048..2048.
      */
     ::canwright::raw<::std::int16_t> iq{};
 };
@@ -1741,8 +1754,8 @@ constexpr bool same(const set_torque_request &one, const set_torque_request &oth
 /** The fields of ::mwd_motor_v2_35_2024_02_set_speed_request_t. */
 struct set_speed_request : ::canwright::message {
     /**
-     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
-     * 0.01 deg/s.
+     * Target speed, DATA[4..7]. Raw integer, type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*.
+     * Resolution (1 LSB): 0.01 deg/s.
      */
     ::canwright::raw<::std::int32_t> speed{};
 };
@@ -1775,14 +1788,14 @@ constexpr bool same(const set_speed_request &one, const set_speed_request &other
 /** The fields of ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t. */
 struct set_speed_limited_request : ::canwright::message {
     /**
-     * Torque current limit, DATA[2..3]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Torque current limit, DATA[2..3]. Raw integer, type torque_current: torque_current_to_*, torque_current_from_*,
+     * with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for
+     * MS, MH. Raw -2048..2048.
      */
     ::canwright::raw<::std::int16_t> iq_limit{};
     /**
-     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
-     * 0.01 deg/s.
+     * Target speed, DATA[4..7]. Raw integer, type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*.
+     * Resolution (1 LSB): 0.01 deg/s.
      */
     ::canwright::raw<::std::int32_t> speed{};
 };
@@ -1829,8 +1842,8 @@ constexpr bool same(const set_speed_limited_request &one, const set_speed_limite
 /** The fields of ::mwd_motor_v2_35_2024_02_move_to_angle_request_t. */
 struct move_to_angle_request : ::canwright::message {
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> angle{};
 };
@@ -1865,13 +1878,13 @@ constexpr bool same(const move_to_angle_request &one, const move_to_angle_reques
 /** The fields of ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t. */
 struct move_to_angle_at_speed_request : ::canwright::message {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
-     * Resolution (1 LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit_u16: speed_limit_u16_to_*,
+     * speed_limit_u16_from_*. Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> angle{};
 };
@@ -1919,11 +1932,11 @@ constexpr bool same(const move_to_angle_at_speed_request &one, const move_to_ang
 
 /** The fields of ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t. */
 struct turn_to_angle_request : ::canwright::message {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     ::canwright::raw<::std::uint8_t> spin_direction{};
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::uint32_t> angle{};
 };
@@ -1969,16 +1982,16 @@ constexpr bool same(const turn_to_angle_request &one, const turn_to_angle_reques
 
 /** The fields of ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t. */
 struct turn_to_angle_at_speed_request : ::canwright::message {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     ::canwright::raw<::std::uint8_t> spin_direction{};
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
-     * Resolution (1 LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit_u16: speed_limit_u16_to_*,
+     * speed_limit_u16_from_*. Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::uint32_t> angle{};
 };
@@ -2039,7 +2052,8 @@ constexpr bool same(const turn_to_angle_at_speed_request &one, const turn_to_ang
 /** The fields of ::mwd_motor_v2_35_2024_02_move_by_angle_request_t. */
 struct move_by_angle_request : ::canwright::message {
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> increment{};
 };
@@ -2074,12 +2088,13 @@ constexpr bool same(const move_by_angle_request &one, const move_by_angle_reques
 /** The fields of ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t. */
 struct move_by_angle_at_speed_request : ::canwright::message {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
-     * Resolution (1 LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit_u16: speed_limit_u16_to_*,
+     * speed_limit_u16_from_*. Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> increment{};
 };
@@ -2128,9 +2143,10 @@ constexpr bool same(const move_by_angle_at_speed_request &one, const move_by_ang
 /** The fields of ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t. */
 struct write_encoder_offset_rom : ::canwright::message {
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder_offset{};
 };
@@ -2165,8 +2181,8 @@ constexpr bool same(const write_encoder_offset_rom &one, const write_encoder_off
 /** The fields of ::mwd_motor_v2_35_2024_02_set_angle_t. */
 struct set_angle : ::canwright::message {
     /**
-     * Multi-turn angle of the present position, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Multi-turn angle of the present position, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*,
+     * angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> angle{};
 };
@@ -2197,7 +2213,7 @@ constexpr bool same(const set_angle &one, const set_angle &other) noexcept
 
 /** The fields of ::mwd_motor_v2_35_2024_02_brake_reply_t. */
 struct brake_reply : ::canwright::message {
-    /** Brake state, DATA[1]. Type brake_state: BRAKE_STATE_*. */
+    /** Brake state, DATA[1]. Raw integer, type brake_state: BRAKE_STATE_*. */
     ::canwright::raw<::std::uint8_t> state{};
 };
 
@@ -2228,22 +2244,24 @@ constexpr bool same(const brake_reply &one, const brake_reply &other) noexcept
 /** The fields of ::mwd_motor_v2_35_2024_02_read_encoder_reply_t. */
 struct read_encoder_reply : ::canwright::message {
     /**
-     * Encoder position, DATA[2..3]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder position, DATA[2..3]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder{};
     /**
-     * Measured encoder position, DATA[4..5]. Type encoder_position: encoder_position_to_*, encoder_position_from_*,
-     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 16).
+     * Measured encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder_measured{};
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder_offset{};
 };
@@ -2300,10 +2318,10 @@ constexpr bool same(const read_encoder_reply &one, const read_encoder_reply &oth
 /** The fields of ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t. */
 struct write_position_as_zero_rom_reply : ::canwright::message {
     /**
-     * Written encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 16).
+     * Written encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder_offset{};
 };
@@ -2342,8 +2360,8 @@ constexpr bool same(
 /** The fields of ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t. */
 struct read_multi_turn_angle_reply : ::canwright::message {
     /**
-     * Multi-turn angle, DATA[1..7]. Type multi_turn_angle: multi_turn_angle_to_*, multi_turn_angle_from_*. Resolution
-     * (1 LSB): 0.01 deg.
+     * Multi-turn angle, DATA[1..7]. Raw integer, type multi_turn_angle: multi_turn_angle_to_*,
+     * multi_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int64_t> angle{};
 };
@@ -2378,7 +2396,7 @@ constexpr bool same(const read_multi_turn_angle_reply &one, const read_multi_tur
 /** The fields of ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t. */
 struct read_single_turn_angle_reply : ::canwright::message {
     /**
-     * Single-turn angle of the output, DATA[4..7]. Type single_turn_position: single_turn_position_to_*,
+     * Single-turn angle of the output, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
      * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
      */
     ::canwright::raw<::std::uint32_t> angle{};
@@ -2414,22 +2432,23 @@ constexpr bool same(const read_single_turn_angle_reply &one, const read_single_t
 /** The fields of ::mwd_motor_v2_35_2024_02_read_status_3_reply_t. */
 struct read_status_3_reply : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
     /**
-     * Phase A current, DATA[2..3]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase A current, DATA[2..3]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     ::canwright::raw<::std::int16_t> phase_a{};
     /**
-     * Phase B current, DATA[4..5]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase B current, DATA[4..5]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     ::canwright::raw<::std::int16_t> phase_b{};
     /**
-     * Phase C current, DATA[6..7]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase C current, DATA[6..7]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     ::canwright::raw<::std::int16_t> phase_c{};
 };

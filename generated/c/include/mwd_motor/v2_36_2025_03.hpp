@@ -1961,23 +1961,31 @@ struct only_2 {
 /** The fields of ::mwd_motor_v2_36_2025_03_motion_feedback_t. */
 struct motion_feedback : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
-    /** Output power, DATA[2..3]. Type output_power, a plain number. Raw -1000..1000. Only series MS; 0 otherwise. */
+    /**
+     * Output power, DATA[2..3]. Raw integer, type output_power, a plain number. Raw -1000..1000. Only series MS; 0
+     * otherwise.
+     */
     ::canwright::raw<::std::int16_t> power{};
     /**
-     * Torque current, DATA[2..3]. Type measured_torque_current: measured_torque_current_to_*,
+     * Torque current, DATA[2..3]. Raw integer, type measured_torque_current: measured_torque_current_to_*,
      * measured_torque_current_from_*, with the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A
      * (series MG). None is known for MH. Only series MF, MH, MG; 0 otherwise.
      */
     ::canwright::raw<::std::int16_t> iq{};
-    /** Motor speed, DATA[4..5]. Type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1 deg/s. */
+    /**
+     * Motor speed, DATA[4..5]. Raw integer, type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1
+     * deg/s.
+     */
     ::canwright::raw<::std::int16_t> speed{};
     /**
-     * Encoder position, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder position, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder{};
 };
@@ -2054,11 +2062,11 @@ constexpr bool same(const motion_feedback &one, const motion_feedback &other) no
 
 /** The fields of ::mwd_motor_v2_36_2025_03_pid_gains_t. */
 struct pid_gains : ::canwright::message {
-    /** P, DATA[2..3]. Type gain, a plain number. Raw 0..2000. */
+    /** P, DATA[2..3]. Raw integer, type gain, a plain number. Raw 0..2000. */
     ::canwright::raw<::std::uint16_t> kp{};
-    /** I, DATA[4..5]. Type gain, a plain number. Raw 0..2000. */
+    /** I, DATA[4..5]. Raw integer, type gain, a plain number. Raw 0..2000. */
     ::canwright::raw<::std::uint16_t> ki{};
-    /** D, DATA[6..7]. Type gain, a plain number. Raw 0..2000. */
+    /** D, DATA[6..7]. Raw integer, type gain, a plain number. Raw 0..2000. */
     ::canwright::raw<::std::uint16_t> kd{};
 };
 
@@ -2111,18 +2119,23 @@ constexpr bool same(const pid_gains &one, const pid_gains &other) noexcept
 /** The fields of ::mwd_motor_v2_36_2025_03_status_1_t. */
 struct status_1 : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
-    /** Supply voltage, DATA[2..3]. Type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01 V. */
+    /**
+     * Supply voltage, DATA[2..3]. Raw integer, type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01
+     * V.
+     */
     ::canwright::raw<::std::int16_t> voltage{};
     /**
-     * Supply current, DATA[4..5]. Type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1 LSB): 0.01 A.
+     * Supply current, DATA[4..5]. Raw integer, type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1
+     * LSB): 0.01 A.
      */
     ::canwright::raw<::std::int16_t> current{};
-    /** Motor state, DATA[6]. Type motor_state: MOTOR_STATE_*. */
+    /** Motor state, DATA[6]. Raw integer, type motor_state: MOTOR_STATE_*. */
     ::canwright::raw<::std::uint8_t> motor_state{};
-    /** Errors, DATA[7]. Type error_flags: ERROR_FLAGS_*. */
+    /** Errors, DATA[7]. Raw integer, type error_flags: ERROR_FLAGS_*. */
     ::canwright::raw<::std::uint8_t> errors{};
 };
 
@@ -2197,8 +2210,8 @@ constexpr bool same(const status_1 &one, const status_1 &other) noexcept
 /** The fields of ::mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t. */
 struct control_parameters_max_torque_current : ::canwright::message {
     /**
-     * Torque current limit, DATA[4..5]. Type output_limit, a plain number. Raw 0..850 (series MS), 0..2000 (series
-     * MF, MH, MG).
+     * Torque current limit, DATA[4..5]. Raw integer, type output_limit, a plain number. Raw 0..850 (series MS),
+     * 0..2000 (series MF, MH, MG).
      */
     ::canwright::raw<::std::int16_t> max_torque_current{};
 };
@@ -2236,7 +2249,7 @@ constexpr bool same(
 
 /** The fields of ::mwd_motor_v2_36_2025_03_control_parameters_max_speed_t. */
 struct control_parameters_max_speed : ::canwright::message {
-    /** Speed limit, DATA[4..7]. Type speed_bound, a plain number. Raw 0..600000. */
+    /** Speed limit, DATA[4..7]. Raw integer, type speed_bound, a plain number. Raw 0..600000. */
     ::canwright::raw<::std::int32_t> max_speed{};
 };
 
@@ -2269,7 +2282,7 @@ constexpr bool same(const control_parameters_max_speed &one, const control_param
 
 /** The fields of ::mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t. */
 struct control_parameters_upper_angle : ::canwright::message {
-    /** Upper angle limit, DATA[4..7]. Type angle_bound, a plain number. */
+    /** Upper angle limit, DATA[4..7]. Raw integer, type angle_bound, a plain number. */
     ::canwright::raw<::std::int32_t> upper_angle{};
 };
 
@@ -2304,7 +2317,7 @@ constexpr bool same(const control_parameters_upper_angle &one, const control_par
 
 /** The fields of ::mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t. */
 struct control_parameters_lower_angle : ::canwright::message {
-    /** Lower angle limit, DATA[4..7]. Type angle_bound, a plain number. */
+    /** Lower angle limit, DATA[4..7]. Raw integer, type angle_bound, a plain number. */
     ::canwright::raw<::std::int32_t> lower_angle{};
 };
 
@@ -2339,7 +2352,7 @@ constexpr bool same(const control_parameters_lower_angle &one, const control_par
 
 /** The fields of ::mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t. */
 struct control_parameters_speed_ramp : ::canwright::message {
-    /** Speed ramp, DATA[4..7]. Type speed_ramp, a plain number. Raw 0..600000. */
+    /** Speed ramp, DATA[4..7]. Raw integer, type speed_ramp, a plain number. Raw 0..600000. */
     ::canwright::raw<::std::int32_t> speed_ramp{};
 };
 
@@ -2372,7 +2385,7 @@ constexpr bool same(const control_parameters_speed_ramp &one, const control_para
 
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_driver_id_t. */
 struct stored_settings_driver_id : ::canwright::message {
-    /** Node id of the drive, DATA[4]. Type driver_id, a plain number. Raw 0..32. */
+    /** Node id of the drive, DATA[4]. Raw integer, type driver_id, a plain number. Raw 0..32. */
     ::canwright::raw<::std::uint8_t> driver_id{};
 };
 
@@ -2405,7 +2418,7 @@ constexpr bool same(const stored_settings_driver_id &one, const stored_settings_
 
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_bus_type_t. */
 struct stored_settings_bus_type : ::canwright::message {
-    /** Bus type, DATA[4]. Type bus_type: BUS_TYPE_*. */
+    /** Bus type, DATA[4]. Raw integer, type bus_type: BUS_TYPE_*. */
     ::canwright::raw<::std::uint8_t> bus_type{};
 };
 
@@ -2438,7 +2451,7 @@ constexpr bool same(const stored_settings_bus_type &one, const stored_settings_b
 
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t. */
 struct stored_settings_rs485_baud_rate : ::canwright::message {
-    /** RS485 bit rate, DATA[4]. Type rs485_baud_rate: RS485_BAUD_RATE_*. */
+    /** RS485 bit rate, DATA[4]. Raw integer, type rs485_baud_rate: RS485_BAUD_RATE_*. */
     ::canwright::raw<::std::uint8_t> rs485_baud_rate{};
 };
 
@@ -2474,7 +2487,7 @@ constexpr bool same(const stored_settings_rs485_baud_rate &one, const stored_set
 
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t. */
 struct stored_settings_can_baud_rate : ::canwright::message {
-    /** CAN bit rate, DATA[4]. Type can_baud_rate: CAN_BAUD_RATE_*. */
+    /** CAN bit rate, DATA[4]. Raw integer, type can_baud_rate: CAN_BAUD_RATE_*. */
     ::canwright::raw<::std::uint8_t> can_baud_rate{};
 };
 
@@ -2508,8 +2521,8 @@ constexpr bool same(const stored_settings_can_baud_rate &one, const stored_setti
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_max_power_t. */
 struct stored_settings_max_power : ::canwright::message {
     /**
-     * Power limit, DATA[4..5]. Type output_limit, a plain number. Raw 0..850 (series MS), 0..2000 (series MF, MH,
-     * MG).
+     * Power limit, DATA[4..5]. Raw integer, type output_limit, a plain number. Raw 0..850 (series MS), 0..2000
+     * (series MF, MH, MG).
      */
     ::canwright::raw<::std::int16_t> max_power{};
 };
@@ -2543,7 +2556,7 @@ constexpr bool same(const stored_settings_max_power &one, const stored_settings_
 
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_max_speed_t. */
 struct stored_settings_max_speed : ::canwright::message {
-    /** Speed limit, DATA[4..7]. Type speed_bound, a plain number. Raw 0..600000. */
+    /** Speed limit, DATA[4..7]. Raw integer, type speed_bound, a plain number. Raw 0..600000. */
     ::canwright::raw<::std::int32_t> max_speed{};
 };
 
@@ -2576,7 +2589,7 @@ constexpr bool same(const stored_settings_max_speed &one, const stored_settings_
 
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_max_angle_t. */
 struct stored_settings_max_angle : ::canwright::message {
-    /** Maximum angle, DATA[4..7]. Type max_angle, a plain number. Raw 0..2147483647. */
+    /** Maximum angle, DATA[4..7]. Raw integer, type max_angle, a plain number. Raw 0..2147483647. */
     ::canwright::raw<::std::int32_t> max_angle{};
 };
 
@@ -2609,7 +2622,7 @@ constexpr bool same(const stored_settings_max_angle &one, const stored_settings_
 
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t. */
 struct stored_settings_current_ramp : ::canwright::message {
-    /** Current ramp, DATA[4..5]. Type current_ramp, a plain number. Raw 0..30000. */
+    /** Current ramp, DATA[4..5]. Raw integer, type current_ramp, a plain number. Raw 0..30000. */
     ::canwright::raw<::std::int16_t> current_ramp{};
 };
 
@@ -2642,7 +2655,7 @@ constexpr bool same(const stored_settings_current_ramp &one, const stored_settin
 
 /** The fields of ::mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t. */
 struct stored_settings_speed_ramp : ::canwright::message {
-    /** Speed ramp, DATA[4..7]. Type speed_ramp, a plain number. Raw 0..600000. */
+    /** Speed ramp, DATA[4..7]. Raw integer, type speed_ramp, a plain number. Raw 0..600000. */
     ::canwright::raw<::std::int32_t> speed_ramp{};
 };
 
@@ -2675,7 +2688,7 @@ constexpr bool same(const stored_settings_speed_ramp &one, const stored_settings
 
 /** The fields of ::mwd_motor_v2_36_2025_03_brake_request_t. */
 struct brake_request : ::canwright::message {
-    /** Brake action, DATA[1]. Type brake_action: BRAKE_ACTION_*. */
+    /** Brake action, DATA[1]. Raw integer, type brake_action: BRAKE_ACTION_*. */
     ::canwright::raw<::std::uint8_t> action{};
 };
 
@@ -2705,7 +2718,7 @@ constexpr bool same(const brake_request &one, const brake_request &other) noexce
 
 /** The fields of ::mwd_motor_v2_36_2025_03_set_power_request_t. */
 struct set_power_request : ::canwright::message {
-    /** Target power, DATA[4..5]. Type power_i16, a plain number. Raw -850..850. */
+    /** Target power, DATA[4..5]. Raw integer, type power_i16, a plain number. Raw -850..850. */
     ::canwright::raw<::std::int16_t> power{};
 };
 
@@ -2736,9 +2749,9 @@ constexpr bool same(const set_power_request &one, const set_power_request &other
 /** The fields of ::mwd_motor_v2_36_2025_03_set_torque_request_t. */
 struct set_torque_request : ::canwright::message {
     /**
-     * Target torque current, DATA[4..5]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Target torque current, DATA[4..5]. Raw integer, type torque_current: torque_current_to_*,
+     * torque_current_from_*, with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series
+     * MG). None is known for MS, MH. Raw -2048..2048.
      */
     ::canwright::raw<::std::int16_t> iq{};
 };
@@ -2771,14 +2784,14 @@ constexpr bool same(const set_torque_request &one, const set_torque_request &oth
 /** The fields of ::mwd_motor_v2_36_2025_03_set_speed_request_t. */
 struct set_speed_request : ::canwright::message {
     /**
-     * Torque current limit, DATA[2..3]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Torque current limit, DATA[2..3]. Raw integer, type torque_current: torque_current_to_*, torque_current_from_*,
+     * with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for
+     * MS, MH. Raw -2048..2048.
      */
     ::canwright::raw<::std::int16_t> iq_limit{};
     /**
-     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
-     * 0.01 deg/s.
+     * Target speed, DATA[4..7]. Raw integer, type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*.
+     * Resolution (1 LSB): 0.01 deg/s.
      */
     ::canwright::raw<::std::int32_t> speed{};
 };
@@ -2823,8 +2836,8 @@ constexpr bool same(const set_speed_request &one, const set_speed_request &other
 /** The fields of ::mwd_motor_v2_36_2025_03_move_to_angle_request_t. */
 struct move_to_angle_request : ::canwright::message {
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> angle{};
 };
@@ -2859,13 +2872,13 @@ constexpr bool same(const move_to_angle_request &one, const move_to_angle_reques
 /** The fields of ::mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t. */
 struct move_to_angle_at_speed_request : ::canwright::message {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> angle{};
 };
@@ -2913,11 +2926,11 @@ constexpr bool same(const move_to_angle_at_speed_request &one, const move_to_ang
 
 /** The fields of ::mwd_motor_v2_36_2025_03_turn_to_angle_request_t. */
 struct turn_to_angle_request : ::canwright::message {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     ::canwright::raw<::std::uint8_t> spin_direction{};
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::uint32_t> angle{};
 };
@@ -2963,16 +2976,16 @@ constexpr bool same(const turn_to_angle_request &one, const turn_to_angle_reques
 
 /** The fields of ::mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t. */
 struct turn_to_angle_at_speed_request : ::canwright::message {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     ::canwright::raw<::std::uint8_t> spin_direction{};
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::uint32_t> angle{};
 };
@@ -3033,7 +3046,8 @@ constexpr bool same(const turn_to_angle_at_speed_request &one, const turn_to_ang
 /** The fields of ::mwd_motor_v2_36_2025_03_move_by_angle_request_t. */
 struct move_by_angle_request : ::canwright::message {
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> increment{};
 };
@@ -3068,12 +3082,13 @@ constexpr bool same(const move_by_angle_request &one, const move_by_angle_reques
 /** The fields of ::mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t. */
 struct move_by_angle_at_speed_request : ::canwright::message {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     ::canwright::raw<::std::uint16_t> max_speed{};
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     ::canwright::raw<::std::int32_t> increment{};
 };
@@ -3121,7 +3136,7 @@ constexpr bool same(const move_by_angle_at_speed_request &one, const move_by_ang
 
 /** The fields of ::mwd_motor_v2_36_2025_03_brake_reply_t. */
 struct brake_reply : ::canwright::message {
-    /** Brake state, DATA[1]. Type brake_state: BRAKE_STATE_*. */
+    /** Brake state, DATA[1]. Raw integer, type brake_state: BRAKE_STATE_*. */
     ::canwright::raw<::std::uint8_t> state{};
 };
 
@@ -3152,22 +3167,24 @@ constexpr bool same(const brake_reply &one, const brake_reply &other) noexcept
 /** The fields of ::mwd_motor_v2_36_2025_03_read_encoder_reply_t. */
 struct read_encoder_reply : ::canwright::message {
     /**
-     * Encoder position, DATA[2..3]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder position, DATA[2..3]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder{};
     /**
-     * Measured encoder position, DATA[4..5]. Type encoder_position: encoder_position_to_*, encoder_position_from_*,
-     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 16).
+     * Measured encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder_measured{};
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder_offset{};
 };
@@ -3223,11 +3240,11 @@ constexpr bool same(const read_encoder_reply &one, const read_encoder_reply &oth
 
 /** The fields of ::mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t. */
 struct calibrate_encoder_reply : ::canwright::message {
-    /** Calibration value, DATA[1..4]. Type u32, a plain number. */
+    /** Calibration value, DATA[1..4]. Raw integer, type u32, a plain number. */
     ::canwright::raw<::std::uint32_t> align_value{};
-    /** Calibration ratio, DATA[5..6]. Type align_ratio, a plain number. */
+    /** Calibration ratio, DATA[5..6]. Raw integer, type align_ratio, a plain number. */
     ::canwright::raw<::std::uint16_t> align_ratio{};
-    /** Calibration state, DATA[7]. Type align_state: ALIGN_STATE_*. */
+    /** Calibration state, DATA[7]. Raw integer, type align_state: ALIGN_STATE_*. */
     ::canwright::raw<::std::uint8_t> align_state{};
 };
 
@@ -3285,10 +3302,10 @@ constexpr bool same(const calibrate_encoder_reply &one, const calibrate_encoder_
 /** The fields of ::mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t. */
 struct write_position_as_zero_rom_reply : ::canwright::message {
     /**
-     * Written encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 16).
+     * Written encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     ::canwright::raw<::std::uint16_t> encoder_offset{};
 };
@@ -3327,8 +3344,8 @@ constexpr bool same(
 /** The fields of ::mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t. */
 struct read_multi_turn_angle_reply : ::canwright::message {
     /**
-     * Multi-turn angle, DATA[1..7]. Type multi_turn_angle: multi_turn_angle_to_*, multi_turn_angle_from_*. Resolution
-     * (1 LSB): 0.01 deg.
+     * Multi-turn angle, DATA[1..7]. Raw integer, type multi_turn_angle: multi_turn_angle_to_*,
+     * multi_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     ::canwright::raw<::std::int64_t> angle{};
 };
@@ -3363,7 +3380,7 @@ constexpr bool same(const read_multi_turn_angle_reply &one, const read_multi_tur
 /** The fields of ::mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t. */
 struct read_single_turn_angle_reply : ::canwright::message {
     /**
-     * Single-turn angle of the output, DATA[4..7]. Type single_turn_position: single_turn_position_to_*,
+     * Single-turn angle of the output, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
      * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
      */
     ::canwright::raw<::std::uint32_t> angle{};
@@ -3399,22 +3416,23 @@ constexpr bool same(const read_single_turn_angle_reply &one, const read_single_t
 /** The fields of ::mwd_motor_v2_36_2025_03_read_status_3_reply_t. */
 struct read_status_3_reply : ::canwright::message {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     ::canwright::raw<::std::int8_t> temperature{};
     /**
-     * Phase A current, DATA[2..3]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase A current, DATA[2..3]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     ::canwright::raw<::std::int16_t> phase_a{};
     /**
-     * Phase B current, DATA[4..5]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase B current, DATA[4..5]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     ::canwright::raw<::std::int16_t> phase_b{};
     /**
-     * Phase C current, DATA[6..7]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase C current, DATA[6..7]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     ::canwright::raw<::std::int16_t> phase_c{};
 };
@@ -3483,7 +3501,7 @@ constexpr bool same(const read_status_3_reply &one, const read_status_3_reply &o
 
 /** The fields of ::mwd_motor_v2_36_2025_03_save_settings_reply_t. */
 struct save_stored_settings_reply : ::canwright::message {
-    /** Result of saving, DATA[2]. Type save_result: SAVE_RESULT_*. */
+    /** Result of saving, DATA[2]. Raw integer, type save_result: SAVE_RESULT_*. */
     ::canwright::raw<::std::uint8_t> result{};
 };
 
