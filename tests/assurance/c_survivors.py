@@ -75,7 +75,7 @@ LEAST = 200
 
 
 @dataclass(frozen=True)
-class _Asked:
+class Asked:
     """Questions in a file, the answers of the original, and the limit of the processor time in milliseconds."""
 
     file: Path
@@ -83,7 +83,7 @@ class _Asked:
     milliseconds: int
 
 
-def _time_of_programs() -> float:
+def time_of_programs() -> float:
     """The processor time of all programs that have ended, in seconds."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
@@ -116,16 +116,16 @@ class Program:
         original, errors = self._compile(self.headers)
         assert original is not None, errors
         self.original = original
-        self._asked: list[_Asked] = []
+        self._asked: list[Asked] = []
 
     def add_questions(self, lines: Sequence[str]) -> None:
         """Adds lines that are asked of every mutant, after those added before."""
         file = self.folder / f"questions-{len(self._asked)}"
         file.write_text("\n".join(lines) + "\n", "utf-8")
-        before = _time_of_programs()
-        answers = self._run(self.original, 0, file)
-        milliseconds = 1000 * SLOWER * (_time_of_programs() - before)
-        self._asked.append(_Asked(file, answers, max(LEAST, int(milliseconds))))
+        before = time_of_programs()
+        answers = answers_of(self.original, 0, file)
+        milliseconds = 1000 * SLOWER * (time_of_programs() - before)
+        self._asked.append(Asked(file, answers, max(LEAST, int(milliseconds))))
 
     def mutants(self) -> list[Mutant]:
         """The mutants of the headers, without those of functions that no question reaches."""
@@ -238,17 +238,17 @@ class Program:
         return program, []
 
     def _is_killed(self, program: Path, number: int) -> bool:
-        return any(self._run(program, number, one.file, one.milliseconds) != one.answers for one in self._asked)
+        return any(answers_of(program, number, one.file, one.milliseconds) != one.answers for one in self._asked)
 
-    @staticmethod
-    def _run(program: Path, number: int, questions: Path, milliseconds: int | None = None) -> bytes | None:
-        """What the program prints; None when it stops or takes too long."""
-        environment = {**os.environ, "MUTANT": str(number)}
-        if milliseconds is not None:
-            environment["MILLISECONDS"] = str(milliseconds)
-        with questions.open("rb") as lines:
-            done = subprocess.run([program], stdin=lines, capture_output=True, env=environment, check=False)
-        return None if done.returncode else done.stdout
+
+def answers_of(program: Path, number: int, questions: Path, milliseconds: int | None = None) -> bytes | None:
+    """What a program prints; None when it stops or takes too long. `number` is that of a mutant in the program."""
+    environment = {**os.environ, "MUTANT": str(number)}
+    if milliseconds is not None:
+        environment["MILLISECONDS"] = str(milliseconds)
+    with questions.open("rb") as lines:
+        done = subprocess.run([program], stdin=lines, capture_output=True, env=environment, check=False)
+    return None if done.returncode else done.stdout
 
 
 class Subject(Program):

@@ -87,6 +87,11 @@ ONE_SENTENCE = {
     "static_cast<void>(get(reply, field::iq))": "pass them last",
     "status = set(request, field::iq, series::mg, motor)": "a value of another type",
     "static_cast<void>(encode(1u, request))": "pass them last",
+    "static_cast<void>(get(state, field::errors))": "or its flags with `has`",
+    "static_cast<void>(set(state, field::errors, spin_direction::clockwise))": "flags of another type",
+    "static_cast<void>(has(state, field::errors, spin_direction::clockwise))": "flags of another type",
+    "status = set(reply, field::iq, 0u, 2.5, motor)": "parameters of the node, of this edition, can follow",
+    "request.iq = 2.5": "deleted",
 }
 """Mistakes, and the end of the sentence about each."""
 READS = """\

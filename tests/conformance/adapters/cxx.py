@@ -11,8 +11,9 @@ from canwright.model.layout import Field
 from canwright.model.types import Encoding
 from canwright.targets import c as target
 from canwright.targets.base import Specification
+from canwright.targets.c.choices import enumerator_numbers
 from canwright.targets.c.cxx import CxxView, FieldView, cxx_view
-from canwright.targets.c.names import layouts
+from canwright.targets.c.names import layouts, member
 from canwright.targets.c.view import edition_view
 
 from ...compilers import SANITIZED, WARNINGS, ZIG
@@ -54,6 +55,10 @@ def cxx_harness(edition: Edition) -> str:
         choices={enum.name: enum.members for enum in names.enums},
         messages=[message.name for message in edition.all_messages()],
         commands=[message.command for message in edition.all_messages()],
+        command_names=["", *(command.name for command in edition.commands)],
+        numbers={member(p.name): [0, *enumerator_numbers(p).values()] for p in edition.parameters},
+        tags=view.fields,
+        codes=[edition.command(message.command).code for message in edition.all_messages()],
         structs=[
             {"name": layout.name, "fields": [_field(names, *pair) for pair in zip(fields, layout.fields, strict=True)]}
             for fields, layout in zip(with_fields, names.layouts, strict=True)
@@ -77,9 +82,12 @@ def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
         "member": view.member,
         "kind": type_.kind,
         "signed": field.type.encoding is Encoding.SIGNED,
+        "length": view.length,
         "places": [(f"[{i}]", f", {i}u") for i in range(view.length)] or [("", "")],
         "named": type_.named,
         "flags": type_.flags,
         "members": [(m.name, e.name) for m, e in zip(members, enum.members, strict=True)] if enum else [],
-        "has_value": any(conversion.name == "value" for conversion in type_.conversions),
+        "others": [] if view.presence else [one for one in type_.conversions if one.name != "value"],
+        "value": next((one for one in type_.conversions if one.name == "value"), None),
+        "presence": view.presence,
     }
