@@ -185,7 +185,7 @@ def _in_function(function: Function, siblings: Mapping[str, str]) -> Iterator[tu
     labels = [place + 1 for place in cases]
     for place, token in enumerate(body):
         before = body[place - 1].text if place else "{"
-        for new in _others(token, before, siblings):
+        for new in replacements(token, before, siblings):
             yield ((token.start, token.end, new),)
     for one, other in itertools.pairwise(labels):
         a, b = body[one], body[other]
@@ -194,11 +194,11 @@ def _in_function(function: Function, siblings: Mapping[str, str]) -> Iterator[tu
         if _NUMBER.match(a.text) and _NUMBER.match(b.text) and _integer(a.text) == _integer(b.text):
             continue  # of two switches
         yield ((a.start, a.end, b.text), (b.start, b.end, a.text))
-    for start, end in _statements(body):
+    for start, end in statements(body):
         yield ((body[start].start, body[end].end, ";"),)
 
 
-def _others(token: Token, before: str, siblings: Mapping[str, str]) -> Iterator[str]:
+def replacements(token: Token, before: str, siblings: Mapping[str, str]) -> Iterator[str]:
     """What a token is replaced by."""
     text = token.text
     if token.kind == "number":
@@ -243,7 +243,7 @@ def _siblings(text: str) -> dict[str, str]:
     return {a: b for group in groups for a, b in zip(group, [*group[1:], group[0]], strict=True) if a != b}
 
 
-def _statements(body: Sequence[Token]) -> Iterator[tuple[int, int]]:
+def statements(body: Sequence[Token]) -> Iterator[tuple[int, int]]:
     """The places of the first and last token of statements that a function can lack: assignments, calls, and `break` before others."""
     start, depth = 0, 0
     for place, token in enumerate(body):

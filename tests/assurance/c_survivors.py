@@ -21,7 +21,7 @@ from types import ModuleType
 from typing import ClassVar
 
 from canwright.model.edition import Edition
-from canwright.model.layout import Field
+from canwright.model.layout import Field, Space
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
@@ -30,6 +30,7 @@ from canwright.semantics.encoder import Encoder
 from canwright.semantics.frame import node_of
 from canwright.targets import c as target
 from canwright.targets.base import Specification
+from canwright.targets.c.names import layouts
 
 from ..compilers import SANITIZED, ZIG
 from ..conformance.adapter import Adapter, CanFrame, Decoded, Raw, Refused, assignment, write_files
@@ -54,6 +55,9 @@ QUICK = 2500
 
 ROUNDS = 2
 
+UNCHECKED = 8
+"""So many random messages of each layout are written without a check."""
+
 CASES = 30_000
 """So many cases of exact fractions are asked of the runtime."""
 
@@ -72,7 +76,7 @@ LEAST = 200
 
 
 @dataclass(frozen=True)
-class _Asked:
+class Asked:
     """Questions in a file, the answers of the original, and the limit of the processor time in milliseconds."""
 
     file: Path
@@ -80,7 +84,7 @@ class _Asked:
     milliseconds: int
 
 
-def _time_of_programs() -> float:
+def time_of_programs() -> float:
     """The processor time of all programs that have ended, in seconds."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
@@ -113,16 +117,16 @@ class Program:
         original, errors = self._compile(self.headers)
         assert original is not None, errors
         self.original = original
-        self._asked: list[_Asked] = []
+        self._asked: list[Asked] = []
 
     def add_questions(self, lines: Sequence[str]) -> None:
         """Adds lines that are asked of every mutant, after those added before."""
         file = self.folder / f"questions-{len(self._asked)}"
         file.write_text("\n".join(lines) + "\n", "utf-8")
-        before = _time_of_programs()
-        answers = self._run(self.original, 0, file)
-        milliseconds = 1000 * SLOWER * (_time_of_programs() - before)
-        self._asked.append(_Asked(file, answers, max(LEAST, int(milliseconds))))
+        before = time_of_programs()
+        answers = answers_of(self.original, 0, file)
+        milliseconds = 1000 * SLOWER * (time_of_programs() - before)
+        self._asked.append(Asked(file, answers, max(LEAST, int(milliseconds))))
 
     def mutants(self) -> list[Mutant]:
         """The mutants of the headers, without those of functions that no question reaches."""
@@ -235,17 +239,17 @@ class Program:
         return program, []
 
     def _is_killed(self, program: Path, number: int) -> bool:
-        return any(self._run(program, number, one.file, one.milliseconds) != one.answers for one in self._asked)
+        return any(answers_of(program, number, one.file, one.milliseconds) != one.answers for one in self._asked)
 
-    @staticmethod
-    def _run(program: Path, number: int, questions: Path, milliseconds: int | None = None) -> bytes | None:
-        """What the program prints; None when it stops or takes too long."""
-        environment = {**os.environ, "MUTANT": str(number)}
-        if milliseconds is not None:
-            environment["MILLISECONDS"] = str(milliseconds)
-        with questions.open("rb") as lines:
-            done = subprocess.run([program], stdin=lines, capture_output=True, env=environment, check=False)
-        return None if done.returncode else done.stdout
+
+def answers_of(program: Path, number: int, questions: Path, milliseconds: int | None = None) -> bytes | None:
+    """What a program prints; None when it stops or takes too long. `number` is that of a mutant in the program."""
+    environment = {**os.environ, "MUTANT": str(number)}
+    if milliseconds is not None:
+        environment["MILLISECONDS"] = str(milliseconds)
+    with questions.open("rb") as lines:
+        done = subprocess.run([program], stdin=lines, capture_output=True, env=environment, check=False)
+    return None if done.returncode else done.stdout
 
 
 class Subject(Program):
@@ -303,6 +307,7 @@ def _ask_everything(item: Specification, adapter: CAdapter) -> None:
     _ask_filters(item, adapter)
     ask_availability(item.edition, adapter)
     _ask_absent(item, adapter)
+    ask_unchecked(item.edition, adapter)
     _ask_milli(item, adapter)
     _ask_frames(item, adapter)
     _ask_singles(item, adapter)
@@ -339,6 +344,39 @@ def ask_availability(edition: Edition, adapter: CAdapter) -> None:
         for known in Facts(edition, adapter.header).assignments(*command.only):
             is_available = message.direction is Direction.REPLY or command.available(assignment(known))
             assert adapter.has_command(message, known) == is_available, (message.name, known)
+
+
+def ask_unchecked(edition: Edition, adapter: CAdapter) -> None:
+    """The bits of fields that are written without a check, which takes any raw integers of their width."""
+    chance = random.Random(1)
+    for layout, known in itertools.product(layouts(edition), list(_choices(edition))):
+        variant = layout.variant(known)
+        assert variant is not None
+        fields = [field for field in variant.fields if field.fixed is None]
+        for width in (0, 64, *[1] * UNCHECKED) if fields else ():
+            raws: dict[str, list[int]] = {f.name: [_any_raw(f, width, chance) for _ in f.elements] for f in fields}
+            bits = dict.fromkeys(Space, 0)
+            for field in variant.fields:
+                each = raws.get(field.name, [field.fixed or 0] * len(field.elements))
+                for raw, element in zip(each, field.elements, strict=True):
+                    for s in element.segments:
+                        bits[field.space] |= (raw >> s.raw_low & (1 << s.width) - 1) << s.low + 8 * s.byte
+            given: dict[str, Raw] = {f.name: raws[f.name] if f.is_array else raws[f.name][0] for f in fields}
+            assert adapter.pack(layout, given, known) == (bits[Space.ID], bits[Space.DATA]), (layout.name, raws)
+
+
+def _any_raw(field: Field, width: int, chance: random.Random) -> int:
+    """A raw integer of a field: 0, all bits, or any bits, for a `width` of 0, of 64, and of 1."""
+    low, high = field.type.raw_limits
+    number = {0: 0, 64: (1 << field.type.width) - 1}.get(width, chance.getrandbits(field.type.width))
+    return number if number <= high else number + 2 * low
+
+
+def _choices(edition: Edition) -> Iterator[dict[str, str]]:
+    """Parameters with each value of each choice at least once."""
+    count = max((len(p.values) for p in edition.parameters), default=1)
+    for place in range(count):
+        yield {p.name: p.values[place % len(p.values)].name if p.values else "1" for p in edition.parameters}
 
 
 def _ask_absent(item: Specification, adapter: CAdapter) -> None:

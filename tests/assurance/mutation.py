@@ -6,6 +6,10 @@ casts, members of structs and texts. Asked are the golden frames, the facts of t
 questions, whose answers agree with the model; a mutant is killed when one answer changes, when the program stops, takes
 too long or does not compile.
 
+`cxx`: the C++ header of an edition and the one that all share. Mutated are operators, numbers, constants, enumerators and
+statements. Asked are the golden frames, requests to nodes without the command, and random questions. Each mutant is a
+program of its own, which takes two seconds, so name an edition and a sample.
+
 `python`: the module of an edition and its runtime (`_codec.py`, `_dispatch.py`, `nodes.py`). Mutated are comparisons,
 arithmetic and logical operators, numbers, conditions, statements and returned values; not texts, annotations and
 docstrings. Asked are the golden frames, random questions, and the checks of `tests.assurance.python_facts`.
@@ -13,7 +17,7 @@ docstrings. Asked are the golden frames, random questions, and the checks of `te
 Mutants of the C runtime are shown to `tests.assurance.integers` and to `tests.assurance.floating`, those of the Python
 runtime to its unit tests; what is left, to one edition after another, the smallest first, until all that survive are
 listed. Functions that are not reached are named. `--part`, `--edition`, `--function` and `--sample` divide a run.
-Every survivor must be listed as equivalent, with a reason, in `equivalent_c.yaml` or `equivalent_python.yaml`. The exit
+Every survivor must be listed as equivalent, with a reason, in `equivalent_c.yaml`, `equivalent_cxx.yaml` or `equivalent_python.yaml`. The exit
 status is 1 for a survivor that is not listed and for a killed mutant that is.
 
 Processor time of a complete run: two minutes for the C runtime, twenty for that of Python; for v2.35, with 3,700 mutants of
@@ -36,12 +40,17 @@ from pathlib import Path
 from typing import Any
 
 from ..spec_texts import SPECS, called
-from . import c_survivors, python_survivors, python_unit_tests
+from . import c_survivors, cxx_survivors, python_survivors, python_unit_tests
 from .equivalents import Equivalent, judge, read
 
-LANGUAGES: dict[str, Callable[[Path, Path], Any]] = {"c": c_survivors.Subject, "python": python_survivors.Subject}
+LANGUAGES: dict[str, Callable[[Path, Path], Any]] = {
+    "c": c_survivors.Subject,
+    "cxx": cxx_survivors.Subject,
+    "python": python_survivors.Subject,
+}
 RUNTIMES: dict[str, tuple[Callable[[Path], Any], ...]] = {
     "c": c_survivors.RUNTIME_SUBJECTS,
+    "cxx": (),
     "python": (python_unit_tests.Subject,),
 }
 """What the mutants of the runtime are shown to before the editions."""

@@ -15,7 +15,7 @@ from ..spec_texts import SPECS, called
 from . import c_mutants, mutation
 from .equivalents import Equivalent, judge, read
 
-SAMPLE = {"c": 60, "python": 25}
+SAMPLE = {"c": 60, "cxx": 12, "python": 25}
 HEADER = """\
 enum {
     A,

@@ -13,7 +13,7 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.base import Specification
 
-from ..assurance.c_survivors import ask_availability
+from ..assurance.c_survivors import ask_availability, ask_unchecked
 from ..assurance.differential import compare
 from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
@@ -76,6 +76,13 @@ def test_requests_to_nodes_without_the_command_are_rejected(spec: Path, target: 
     item, adapter = adapters(spec, target)
     assert isinstance(adapter, CAdapter)
     ask_availability(item.edition, adapter)
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_fields_without_a_check_are_written_whole(spec: Path, adapters: Adapters) -> None:
+    item, adapter = adapters(spec, "c")
+    assert isinstance(adapter, CAdapter)
+    ask_unchecked(item.edition, adapter)
 
 
 class _OtherMessages(ReferenceAdapter):

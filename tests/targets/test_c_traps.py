@@ -74,6 +74,8 @@ NULLS = (
     "status = mwd_motor_v2_35_torque_current_from_double(&request.iq, 2.5, NULL);",
     "canwright_clear(NULL);",
 )
+FLOATS = ("request.iq = 2.5;", "request.iq = 2.5f;", "speed.speed = value;")
+"""Values that are assigned to raw integers."""
 NO_MACROS = ("-DCANWRIGHT_CHECKED=", "-DCANWRIGHT_NONNULL=")
 
 
@@ -213,3 +215,16 @@ def test_sdcc_compiles_every_header(spec: Path, tmp_path: Path) -> None:
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@each_compiler
+@pytest.mark.parametrize("statement", FLOATS)
+def test_a_value_assigned_to_a_raw_integer_is_a_warning_of_the_recommended_option(
+    statement: str, compiler: Compiler, tmp_path: Path
+) -> None:
+    unit = source(tmp_path, USE % statement)
+    flags = (f"-I{INCLUDE}", "-c", unit, "-o", tmp_path / "unit.o")
+    with pytest.raises(AssertionError, match="conversion"):
+        compiler.check("c99", "-Wfloat-conversion", "-Werror", *flags)
+    text = (INCLUDE.parent / "CMakeLists.txt").read_text("utf-8")
+    assert "-Wfloat-conversion;-Wno-error=float-conversion" in text

@@ -9,7 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from canwright.model.edition import Edition
-from canwright.model.layout import Field
+from canwright.model.layout import Field, Layout
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
@@ -45,6 +45,8 @@ class CAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, the functions of each message, and the conversions."""
 
     name = "c"
+    reports_absent = False
+    """Whether the value of a field that a node lacks is the reason; C has functions for types, not for fields."""
 
     def __init__(self, edition: Edition, program: Path, header: str = "") -> None:
         super().__init__(edition)
@@ -77,9 +79,9 @@ class CAdapter(Adapter):
         items = [words[i : i + 3] for i in range(0, len(words), 3)]
         assert words[-2:] != ["not", "clear"], f"{command}: fields of other commands are not 0"
         present = {field.name for field in variant.fields}
-        assert all(number == "0" for name, number, _ in items if name not in present), (
-            f"{command}: absent fields are not 0"
-        )
+        absent = [(number, value) for name, number, value in items if name not in present]
+        assert all(number == "0" for number, _ in absent), f"{command}: absent fields are not 0"
+        assert not self.reports_absent or all(value in ("?not_available", "+") for _, value in absent), command
         for field in (f for f in variant.fields if f.fixed is None):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
@@ -97,7 +99,7 @@ class CAdapter(Adapter):
     ) -> Encoded | Refused:
         message = self.message_of(direction, command)
         words: list[str] = []
-        for field, index, number in _items(message, raw):
+        for field, index, number in _items(message.layout, raw):
             low, high = _container(field)
             if not low <= int(str(number)) <= high:
                 return Refused(Refusal.OUT_OF_RANGE, field.name)
@@ -114,7 +116,7 @@ class CAdapter(Adapter):
     ) -> Encoded | Refused:
         message = self.message_of(direction, command)
         words: list[str] = []
-        for field, index, value in _items(message, values):
+        for field, index, value in _items(message.layout, values):
             words += [field.name, str(index), _written(value)]
         return self._encode(message, node, parameters, True, words)
 
@@ -157,6 +159,13 @@ class CAdapter(Adapter):
         """Why a frame is not decoded, or why its fields are invalid, with the field; None for a valid frame."""
         answer = self._ask("check", f"any_{direction.value}", *self._known(parameters), *_frame(frame))
         return answer if isinstance(answer, Refused) else None
+
+    def pack(self, layout: Layout, raw: Mapping[str, Raw], parameters: Parameters) -> tuple[int, int]:
+        """The id and the data, as little-endian numbers, of fields that are written without a check."""
+        items = ((f"{field.name} {index} {number}") for field, index, number in _items(layout, raw))
+        answer = self._ask("pack", layout.name, *self._known(parameters), *items)
+        assert not isinstance(answer, Refused)
+        return int(answer[0], 16), int.from_bytes(bytes.fromhex(answer[1]), "little")
 
     def has_command(self, message: Message, parameters: Parameters) -> bool:
         """Whether a message whose fields are 0 is encoded, or rejected for another reason than the parameters."""
@@ -225,11 +234,9 @@ def _end(process: subprocess.Popen[str]) -> None:
     process.communicate()
 
 
-def _items(
-    message: Message, given: Mapping[str, Raw] | Mapping[str, ExactValue]
-) -> Iterator[tuple[Field, int, object]]:
+def _items(layout: Layout, given: Mapping[str, Raw] | Mapping[str, ExactValue]) -> Iterator[tuple[Field, int, object]]:
     """Every element of every given field; flags are one value, though they are a list."""
-    fields = {field.name: field for field in message.layout.fields}
+    fields = {field.name: field for field in layout.fields}
     for name, value in given.items():
         elements = value if isinstance(value, list) and fields[name].is_array else [value]
         yield from ((fields[name], index, element) for index, element in enumerate(elements))

@@ -119,7 +119,13 @@ class _Harness:
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
         fields = [self._field(field) for field in layout.fields if field.fixed is None]
-        return {**self._names(layout), "fields": fields}
+        pack = self._functions[self._in_c.lower(layout.name, "pack")]
+        return {
+            **self._names(layout),
+            "fields": fields,
+            "pack": pack.call(ARGUMENTS).replace("&message", "message"),
+            "pack_fails": "status" in pack.result,
+        }
 
     def _field(self, field: Field) -> dict[str, Any]:
         type_ = field.type

@@ -11,8 +11,9 @@ from canwright.model.layout import Field
 from canwright.model.types import Encoding
 from canwright.targets import c as target
 from canwright.targets.base import Specification
+from canwright.targets.c.choices import enumerator_numbers
 from canwright.targets.c.cxx import CxxView, FieldView, cxx_view
-from canwright.targets.c.names import layouts
+from canwright.targets.c.names import layouts, member
 from canwright.targets.c.view import edition_view
 
 from ...compilers import SANITIZED, WARNINGS, ZIG
@@ -27,6 +28,7 @@ class CxxAdapter(CAdapter):
     """Answers through `encode`, `decode`, `get`, `set` and `has`; the program speaks the protocol of that for C."""
 
     name = "cxx"
+    reports_absent = True
 
     @classmethod
     def create(cls, specification: Specification, workdir: Path) -> CxxAdapter:
@@ -53,9 +55,13 @@ def cxx_harness(edition: Edition) -> str:
         choices={enum.name: enum.members for enum in names.enums},
         messages=[message.name for message in edition.all_messages()],
         commands=[message.command for message in edition.all_messages()],
+        command_names=["", *(command.name for command in edition.commands)],
+        numbers={member(p.name): [0, *enumerator_numbers(p).values()] for p in edition.parameters},
+        tags=view.fields,
+        codes=[edition.command(message.command).code for message in edition.all_messages()],
         structs=[
-            {"name": struct.name, "fields": [_field(names, *pair) for pair in zip(fields, struct.fields, strict=True)]}
-            for fields, struct in zip(with_fields, names.structs, strict=True)
+            {"name": layout.name, "fields": [_field(names, *pair) for pair in zip(fields, layout.fields, strict=True)]}
+            for fields, layout in zip(with_fields, names.layouts, strict=True)
         ],
     )
 
@@ -67,18 +73,21 @@ def _fields(layout: Any) -> list[Field]:
 def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
     enums = {enum.name: enum for enum in names.enums}
     tags = {tag.value: tag.name for tag in names.tags}
-    enum = enums.get(view.named or view.flags)
+    type_ = view.type
+    enum = enums.get(type_.named or type_.flags)
     members = (*field.type.enum, *field.type.flags)
     return {
         "name": field.name,
         "tag": tags[view.tag],
         "member": view.member,
-        "kind": view.kind,
+        "kind": type_.kind,
         "signed": field.type.encoding is Encoding.SIGNED,
+        "length": view.length,
         "places": [(f"[{i}]", f", {i}u") for i in range(view.length)] or [("", "")],
-        "named": view.named,
-        "flags": view.flags,
-        "has_names": enum is not None and bool(enum.name_function),
+        "named": type_.named,
+        "flags": type_.flags,
         "members": [(m.name, e.name) for m, e in zip(members, enum.members, strict=True)] if enum else [],
-        "conversion": next((one for one in view.conversions if not one.ending), None),
+        "others": [] if view.presence else [one for one in type_.conversions if one.name != "value"],
+        "value": next((one for one in type_.conversions if one.name == "value"), None),
+        "presence": view.presence,
     }

@@ -45,6 +45,13 @@
 #endif
 #endif
 
+/** Initializes a message or parameters: `= CANWRIGHT_ZERO`. A member that is not assigned is 0 then. */
+#ifdef __cplusplus
+#define CANWRIGHT_ZERO {}
+#else
+#define CANWRIGHT_ZERO {0}
+#endif
+
 /** The alignment of a frame, where a compiler has a syntax for it in every standard and the target aligns anything so. */
 #if defined(__BIGGEST_ALIGNMENT__) && __BIGGEST_ALIGNMENT__ >= 8
 #define CANWRIGHT_ALIGNED __attribute__((aligned(8)))

@@ -82,7 +82,7 @@ def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
     macros = [*_limits(names, type_, kind), *_scale(names, type_), *_members(names, type_, kind)]
     return TypeView(
         name=names.lower(stem),
-        use=f"Type {stem}{_functions(type_, stem, thousandths or in_double)}.",
+        use=f"Raw integer, type {stem}{_functions(type_, stem, thousandths or in_double)}.",
         heading=f"{stem}: {title}" + (f", {unit}" if unit else ""),
         doc=tuple(text for text in (about, *errata(edition, type_.path)) if text),
         facts=facts,
