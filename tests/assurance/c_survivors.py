@@ -20,18 +20,19 @@ from pathlib import Path
 from types import ModuleType
 from typing import ClassVar
 
+from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
-from canwright.semantics.decoder import Decoder, Rejection
+from canwright.semantics.decoder import Decoder, Identified, Rejection
 from canwright.semantics.encoder import Encoder
 from canwright.targets import c as target
 from canwright.targets.base import Specification
 
 from ..compilers import SANITIZED, ZIG
-from ..conformance.adapter import Adapter, CanFrame, Decoded, Raw, Refused, write_files
-from ..conformance.adapters.c import CAdapter
+from ..conformance.adapter import Adapter, CanFrame, Decoded, Raw, Refused, assignment, write_files
+from ..conformance.adapters.c import CAdapter, NotAvailable, node_in_field
 from ..conformance.adapters.c_facts import Facts
 from ..conformance.adapters.c_harness import harness, header_text
 from ..conformance.adapters.reference import ReferenceAdapter
@@ -299,6 +300,7 @@ def _ask_everything(item: Specification, adapter: CAdapter) -> None:
     wrong = adapter.wrong_facts()
     assert not wrong, wrong[:10]
     _ask_filters(item, adapter)
+    ask_availability(item.edition, adapter)
     _ask_absent(item, adapter)
     _ask_milli(item, adapter)
     _ask_frames(item, adapter)
@@ -327,6 +329,15 @@ def _ask_filters(item: Specification, adapter: CAdapter) -> None:
                 ids = [found[0], *(found[0] ^ 1 << bit for bit in range(32)), 0, (1 << 32) - 1]
                 accepted = [not (id_ ^ found[0]) & found[1] for id_ in ids]
                 assert adapter.accepted(address.name, direction, node, ids) == accepted
+
+
+def ask_availability(edition: Edition, adapter: CAdapter) -> None:
+    """Requests to nodes without the command are not encoded; replies do not depend on that."""
+    for message in edition.all_messages():
+        command = edition.command(message.command)
+        for known in Facts(edition, adapter.header).assignments(*command.only):
+            is_available = message.direction is Direction.REPLY or command.available(assignment(known))
+            assert adapter.has_command(message, known) == is_available, (message.name, known)
 
 
 def _ask_absent(item: Specification, adapter: CAdapter) -> None:
@@ -378,14 +389,25 @@ def _ask_frames(item: Specification, adapter: CAdapter) -> None:
         identified, named = decoder.identify(direction, frame), adapter.identify(direction, frame)
         if isinstance(identified, Rejection):
             assert named == Refused(identified.reason), (direction, frame)
-        elif named != (identified.message.command, identified.node or 0):  # a constant of the fields can be wrong
+        elif named != (identified.message.command, _node(identified, frame)):  # a constant of the fields can be wrong
             assert isinstance(wanted, Refused) and named == Refused(wanted.says), (direction, frame)
-        found = adapter.check(direction, frame, known)
+        try:
+            found = adapter.check(direction, frame, known)
+        except NotAvailable:
+            assert isinstance(wanted, Decoded) and not item.edition.command(wanted.command).available(assignment(known))
+            assert direction is Direction.REQUEST
+            continue
         if isinstance(wanted, Decoded):
+            assert direction is Direction.REPLY or item.edition.command(wanted.command).available(assignment(known))
             encoded = reference.encode_raw(direction, wanted.command, wanted.node, wanted.raw, known)
             assert found == (encoded if isinstance(encoded, Refused) else None), (direction, frame, known)
         else:
             assert found == Refused(wanted.says), (direction, frame, known)
+
+
+def _node(identified: Identified, frame: CanFrame) -> int:
+    """The node in the id or in a field of a frame; 0 without one."""
+    return node_in_field(identified.message, frame) if identified.node is None else identified.node
 
 
 def _ask_singles(item: Specification, adapter: CAdapter) -> None:

@@ -121,6 +121,8 @@ def _quotient(chance: random.Random) -> Case:
     size = chance.choice((0, abs(any_integer(chance, 64)), chance.getrandbits(54), middle + chance.choice((-1, 0, 1))))
     dividend = size % (1 << 64 - signed)
     dividend *= chance.choice((1, -1)) if signed else 1
+    if signed and chance.random() < 0.02:
+        dividend = -(1 << 63)  # no int64_t has its magnitude
     return Case("s" if signed else "u", (dividend, divisor), _ok(bits_of(Fraction(dividend, divisor), DOUBLE)))
 
 

@@ -28,7 +28,7 @@ SIZE = 200
 """Size of the buffer of the program; no text is as long."""
 
 LARGEST = (1 << 64) - 1
-STATUSES = ("ok", *(refusal.value for refusal in Refusal), "?")
+STATUSES = ("ok", *(refusal.value for refusal in Refusal), "not_available", "?")
 EXTENDED, REMOTE = 1 << 31, 1 << 30
 
 

@@ -28,7 +28,7 @@ bool control(uint32_t node, int16_t iq)
     canwright_frame_t frame;
     P(set_torque_request_t) torque;
     torque.iq = iq;
-    if (P(set_torque_request_encode)(&frame, node, &torque) != CANWRIGHT_OK || !can_send(&frame)) {
+    if (P(set_torque_request_encode)(&frame, node, &torque, &motor) != CANWRIGHT_OK || !can_send(&frame)) {
         return false;
     }
     if (P(read_multi_turn_angle_request_encode)(&frame, node) != CANWRIGHT_OK || !can_send(&frame)) {

@@ -11,9 +11,10 @@
 #define P(name) mwd_motor_v2_35_##name
 
 #if WANTED(1)
-canwright_status_t encode_set_torque(canwright_frame_t *frame, uint32_t node, const P(set_torque_request_t) * message)
+canwright_status_t encode_set_torque(canwright_frame_t *frame, uint32_t node, const P(set_torque_request_t) * message,
+    const P(parameters_t) * parameters)
 {
-    return P(set_torque_request_encode)(frame, node, message);
+    return P(set_torque_request_encode)(frame, node, message, parameters);
 }
 #endif
 
@@ -56,7 +57,7 @@ canwright_status_t milliamperes(int32_t *milli, int16_t raw, const P(parameters_
 
 #else
 
-enum { OK, UNKNOWN_ID, UNKNOWN_CODE, WRONG_LENGTH, OUT_OF_RANGE, UNKNOWN_NODE, NO_SCALE, MISSING_PARAMETER };
+enum { OK, UNKNOWN_ID, UNKNOWN_CODE, WRONG_LENGTH, OUT_OF_RANGE, UNKNOWN_NODE, NO_SCALE, MISSING_PARAMETER, NOT_AVAILABLE };
 enum series { UNKNOWN, MS, MF, MH, MG };
 
 struct torque {
@@ -90,9 +91,13 @@ struct known {
 };
 
 #if WANTED(1)
-int encode_set_torque(canwright_frame_t *frame, uint32_t node, const struct torque *message)
+int encode_set_torque(
+    canwright_frame_t *frame, uint32_t node, const struct torque *message, const struct known *parameters)
 {
     const int16_t iq = message->iq;
+    if (parameters->series == MS) {
+        return NOT_AVAILABLE;
+    }
     if (iq < -2048 || iq > 2048) {
         return OUT_OF_RANGE;
     }

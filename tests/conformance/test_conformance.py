@@ -13,6 +13,7 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.base import Specification
 
+from ..assurance.c_survivors import ask_availability
 from ..assurance.differential import compare
 from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
@@ -24,7 +25,7 @@ from .questions import Questions
 from .runner import Runner
 from .summary import REPORTS
 
-RANDOM = {("c", "python", "javascript"): 500, ("dbc",): 12}
+RANDOM = {("c", "cxx", "python", "javascript"): 500, ("dbc",): 12}
 """So many random questions are asked of each target; `python -m tests.assurance.differential` asks a million."""
 
 Adapters = Callable[[Path, str], tuple[Specification, Adapter]]
@@ -67,6 +68,14 @@ def test_facts_of_headers(spec: Path, adapters: Adapters) -> None:
     _, adapter = adapters(spec, "c")
     assert isinstance(adapter, CAdapter)
     assert adapter.wrong_facts() == []
+
+
+@pytest.mark.parametrize("target", ["c", "cxx"])
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_requests_to_nodes_without_the_command_are_rejected(spec: Path, target: str, adapters: Adapters) -> None:
+    item, adapter = adapters(spec, target)
+    assert isinstance(adapter, CAdapter)
+    ask_availability(item.edition, adapter)
 
 
 class _OtherMessages(ReferenceAdapter):

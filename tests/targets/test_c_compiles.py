@@ -280,8 +280,8 @@ def test_cmake_serves_a_project_in_cxx_alone_and_keeps_editions_apart(tmp_path: 
 int main(void)
 {
     canwright_frame_t frame;
-    mwd_motor_v2_35_set_torque_request_t message = {0};
-    return (int)mwd_motor_%s_set_torque_request_encode(&frame, 1u, &message);
+    mwd_motor_v2_35_set_speed_request_t message = {0};
+    return (int)mwd_motor_%s_set_speed_request_encode(&frame, 1u, &message);
 }
 """
     for language, ending, edition, compiles in (

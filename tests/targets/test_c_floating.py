@@ -80,11 +80,26 @@ def test_avr_has_the_float_functions_alone(tmp_path: Path) -> None:
     assert re.search(r"_to_double\W undeclared", done.stderr)
 
 
-@pytest.mark.parametrize("scale", ["3.14159265358979323846", "1/1000000000000000000000000000000"])
-def test_a_scale_of_more_than_63_bits_has_no_conversions(scale: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("ending", ["double", "float"])
+@pytest.mark.parametrize(
+    "scale", ["25.132741228718345/65535, offset: -12.566370614359172", "1/1000000000000000000000000000000"]
+)
+def test_a_scale_of_more_than_63_bits_has_conversions_to_floating_point(
+    scale: str, ending: str, tmp_path: Path
+) -> None:
     file = tmp_path / "spec.yaml"
     file.write_text(MINIMAL.replace("scale: 0.1", f"scale: {scale}"), "utf-8")
     texts = {output.path: output.text for output in c.generate([specification(file)], {})}
-    assert "level_to" not in texts["include/lamp/v1_float.h"]
     text = " ".join(texts["include/lamp/v1.h"].replace("*", " ").split())
-    assert "No conversions to floating point: scale or offset needs integers of more than 63 bits." in text
+    assert "No thousandths: scale or offset needs integers of more than 63 bits" in text
+    assert f"level_to_{ending}" in texts["include/lamp/v1_float.h"]
+
+
+def test_a_scale_beyond_float_has_conversions_to_double(tmp_path: Path) -> None:
+    file = tmp_path / "spec.yaml"
+    file.write_text(MINIMAL.replace("scale: 0.1", f"scale: 0.{'0' * 37}1/10"), "utf-8")
+    texts = {output.path: output.text for output in c.generate([specification(file)], {})}
+    header = texts["include/lamp/v1_float.h"]
+    assert "level_to_double" in header and "level_to_float" not in header
+    text = " ".join(texts["include/lamp/v1.h"].replace("*", " ").split())
+    assert "No conversions to float: values are beyond its range." in text

@@ -34,6 +34,11 @@ TYPES = {
     "limited": "{raw: u32, scale: 0.5, raw_range: 2*ratio+1..36000*ratio-1}",
     "below": "{raw: i16, raw_range: -30*ratio..-3*ratio}",
     "limited_by_size": "{raw: i16, raw_range: {by: size, small: -5..5, big: none, huge: 0..100}}",
+    "angle": "{raw: u16, scale: 25.132741228718345/65535, offset: -12.566370614359172}",
+    "digits": "{raw: i32, scale: 3.14159265358979323846}",
+    "falling_digits": "{raw: i16, scale: -0.1234567890123456789012345}",
+    "tiny": "{raw: u24, scale: 1/1000000000000000000000000000000}",
+    "huge": "{raw: i24, scale: 1000000000000000000000000000000}",
     "whole": "{raw: u64}",
     "single": "{raw: f32, scale: -0.5, range: -3.1..7}",
     "precise": "{raw: f64, range: 0..0.1}",
@@ -136,7 +141,7 @@ def test_what_is_no_number_is_refused(name: str, made: tuple[Edition, CAdapter])
 def test_thousandths(name: str, made: tuple[Edition, CAdapter]) -> None:
     edition, target = made
     type_ = _type(edition, name)
-    if name in ("wide", "wider", "seven"):
+    if name in ("wide", "wider", "seven", "angle", "digits", "falling_digits", "tiny", "huge"):
         assert not any(f"{name}_to_milli" in text for text in _headers(edition)), "64 bits are too few for these"
         return
     known: Parameters = {"size": "big", "ratio": "7/2"}

@@ -12,7 +12,7 @@ from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.targets.base import header
 from canwright.targets.c import RUNTIME
-from canwright.targets.c.files import SHARED
+from canwright.targets.c.files import SHARED, SHARED_CXX
 
 from ..assurance import floating, integers
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
@@ -61,7 +61,7 @@ def test_each_header_compiles_alone(file: str, tmp_path: Path) -> None:
     ZIG.check("c99", *WARNINGS, f"-I{RUNTIME}", "-c", unit, "-o", unit.with_suffix(".o"))
 
 
-@pytest.mark.parametrize("file", SHARED)
+@pytest.mark.parametrize("file", [*SHARED, *SHARED_CXX])
 def test_the_source_is_copied_below_a_header_line(file: str, tmp_path: Path) -> None:
     one = specification(MAIN)
     copied = write([one], tmp_path) / "include" / one.edition.family / file
@@ -69,23 +69,24 @@ def test_the_source_is_copied_below_a_header_line(file: str, tmp_path: Path) -> 
 
 
 def test_every_source_file_is_copied() -> None:
-    assert sorted(file.name for file in RUNTIME.iterdir()) == sorted(SHARED)
+    assert sorted(file.name for file in RUNTIME.iterdir()) == sorted([*SHARED, *SHARED_CXX])
 
 
 def test_the_statuses_are_the_reasons_for_rejection(tmp_path: Path) -> None:
-    """In the same order with the same words, so that a status of C means what the other targets mean."""
+    """In the same order with the same words, so that a status means what the other targets mean; and one that only C has."""
     (body,) = re.findall(
         r"typedef enum \{(.*?)\} canwright_status_t;", (RUNTIME / "canwright.h").read_text("utf-8"), re.S
     )
     assert re.findall(r"\bCANWRIGHT_\w+(?=(?: = 0)?,?$)", body, re.M) == [
         "CANWRIGHT_OK",
         *(f"CANWRIGHT_{refusal.name}" for refusal in Refusal),
+        "CANWRIGHT_NOT_AVAILABLE",
     ]
     source = tmp_path / "statuses.c"
-    source.write_text(PRINT_STATUSES % (len(Refusal) + 1), "utf-8")
+    source.write_text(PRINT_STATUSES % (len(Refusal) + 2), "utf-8")
     program = build([source], RUNTIME, tmp_path / "statuses")
     printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split("\n")
-    assert printed == ["ok", *(refusal.value for refusal in Refusal), "?", ""]
+    assert printed == ["ok", *(refusal.value for refusal in Refusal), "not_available", "?", ""]
 
 
 def test_integers_and_texts_agree_with_fractions(tmp_path: Path) -> None:

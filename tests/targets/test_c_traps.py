@@ -56,7 +56,7 @@ canwright_status_t use(canwright_frame_t *frame, const mwd_motor_v2_35_parameter
     (void)motor;
     %s
     (void)value;
-    return status != CANWRIGHT_OK ? status : mwd_motor_v2_35_set_torque_request_encode(frame, 1u, &request);
+    return status != CANWRIGHT_OK ? status : mwd_motor_v2_35_set_torque_request_encode(frame, 1u, &request, motor);
 }
 """
 RIGHT = """
@@ -64,13 +64,13 @@ RIGHT = """
     value = mwd_motor_v2_35_speed_setpoint_to_double(speed.speed);
 """
 IGNORED = (
-    "mwd_motor_v2_35_set_torque_request_encode(frame, 1u, &request);",
+    "mwd_motor_v2_35_set_torque_request_encode(frame, 1u, &request, motor);",
     "mwd_motor_v2_35_torque_current_from_milli(&request.iq, 2500, motor);",
     "mwd_motor_v2_35_torque_current_to_double(&value, request.iq, motor);",
 )
 NULLS = (
-    "status = mwd_motor_v2_35_set_torque_request_encode(NULL, 1u, &request);",
-    "status = mwd_motor_v2_35_set_torque_request_encode(frame, 1u, NULL);",
+    "status = mwd_motor_v2_35_set_torque_request_encode(NULL, 1u, &request, motor);",
+    "status = mwd_motor_v2_35_set_torque_request_encode(frame, 1u, NULL, motor);",
     "status = mwd_motor_v2_35_torque_current_from_double(&request.iq, 2.5, NULL);",
     "canwright_clear(NULL);",
 )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
 
-from ..compilers import WARNINGS, ZIG, Compiler, each_compiler
+from ..compilers import SANITIZED, WARNINGS, ZIG, Compiler, each_compiler
 from ..conformance.adapters.cxx import cxx_harness
 from ..spec_texts import ROOT, SMALL, called
 from .test_c_compiles import MAIN, write
@@ -27,10 +28,10 @@ canwright_status_t use(const frame &received)
 {
     const parameters motor = parameters().set(series::mg).set(encoder_bits::_18);
     set_torque_request request;
-    set_torque_reply reply;
+    set_torque_request::reply reply;
     read_status_1_reply state;
     canwright_status_t status = set(request, field::iq, 2.5, motor);
-    if (!decode(reply, received, motor, &status) || !encode(1u, request) || !decode(state, received)) {
+    if (!decode(reply, received, motor) || !encode(1u, request, motor) || !decode(state, received)) {
         return status;
     }
     %s;
@@ -42,26 +43,94 @@ CORRECT = (
     "set(state, field::errors, error_flags::low_voltage, has(state, field::errors, error_flags::over_temperature))",
     "status = set_float(request, field::iq, get_float(reply, field::iq, motor).value_or(0.0f), motor)",
     "status = set_milli(request, field::iq, get_milli(reply, field::iq, motor).value_or(0), motor)",
+    "request.iq = 250",
+    "request.iq = reply.iq",
+    "status = request == set_torque_request() && request != request ? status : CANWRIGHT_OK",
+    "status = get(reply, field::power, motor).why()",
+    "static_assert(set_torque_request::code == 0xA1u && set_torque_request::which == command::set_torque)",
+    "status = set_torque_request::text == nullptr ? CANWRIGHT_OK : encode(1u, request, motor).why()",
 )
 INCORRECT = (
     "status = set(reply, field::voltage, 1.0)",
     "status = set(request, field::iq, 2.5)",
-    "status = set_float(request, field::iq, 2.7, motor)",
+    "status = set_float(request, field::iq, 2.7, mwd_motor::v2_36_2025_03::parameters())",
     "status = set(request, field::iq, series::mg, motor)",
+    "status = set_milli(request, field::iq, 2500.5, motor)",
+    "status = set(reply, field::iq, 0u, 2.5, motor)",
     "set(state, field::errors, spin_direction::clockwise)",
     "status = set(request, mwd_motor::v2_36_2025_03::field::iq, 2.5, motor)",
-    "static_cast<void>(mwd_motor::v2_36_2025_03::encode(1u, request))",
-    "encode(1u, request)",
+    "static_cast<void>(encode(1u, request))",
+    "static_cast<void>(encode(request, motor))",
+    "static_cast<void>(get(reply, field::power))",
+    "static_cast<void>(get(state, field::errors))",
+    "static_cast<void>(has(state, field::errors, spin_direction::clockwise))",
+    "static_cast<void>(has(state, field::iq, error_flags::low_voltage))",
+    "static_cast<void>(request == reply)",
+    "encode(1u, request, motor)",
     "set(request, field::iq, 2.5, motor)",
     "state.errors = error_flags::low_voltage",
+    "request.iq = 2.5",
+    "request.iq = 2.5f",
 )
 IGNORED = (
     "set(request, field::iq, 2.5, motor)",
-    "encode(1u, request)",
+    "encode(1u, request, motor)",
     "decode(reply, received, motor)",
     "get(reply, field::speed)",
     "check_reply(received, received)",
 )
+REPORTED = r"unit\.cpp:(\d+):\d+: (?:error|note: in instantiation)"
+"""A line with a mistake: the sentence about it is in the shared header."""
+ONE_SENTENCE = {
+    "static_cast<void>(get(reply, field::voltage))": "the message has no such field",
+    "status = set(reply, field::voltage, 1.0)": "the message has no such field",
+    "static_cast<void>(get(reply, field::iq))": "pass them last",
+    "status = set(request, field::iq, series::mg, motor)": "a value of another type",
+    "static_cast<void>(encode(1u, request))": "pass them last",
+}
+"""Mistakes, and the end of the sentence about each."""
+READS = """\
+#include <cstdio>
+#include <mwd_motor/v2_35.hpp>
+
+using namespace mwd_motor::v2_35;
+
+static void show(const char *what, const result<double> &found)
+{
+    std::printf("%s %s %s\\n", what, canwright_status_name(found.why()), found ? "none" : name(found.field()));
+}
+
+int main()
+{
+    const parameters mf = parameters().set(series::mf);
+    const parameters ms = parameters().set(series::ms);
+    set_torque_reply reply;
+    set_torque_request request;
+    show("power of MF", get(reply, field::power, mf));
+    show("power of MS", get(reply, field::power, ms));
+    show("iq of MS", get(reply, field::iq, ms));
+    show("power of any", get(reply, field::power, parameters()));
+    request.iq = 3000;
+    const auto sent = encode(1u, request, mf);
+    std::printf("iq of 3000 %s %s\\n", canwright_status_name(sent.why()), name(sent.field()));
+    std::printf("node 99 [%s]\\n", name(encode(99u, request, mf).field()));
+    std::printf("torque of MS %s\\n", canwright_status_name(encode(1u, request, ms).why()));
+    const frame received = {0x141u, 8u, {0u}, {0x9Au, 20u, 0u, 0u, 0u, 0u, 0u, 8u}};
+    const auto any = decode_reply(received, mf);
+    std::puts(visit([](const auto &message) { return message.text; }, *any));
+    return 0;
+}
+"""
+READ = """\
+power of MF not_available power
+power of MS ok none
+iq of MS not_available iq
+power of any missing_parameter power
+iq of 3000 out_of_range iq
+node 99 []
+torque of MS not_available
+reply of read_status_1
+"""
 
 
 def compiled(statement: str, compiler: Compiler, standard: str, folder: Path, *flags: str) -> None:
@@ -79,10 +148,28 @@ def test_what_fits_compiles(standard: str, compiler: Compiler, tmp_path: Path) -
 
 def test_what_does_not_fit_does_not_compile(tmp_path: Path) -> None:
     with pytest.raises(AssertionError) as raised:
-        compiled(";\n    ".join(INCORRECT), ZIG, "c++17", tmp_path)
+        compiled(";\n    ".join(INCORRECT), ZIG, "c++17", tmp_path, "-ferror-limit=0")
     first = PROGRAM.partition("%s")[0].count("\n") + 1
-    reported = {int(line) for line in re.findall(r"unit\.cpp:(\d+):\d+: error:", str(raised.value))}
+    reported = {int(line) for line in re.findall(REPORTED, str(raised.value))}
     assert reported == {*range(first, first + len(INCORRECT))}
+
+
+@each_compiler
+def test_the_message_about_a_mistake_is_one_sentence(compiler: Compiler, tmp_path: Path) -> None:
+    for statement, sentence in ONE_SENTENCE.items():
+        with pytest.raises(AssertionError) as raised:
+            compiled(statement, compiler, "c++17", tmp_path)
+        errors = [line for line in str(raised.value).splitlines() if " error: " in line]
+        assert len(errors) == 1 and sentence in errors[0], (statement, errors)
+
+
+def test_a_result_has_the_reason_and_the_field(tmp_path: Path) -> None:
+    source = tmp_path / "reads.cpp"
+    source.write_text(READS, "utf-8")
+    unit, program = source.with_suffix(".o"), tmp_path / "reads"
+    ZIG.run("c++17", *STRICT, *SANITIZED, f"-I{INCLUDE}", "-c", source, "-o", unit)
+    ZIG.run("c++17", *SANITIZED, "-nostdlib++", unit, "-o", program)
+    assert subprocess.run([program], capture_output=True, text=True, check=True).stdout == READ
 
 
 @each_compiler

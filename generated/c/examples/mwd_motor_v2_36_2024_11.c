@@ -49,7 +49,7 @@ static canwright_status_t answer(canwright_frame_t *reply, const canwright_frame
     mwd_motor_v2_36_2024_11_field_t rejected;
     canwright_status_t status = mwd_motor_v2_36_2024_11_decode_request(&received, request);
     if (status == CANWRIGHT_OK) {
-        status = mwd_motor_v2_36_2024_11_any_request_check(&rejected, &received);
+        status = mwd_motor_v2_36_2024_11_any_request_check(&rejected, &received, &parameters);
     }
     if (status != CANWRIGHT_OK) {
         return status;
@@ -135,7 +135,8 @@ static canwright_status_t host_set_torque(void)
     canwright_frame_t request;
     canwright_frame_t reply;
     uint32_t node;
-    canwright_status_t status = mwd_motor_v2_36_2024_11_set_torque_request_encode(&request, 1u, &message);
+    canwright_status_t status = mwd_motor_v2_36_2024_11_set_torque_request_encode(&request, 1u, &message,
+        &parameters);
     if (status == CANWRIGHT_OK) {
         status = exchange(&reply, &request);
     }

@@ -136,7 +136,8 @@ static canwright_status_t host_set_torque(void)
     canwright_frame_t request;
     canwright_frame_t reply;
     uint32_t node;
-    canwright_status_t status = mwd_motor_v2_36_2025_03_set_torque_request_encode(&request, 1u, &message);
+    canwright_status_t status = mwd_motor_v2_36_2025_03_set_torque_request_encode(&request, 1u, &message,
+        &parameters);
     if (status == CANWRIGHT_OK) {
         status = exchange(&reply, &request);
     }

@@ -13,6 +13,7 @@ from canwright.model.layout import Field
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
+from canwright.semantics.frame import read_bits
 from canwright.targets import c as target
 from canwright.targets.base import Specification
 
@@ -37,10 +38,16 @@ EXTENDED = 1 << 31
 REMOTE = 1 << 30
 
 
+class NotAvailable(Exception):  # noqa: N818 - an answer
+    """A node with the parameters does not have the command."""
+
+
 class CAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, the functions of each message, and the conversions."""
 
     name = "c"
+    reports_absent = False
+    """Whether the value of a field that a node lacks is the reason; C has functions for types, not for fields."""
 
     def __init__(self, edition: Edition, program: Path, header: str = "") -> None:
         super().__init__(edition)
@@ -73,9 +80,9 @@ class CAdapter(Adapter):
         items = [words[i : i + 3] for i in range(0, len(words), 3)]
         assert words[-2:] != ["not", "clear"], f"{command}: fields of other commands are not 0"
         present = {field.name for field in variant.fields}
-        assert all(number == "0" for name, number, _ in items if name not in present), (
-            f"{command}: absent fields are not 0"
-        )
+        absent = [(number, value) for name, number, value in items if name not in present]
+        assert all(number == "0" for number, _ in absent), f"{command}: absent fields are not 0"
+        assert not self.reports_absent or all(value in ("?not_available", "+") for _, value in absent), command
         for field in (f for f in variant.fields if f.fixed is None):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
@@ -85,7 +92,7 @@ class CAdapter(Adapter):
                 values[field.name] = [float(value) for _, value in mine]
             else:
                 values[field.name] = _value(mine[0][1])
-        return Decoded(command, int(node) if message.id.nodes is not None else None, raw, values)
+        return Decoded(command, self._node(message, frame, int(node)), raw, values)
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -112,6 +119,14 @@ class CAdapter(Adapter):
         for field, index, value in _items(message, values):
             words += [field.name, str(index), _written(value)]
         return self._encode(message, node, parameters, True, words)
+
+    @staticmethod
+    def _node(message: Message, frame: CanFrame, node: int) -> int | None:
+        """The node in the id. One in a field must be that of the frame, and 0 stands for none."""
+        if message.id.nodes is not None:
+            return node
+        assert node == node_in_field(message, frame), (message.name, frame, node)
+        return None
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         answer = self._ask("answers", *_frame(request), *_frame(reply))
@@ -152,6 +167,14 @@ class CAdapter(Adapter):
         """Why a frame is not decoded, or why its fields are invalid, with the field; None for a valid frame."""
         answer = self._ask("check", f"any_{direction.value}", *self._known(parameters), *_frame(frame))
         return answer if isinstance(answer, Refused) else None
+
+    def has_command(self, message: Message, parameters: Parameters) -> bool:
+        """Whether a message whose fields are 0 is encoded, or rejected for another reason than the parameters."""
+        try:
+            self._encode(message, message.id.nodes[0] if message.id.nodes else None, parameters, False, [])
+        except NotAvailable:
+            return False
+        return True
 
     def milli(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
         """`to` thousandths of the unit, or `from` them."""
@@ -203,7 +226,14 @@ class CAdapter(Adapter):
         assert line, f"the program has no answer to: {' '.join(words)}"
         if line[0] == "ok":
             return line[1:]
+        if line[1] == "not_available":
+            raise NotAvailable(*words)
         return Refused(Refusal(line[1]), line[2] if len(line) > 2 else None)
+
+
+def node_in_field(message: Message, frame: CanFrame) -> int:
+    """The node that a field of a frame contains; 0 without one."""
+    return 0 if message.node_bits is None else read_bits(message.node_bits, frame)
 
 
 def _end(process: subprocess.Popen[str]) -> None:

@@ -152,7 +152,7 @@ class Facts:
 
     def all(self) -> Iterator[Fact]:
         """All questions with their answers."""
-        for number, refusal in enumerate(("ok", *(refusal.value for refusal in Refusal))):
+        for number, refusal in enumerate(("ok", *(refusal.value for refusal in Refusal), "not_available")):
             yield Fact("status", "-", {}, (str(number),), refusal)
         yield Fact("status", "-", {}, ("99",), "?")
         yield Fact("clear", "-", {}, (), "A5A5A5A5A5" + "00" * 11)
@@ -172,20 +172,20 @@ class Facts:
             if match and match["kind"] == "to_milli" and match["stem"] in self._types:
                 yield from self._of_milli(self._types[match["stem"]])
 
-    def _assignments(self, *names: str) -> Iterator[Parameters]:
+    def assignments(self, *names: str) -> Iterator[Parameters]:
         """All combinations of the values of some parameters, unknown included."""
         if not names:
             yield {}
             return
         parameter = self._edition.parameter(names[0])
         values = [value.name for value in parameter.values] or ["1", "3.5", "900"]
-        for rest in self._assignments(*names[1:]):
+        for rest in self.assignments(*names[1:]):
             yield rest
             yield from ({**rest, parameter.name: value} for value in values)
 
     def _zeros(self, type_: Type) -> Iterator[Parameters]:
         """Parameters under which the number that multiplies the scale is 0, which a C program can set."""
-        for parameters in self._assignments(*type_.parameters):
+        for parameters in self.assignments(*type_.parameters):
             linear = type_.linear.at(Encoder(parameters).assignment)
             if linear is not None and linear.times is not None:
                 yield {**parameters, **dict.fromkeys(type_.numbers, "1"), linear.times: "0"}
@@ -210,7 +210,7 @@ class Facts:
             command = known.get(name)
             its = [effect.name for effect in command.effects] if command else []
             mask = sum(effects[one] for one in its) if has_effects else 0
-            for parameters in self._assignments(*only):
+            for parameters in self.assignments(*only):
                 words = [f"[{name}]"]
                 words += [f"{mask:X}", *(one for one in effects if one in its)] if has_effects else []
                 if available:
@@ -321,7 +321,7 @@ class Facts:
         if kind == "from_double":
             yield from self._of_double(stem, type_)
             return
-        for parameters in self._assignments(*type_.parameters, *type_.numbers):
+        for parameters in self.assignments(*type_.parameters, *type_.numbers):
             encoder = Encoder(parameters)
             for raw in self._raws(encoder, type_):
                 valid = encoder.rejects_raw(self._field(type_), raw) is None
@@ -375,7 +375,7 @@ class Facts:
     def _of_double(self, stem: str, type_: Type) -> Iterator[Fact]:
         """The raw integers of doubles at, between and beyond the ends of a type."""
         field = self._field(type_)
-        for parameters in self._assignments(*type_.parameters, *type_.numbers):
+        for parameters in self.assignments(*type_.parameters, *type_.numbers):
             encoder = Encoder(parameters)
             linear = linear_of(type_, encoder.assignment)
             values: list[float] = [0.0, -0.0, 1e300, -1e300, 2.0**63, -(2.0**63), 2.0**64, 5e-324]
@@ -402,7 +402,7 @@ class Facts:
         """Conversions of single precision, at, between and beyond the ends of each type."""
         for stem, type_ in self._types.items():
             if f"{stem}_to_float" in self._functions:
-                for parameters in self._assignments(*type_.parameters, *type_.numbers):
+                for parameters in self.assignments(*type_.parameters, *type_.numbers):
                     yield from self._singles(type_, parameters)
                 zeros = (("to", 1), ("from", 1), ("from", 0x7FC00000))
                 for parameters, (direction, bits) in itertools.product(self._zeros(type_), zeros):
@@ -455,9 +455,7 @@ class Facts:
             raws = {raw for raw in (least, low - 1, high + 1, most) if least <= raw <= most and not low <= raw <= high}
             if f"{stem}_to_milli" not in self._functions:
                 continue
-            for parameters, raw in itertools.product(
-                self._assignments(*type_.parameters, *type_.numbers), sorted(raws)
-            ):
+            for parameters, raw in itertools.product(self.assignments(*type_.parameters, *type_.numbers), sorted(raws)):
                 linear = linear_of(type_, Encoder(parameters).assignment)
                 if linear is not None:
                     answer = _rounded((raw * linear.scale + linear.offset) * 1000)
@@ -466,7 +464,7 @@ class Facts:
     def _of_milli(self, type_: Type) -> Iterator[Fact]:
         """Thousandths of the ends of a type, and the raw integers of thousandths around them."""
         field = self._field(type_)
-        for parameters in self._assignments(*type_.parameters, *type_.numbers):
+        for parameters in self.assignments(*type_.parameters, *type_.numbers):
             encoder = Encoder(parameters)
             at_zero = encoder.nearest_raw(field, Fraction(0))
             low, high = type_.raw_limits

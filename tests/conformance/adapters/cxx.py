@@ -27,6 +27,7 @@ class CxxAdapter(CAdapter):
     """Answers through `encode`, `decode`, `get`, `set` and `has`; the program speaks the protocol of that for C."""
 
     name = "cxx"
+    reports_absent = True
 
     @classmethod
     def create(cls, specification: Specification, workdir: Path) -> CxxAdapter:
@@ -54,8 +55,8 @@ def cxx_harness(edition: Edition) -> str:
         messages=[message.name for message in edition.all_messages()],
         commands=[message.command for message in edition.all_messages()],
         structs=[
-            {"name": struct.name, "fields": [_field(names, *pair) for pair in zip(fields, struct.fields, strict=True)]}
-            for fields, struct in zip(with_fields, names.structs, strict=True)
+            {"name": layout.name, "fields": [_field(names, *pair) for pair in zip(fields, layout.fields, strict=True)]}
+            for fields, layout in zip(with_fields, names.layouts, strict=True)
         ],
     )
 
@@ -67,18 +68,18 @@ def _fields(layout: Any) -> list[Field]:
 def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
     enums = {enum.name: enum for enum in names.enums}
     tags = {tag.value: tag.name for tag in names.tags}
-    enum = enums.get(view.named or view.flags)
+    type_ = view.type
+    enum = enums.get(type_.named or type_.flags)
     members = (*field.type.enum, *field.type.flags)
     return {
         "name": field.name,
         "tag": tags[view.tag],
         "member": view.member,
-        "kind": view.kind,
+        "kind": type_.kind,
         "signed": field.type.encoding is Encoding.SIGNED,
         "places": [(f"[{i}]", f", {i}u") for i in range(view.length)] or [("", "")],
-        "named": view.named,
-        "flags": view.flags,
-        "has_names": enum is not None and bool(enum.name_function),
+        "named": type_.named,
+        "flags": type_.flags,
         "members": [(m.name, e.name) for m, e in zip(members, enum.members, strict=True)] if enum else [],
-        "conversion": next((one for one in view.conversions if not one.ending), None),
+        "has_value": any(conversion.name == "value" for conversion in type_.conversions),
     }

@@ -53,7 +53,7 @@ static canwright_status_t exchange()
     uint32_t node;
     canwright_status_t status;
     message.iq = 100;
-    status = mwd_motor_v2_35_set_torque_request_encode(&request, 1u, &message);
+    status = mwd_motor_v2_35_set_torque_request_encode(&request, 1u, &message, &parameters);
     if (status == CANWRIGHT_OK) {
         status = transfer(reply, request);
     }

@@ -3,9 +3,10 @@
  * @file
  * MS, MF, MH and MG motors on CAN: the functions of C for C++17, in the namespace mwd_motor::v2_35_2024_02.
  *
- * Each message is a type of its own, derived from its struct of C. A field is named by a tag, such as `field::NAME`: what a
- * message does not have, or a value of another type, does not compile. A function that can fail returns nothing then,
- * and the reason in `why`. There are no exceptions, no run-time type information and no heap.
+ * Each message is a type of its own, with raw integers, which numbers in floating point cannot be assigned to. A field is
+ * named by a tag, such as `field::NAME`: what a message does not have, or a value of another type, does not compile. A
+ * function that can fail returns a `result`: the value, or the reason and the rejected field. There are no exceptions, no
+ * run-time type information and no heap.
  */
 #ifndef MWD_MOTOR_V2_35_2024_02_HPP
 #define MWD_MOTOR_V2_35_2024_02_HPP
@@ -14,10 +15,7 @@
 #error "v2_35_2024_02.hpp needs C++17; use v2_35_2024_02.h."
 #endif
 
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-
+#include "canwright.hpp"
 #include "v2_35_2024_02.h"
 #include "v2_35_2024_02_float.h"
 
@@ -27,8 +25,17 @@
 
 namespace mwd_motor::v2_35_2024_02 {
 
-using frame = ::canwright_frame_t;
-using status = ::canwright_status_t;
+using ::canwright::decode;
+using ::canwright::encode;
+using ::canwright::frame;
+using ::canwright::get;
+using ::canwright::get_float;
+using ::canwright::get_milli;
+using ::canwright::has;
+using ::canwright::set;
+using ::canwright::set_float;
+using ::canwright::set_milli;
+using ::canwright::status;
 
 /* gcc regards an enumerator of a scoped enum as a declaration that hides one of the namespace, such as `status`. */
 #if defined(__GNUC__)
@@ -159,6 +166,9 @@ CANWRIGHT_CHECKED static inline const char *name(error_flags value) noexcept
 #pragma GCC diagnostic pop
 #endif
 
+/** A value, or the reason why there is none and the rejected field. */
+template <class Value> using result = ::canwright::result<Value, ::mwd_motor_v2_35_2024_02_field_t>;
+
 /** The parameters of a node, all unknown at first. */
 struct parameters : ::mwd_motor_v2_35_2024_02_parameters_t {
     constexpr parameters() noexcept : ::mwd_motor_v2_35_2024_02_parameters_t{} {}
@@ -182,3579 +192,4867 @@ struct parameters : ::mwd_motor_v2_35_2024_02_parameters_t {
     }
 };
 
-/** The type of a tag. */
-template <::mwd_motor_v2_35_2024_02_field_t> struct field_tag {};
-
 /** The fields of all messages. */
 namespace field {
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE> temperature{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER> power{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ> iq{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED> speed{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER> encoder{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE> voltage{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT> current{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE> motor_state{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS> errors{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT> torque_limit{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT> acceleration_limit{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT> speed_limit{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACTION> action{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT> iq_limit{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE> angle{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED> max_speed{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION> spin_direction{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT> increment{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET> encoder_offset{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_STATE> state{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED> encoder_measured{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A> phase_a{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B> phase_b{};
-inline constexpr field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C> phase_c{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE> temperature{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER> power{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ> iq{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED> speed{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER> encoder{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE> voltage{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT> current{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE> motor_state{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS> errors{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT> torque_limit{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT> acceleration_limit{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT> speed_limit{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACTION> action{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT> iq_limit{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE> angle{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED> max_speed{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION> spin_direction{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT> increment{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET> encoder_offset{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_STATE> state{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED> encoder_measured{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A> phase_a{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B> phase_b{};
+inline constexpr ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C> phase_c{};
 } /* namespace field */
 
+/** The name of a field; an empty text for the number 0. */
+CANWRIGHT_CHECKED static inline const char *name(::mwd_motor_v2_35_2024_02_field_t value) noexcept
+{
+    return ::mwd_motor_v2_35_2024_02_field_name(value);
+}
+
+/** The types of fields, with their conversions; for `get` and `set`. */
+namespace type {
+
+/** temperature: Motor temperature, degC. */
+struct temperature {
+    using integer = ::std::int8_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_temperature_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_temperature_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_temperature_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_temperature_from_float(&raw, value);
+        }
+    };
+};
+
+/** output_power: Output power. */
+struct output_power {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_output_power_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_output_power_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_output_power_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_output_power_from_float(&raw, value);
+        }
+    };
+};
+
+/** measured_torque_current: Torque current, A. */
+struct measured_torque_current {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_measured_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_double(&raw, value, known);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_measured_torque_current_to_float(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_float(&raw, value, known);
+        }
+    };
+    struct milli {
+        using number = ::std::int32_t;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_measured_torque_current_to_milli(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_milli(&raw, value, known);
+        }
+    };
+};
+
+/** speed_i16: Motor speed, deg/s. */
+struct speed_i16 {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_i16_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_i16_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_i16_from_float(&raw, value);
+        }
+    };
+};
+
+/** encoder_position: Encoder position, deg. */
+struct encoder_position {
+    using integer = ::std::uint16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&raw, value, known);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&raw, value, known);
+        }
+    };
+    struct milli {
+        using number = ::std::int32_t;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_encoder_position_from_milli(&raw, value, known);
+        }
+    };
+};
+
+/** voltage: Supply voltage, V. */
+struct voltage {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_voltage_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_voltage_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_voltage_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_voltage_from_float(&raw, value);
+        }
+    };
+    struct milli {
+        using number = ::std::int32_t;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_voltage_to_milli(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_voltage_from_milli(&raw, value);
+        }
+    };
+};
+
+/** bus_current: Supply current, A. */
+struct bus_current {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_bus_current_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_bus_current_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_bus_current_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_bus_current_from_float(&raw, value);
+        }
+    };
+    struct milli {
+        using number = ::std::int32_t;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_bus_current_to_milli(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_bus_current_from_milli(&raw, value);
+        }
+    };
+};
+
+/** motor_state: Motor state. */
+struct motor_state {
+    using integer = ::std::uint8_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using single = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = ::mwd_motor::v2_35_2024_02::motor_state;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = false;
+        static constexpr bool from_needs_parameters = false;
+        static constexpr ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = static_cast<number>(raw);
+            return CANWRIGHT_OK;
+        }
+        static constexpr ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            raw = static_cast<integer>(value);
+            return CANWRIGHT_OK;
+        }
+    };
+};
+
+/** error_flags: Errors. */
+struct error_flags {
+    using integer = ::std::uint8_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::mwd_motor::v2_35_2024_02::error_flags;
+    using value = ::canwright::none;
+    using single = ::canwright::none;
+    using milli = ::canwright::none;
+};
+
+/** i16: i16. */
+struct i16 {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_i16_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_i16_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_i16_from_float(&raw, value);
+        }
+    };
+};
+
+/** i32: i32. */
+struct i32 {
+    using integer = ::std::int32_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_i32_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_i32_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_i32_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_i32_from_float(&raw, value);
+        }
+    };
+};
+
+/** brake_action: Brake action. */
+struct brake_action {
+    using integer = ::std::uint8_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using single = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = ::mwd_motor::v2_35_2024_02::brake_action;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = false;
+        static constexpr bool from_needs_parameters = false;
+        static constexpr ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = static_cast<number>(raw);
+            return CANWRIGHT_OK;
+        }
+        static constexpr ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            raw = static_cast<integer>(value);
+            return CANWRIGHT_OK;
+        }
+    };
+};
+
+/** power_i16: Power (open-loop drive level). */
+struct power_i16 {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_power_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_power_i16_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_power_i16_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_power_i16_from_float(&raw, value);
+        }
+    };
+};
+
+/** torque_current: Torque current, A. */
+struct torque_current {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_torque_current_from_double(&raw, value, known);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_torque_current_to_float(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_torque_current_from_float(&raw, value, known);
+        }
+    };
+    struct milli {
+        using number = ::std::int32_t;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_torque_current_to_milli(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_torque_current_from_milli(&raw, value, known);
+        }
+    };
+};
+
+/** speed_setpoint: Target speed, deg/s. */
+struct speed_setpoint {
+    using integer = ::std::int32_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_setpoint_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_setpoint_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_float(&raw, value);
+        }
+    };
+    struct milli {
+        using number = ::std::int64_t;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_setpoint_to_milli(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_milli(&raw, value);
+        }
+    };
+};
+
+/** angle_i32: Angle, deg. */
+struct angle_i32 {
+    using integer = ::std::int32_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_angle_i32_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_angle_i32_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&raw, value);
+        }
+    };
+    struct milli {
+        using number = ::std::int64_t;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_angle_i32_from_milli(&raw, value);
+        }
+    };
+};
+
+/** speed_limit_u16: Speed limit of the movement, deg/s. */
+struct speed_limit_u16 {
+    using integer = ::std::uint16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_float(&raw, value);
+        }
+    };
+};
+
+/** spin_direction: Direction of rotation. */
+struct spin_direction {
+    using integer = ::std::uint8_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using single = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = ::mwd_motor::v2_35_2024_02::spin_direction;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = false;
+        static constexpr bool from_needs_parameters = false;
+        static constexpr ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = static_cast<number>(raw);
+            return CANWRIGHT_OK;
+        }
+        static constexpr ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            raw = static_cast<integer>(value);
+            return CANWRIGHT_OK;
+        }
+    };
+};
+
+/** single_turn_angle: Single-turn angle, deg. */
+struct single_turn_angle {
+    using integer = ::std::uint32_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_single_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_single_turn_angle_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_float(&raw, value);
+        }
+    };
+    struct milli {
+        using number = ::std::int64_t;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_single_turn_angle_to_milli(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_milli(&raw, value);
+        }
+    };
+};
+
+/** brake_state: Brake state. */
+struct brake_state {
+    using integer = ::std::uint8_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using single = ::canwright::none;
+    using milli = ::canwright::none;
+    struct value {
+        using number = ::mwd_motor::v2_35_2024_02::brake_state;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = false;
+        static constexpr bool from_needs_parameters = false;
+        static constexpr ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = static_cast<number>(raw);
+            return CANWRIGHT_OK;
+        }
+        static constexpr ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            raw = static_cast<integer>(value);
+            return CANWRIGHT_OK;
+        }
+    };
+};
+
+/** multi_turn_angle: Multi-turn angle, deg. */
+struct multi_turn_angle {
+    using integer = ::std::int64_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_double(&raw, value);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_float(&raw, value);
+        }
+    };
+    struct milli {
+        using number = ::std::int64_t;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_milli(&value, raw);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_milli(&raw, value);
+        }
+    };
+};
+
+/** single_turn_position: Single-turn angle of the output, deg. */
+struct single_turn_position {
+    using integer = ::std::uint32_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_single_turn_position_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_single_turn_position_from_double(&raw, value, known);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_single_turn_position_to_float(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_single_turn_position_from_float(&raw, value, known);
+        }
+    };
+    struct milli {
+        using number = ::std::int64_t;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_single_turn_position_to_milli(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_single_turn_position_from_milli(&raw, value, known);
+        }
+    };
+};
+
+/** phase_current: Phase current, A. */
+struct phase_current {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&raw, value, known);
+        }
+    };
+    struct single {
+        using number = float;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_phase_current_to_float(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_phase_current_from_float(&raw, value, known);
+        }
+    };
+    struct milli {
+        using number = ::std::int32_t;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_phase_current_to_milli(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_phase_current_from_milli(&raw, value, known);
+        }
+    };
+};
+
+} /* namespace type */
+
+/** The fields of messages; the messages themselves are below. */
+namespace layout {
+
+/** Fields that only some nodes have. */
+struct only_1 {
+    static constexpr bool needs_parameters = true;
+    static constexpr ::canwright::status check(const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+    {
+        switch (static_cast<int>(known->series)) {
+        case MWD_MOTOR_V2_35_2024_02_SERIES_MS:
+            return CANWRIGHT_OK;
+        case MWD_MOTOR_V2_35_2024_02_SERIES_UNKNOWN:
+            return CANWRIGHT_MISSING_PARAMETER;
+        default:
+            return CANWRIGHT_NOT_AVAILABLE;
+        }
+    }
+};
+
+/** Fields that only some nodes have. */
+struct only_2 {
+    static constexpr bool needs_parameters = true;
+    static constexpr ::canwright::status check(const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+    {
+        switch (static_cast<int>(known->series)) {
+        case MWD_MOTOR_V2_35_2024_02_SERIES_MF:
+        case MWD_MOTOR_V2_35_2024_02_SERIES_MH:
+        case MWD_MOTOR_V2_35_2024_02_SERIES_MG:
+            return CANWRIGHT_OK;
+        case MWD_MOTOR_V2_35_2024_02_SERIES_UNKNOWN:
+            return CANWRIGHT_MISSING_PARAMETER;
+        default:
+            return CANWRIGHT_NOT_AVAILABLE;
+        }
+    }
+};
+
+/** The fields of ::mwd_motor_v2_35_2024_02_motion_feedback_t. */
+struct motion_feedback : ::canwright::message {
+    /**
+     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     */
+    ::canwright::raw<::std::int8_t> temperature{};
+    /** Output power, DATA[2..3]. Type output_power, a plain number. Raw -1000..1000. Only series MS; 0 otherwise. */
+    ::canwright::raw<::std::int16_t> power{};
+    /**
+     * Torque current, DATA[2..3]. Type measured_torque_current: measured_torque_current_to_*,
+     * measured_torque_current_from_*, with the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A
+     * (series MG). None is known for MH. Only series MF, MH, MG; 0 otherwise.
+     */
+    ::canwright::raw<::std::int16_t> iq{};
+    /** Motor speed, DATA[4..5]. Type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1 deg/s. */
+    ::canwright::raw<::std::int16_t> speed{};
+    /**
+     * Encoder position, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
+     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
+     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     */
+    ::canwright::raw<::std::uint16_t> encoder{};
+};
+
+constexpr ::canwright::access<type::temperature, &motion_feedback::temperature, 0u,
+    ::canwright::always> canwright_access(
+    const motion_feedback &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::output_power, &motion_feedback::power, 0u, only_1> canwright_access(
+    const motion_feedback &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::measured_torque_current, &motion_feedback::iq, 0u, only_2> canwright_access(
+    const motion_feedback &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::speed_i16, &motion_feedback::speed, 0u, ::canwright::always> canwright_access(
+    const motion_feedback &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::encoder_position, &motion_feedback::encoder, 0u,
+    ::canwright::always> canwright_access(
+    const motion_feedback &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(motion_feedback &to, const ::mwd_motor_v2_35_2024_02_motion_feedback_t &from) noexcept
+{
+    to.temperature = from.temperature;
+    to.power = from.power;
+    to.iq = from.iq;
+    to.speed = from.speed;
+    to.encoder = from.encoder;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_motion_feedback_t &to, const motion_feedback &from) noexcept
+{
+    to.temperature = from.temperature;
+    to.power = from.power;
+    to.iq = from.iq;
+    to.speed = from.speed;
+    to.encoder = from.encoder;
+}
+
+constexpr bool same(const motion_feedback &one, const motion_feedback &other) noexcept
+{
+    if (one.temperature != other.temperature) {
+        return false;
+    }
+    if (one.power != other.power) {
+        return false;
+    }
+    if (one.iq != other.iq) {
+        return false;
+    }
+    if (one.speed != other.speed) {
+        return false;
+    }
+    if (one.encoder != other.encoder) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_status_1_t. */
+struct status_1 : ::canwright::message {
+    /**
+     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     */
+    ::canwright::raw<::std::int8_t> temperature{};
+    /** Supply voltage, DATA[2..3]. Type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01 V. */
+    ::canwright::raw<::std::int16_t> voltage{};
+    /**
+     * Supply current, DATA[4..5]. Type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1 LSB): 0.01 A.
+     */
+    ::canwright::raw<::std::int16_t> current{};
+    /** Motor state, DATA[6]. Type motor_state: MOTOR_STATE_*. */
+    ::canwright::raw<::std::uint8_t> motor_state{};
+    /** Errors, DATA[7]. Type error_flags: ERROR_FLAGS_*. */
+    ::canwright::raw<::std::uint8_t> errors{};
+};
+
+constexpr ::canwright::access<type::temperature, &status_1::temperature, 0u, ::canwright::always> canwright_access(
+    const status_1 &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::voltage, &status_1::voltage, 0u, ::canwright::always> canwright_access(
+    const status_1 &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::bus_current, &status_1::current, 0u, ::canwright::always> canwright_access(
+    const status_1 &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::motor_state, &status_1::motor_state, 0u, ::canwright::always> canwright_access(
+    const status_1 &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::error_flags, &status_1::errors, 0u, ::canwright::always> canwright_access(
+    const status_1 &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(status_1 &to, const ::mwd_motor_v2_35_2024_02_status_1_t &from) noexcept
+{
+    to.temperature = from.temperature;
+    to.voltage = from.voltage;
+    to.current = from.current;
+    to.motor_state = from.motor_state;
+    to.errors = from.errors;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_status_1_t &to, const status_1 &from) noexcept
+{
+    to.temperature = from.temperature;
+    to.voltage = from.voltage;
+    to.current = from.current;
+    to.motor_state = from.motor_state;
+    to.errors = from.errors;
+}
+
+constexpr bool same(const status_1 &one, const status_1 &other) noexcept
+{
+    if (one.temperature != other.temperature) {
+        return false;
+    }
+    if (one.voltage != other.voltage) {
+        return false;
+    }
+    if (one.current != other.current) {
+        return false;
+    }
+    if (one.motor_state != other.motor_state) {
+        return false;
+    }
+    if (one.errors != other.errors) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t. */
+struct control_parameters_torque_limit : ::canwright::message {
+    /** Torque limit, DATA[4..5]. Type i16, a plain number. */
+    ::canwright::raw<::std::int16_t> torque_limit{};
+};
+
+constexpr ::canwright::access<type::i16, &control_parameters_torque_limit::torque_limit, 0u,
+    ::canwright::always> canwright_access(
+    const control_parameters_torque_limit &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    control_parameters_torque_limit &to,
+    const ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &from) noexcept
+{
+    to.torque_limit = from.torque_limit;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &to,
+    const control_parameters_torque_limit &from) noexcept
+{
+    to.torque_limit = from.torque_limit;
+}
+
+constexpr bool same(const control_parameters_torque_limit &one, const control_parameters_torque_limit &other) noexcept
+{
+    if (one.torque_limit != other.torque_limit) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t. */
+struct control_parameters_acceleration_limit : ::canwright::message {
+    /** Acceleration limit, DATA[4..7]. Type i32, a plain number. */
+    ::canwright::raw<::std::int32_t> acceleration_limit{};
+};
+
+constexpr ::canwright::access<type::i32, &control_parameters_acceleration_limit::acceleration_limit, 0u,
+    ::canwright::always> canwright_access(
+    const control_parameters_acceleration_limit &,
+        ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    control_parameters_acceleration_limit &to,
+    const ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &from) noexcept
+{
+    to.acceleration_limit = from.acceleration_limit;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &to,
+    const control_parameters_acceleration_limit &from) noexcept
+{
+    to.acceleration_limit = from.acceleration_limit;
+}
+
+constexpr bool same(
+    const control_parameters_acceleration_limit &one, const control_parameters_acceleration_limit &other) noexcept
+{
+    if (one.acceleration_limit != other.acceleration_limit) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t. */
+struct control_parameters_speed_limit : ::canwright::message {
+    /** Speed limit, DATA[4..7]. Type i32, a plain number. */
+    ::canwright::raw<::std::int32_t> speed_limit{};
+};
+
+constexpr ::canwright::access<type::i32, &control_parameters_speed_limit::speed_limit, 0u,
+    ::canwright::always> canwright_access(
+    const control_parameters_speed_limit &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    control_parameters_speed_limit &to,
+    const ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &from) noexcept
+{
+    to.speed_limit = from.speed_limit;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &to,
+    const control_parameters_speed_limit &from) noexcept
+{
+    to.speed_limit = from.speed_limit;
+}
+
+constexpr bool same(const control_parameters_speed_limit &one, const control_parameters_speed_limit &other) noexcept
+{
+    if (one.speed_limit != other.speed_limit) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_brake_request_t. */
+struct brake_request : ::canwright::message {
+    /** Brake action, DATA[1]. Type brake_action: BRAKE_ACTION_*. */
+    ::canwright::raw<::std::uint8_t> action{};
+};
+
+constexpr ::canwright::access<type::brake_action, &brake_request::action, 0u, ::canwright::always> canwright_access(
+    const brake_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACTION>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(brake_request &to, const ::mwd_motor_v2_35_2024_02_brake_request_t &from) noexcept
+{
+    to.action = from.action;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_brake_request_t &to, const brake_request &from) noexcept
+{
+    to.action = from.action;
+}
+
+constexpr bool same(const brake_request &one, const brake_request &other) noexcept
+{
+    if (one.action != other.action) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_set_power_request_t. */
+struct set_power_request : ::canwright::message {
+    /** Target power, DATA[4..5]. Type power_i16, a plain number. Raw -850..850. */
+    ::canwright::raw<::std::int16_t> power{};
+};
+
+constexpr ::canwright::access<type::power_i16, &set_power_request::power, 0u, ::canwright::always> canwright_access(
+    const set_power_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(set_power_request &to, const ::mwd_motor_v2_35_2024_02_set_power_request_t &from) noexcept
+{
+    to.power = from.power;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_set_power_request_t &to, const set_power_request &from) noexcept
+{
+    to.power = from.power;
+}
+
+constexpr bool same(const set_power_request &one, const set_power_request &other) noexcept
+{
+    if (one.power != other.power) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_set_torque_request_t. */
+struct set_torque_request : ::canwright::message {
+    /**
+     * Target torque current, DATA[4..5]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
+     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
+     * -2048..2048.
+     */
+    ::canwright::raw<::std::int16_t> iq{};
+};
+
+constexpr ::canwright::access<type::torque_current, &set_torque_request::iq, 0u,
+    ::canwright::always> canwright_access(
+    const set_torque_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(set_torque_request &to, const ::mwd_motor_v2_35_2024_02_set_torque_request_t &from) noexcept
+{
+    to.iq = from.iq;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_set_torque_request_t &to, const set_torque_request &from) noexcept
+{
+    to.iq = from.iq;
+}
+
+constexpr bool same(const set_torque_request &one, const set_torque_request &other) noexcept
+{
+    if (one.iq != other.iq) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_set_speed_request_t. */
+struct set_speed_request : ::canwright::message {
+    /**
+     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
+     * 0.01 deg/s.
+     */
+    ::canwright::raw<::std::int32_t> speed{};
+};
+
+constexpr ::canwright::access<type::speed_setpoint, &set_speed_request::speed, 0u,
+    ::canwright::always> canwright_access(
+    const set_speed_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(set_speed_request &to, const ::mwd_motor_v2_35_2024_02_set_speed_request_t &from) noexcept
+{
+    to.speed = from.speed;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_set_speed_request_t &to, const set_speed_request &from) noexcept
+{
+    to.speed = from.speed;
+}
+
+constexpr bool same(const set_speed_request &one, const set_speed_request &other) noexcept
+{
+    if (one.speed != other.speed) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t. */
+struct set_speed_limited_request : ::canwright::message {
+    /**
+     * Torque current limit, DATA[2..3]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
+     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
+     * -2048..2048.
+     */
+    ::canwright::raw<::std::int16_t> iq_limit{};
+    /**
+     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
+     * 0.01 deg/s.
+     */
+    ::canwright::raw<::std::int32_t> speed{};
+};
+
+constexpr ::canwright::access<type::torque_current, &set_speed_limited_request::iq_limit, 0u,
+    ::canwright::always> canwright_access(
+    const set_speed_limited_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::speed_setpoint, &set_speed_limited_request::speed, 0u,
+    ::canwright::always> canwright_access(
+    const set_speed_limited_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    set_speed_limited_request &to, const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &from) noexcept
+{
+    to.iq_limit = from.iq_limit;
+    to.speed = from.speed;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &to, const set_speed_limited_request &from) noexcept
+{
+    to.iq_limit = from.iq_limit;
+    to.speed = from.speed;
+}
+
+constexpr bool same(const set_speed_limited_request &one, const set_speed_limited_request &other) noexcept
+{
+    if (one.iq_limit != other.iq_limit) {
+        return false;
+    }
+    if (one.speed != other.speed) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_move_to_angle_request_t. */
+struct move_to_angle_request : ::canwright::message {
+    /**
+     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
+     * deg.
+     */
+    ::canwright::raw<::std::int32_t> angle{};
+};
+
+constexpr ::canwright::access<type::angle_i32, &move_to_angle_request::angle, 0u,
+    ::canwright::always> canwright_access(
+    const move_to_angle_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    move_to_angle_request &to, const ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &from) noexcept
+{
+    to.angle = from.angle;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &to, const move_to_angle_request &from) noexcept
+{
+    to.angle = from.angle;
+}
+
+constexpr bool same(const move_to_angle_request &one, const move_to_angle_request &other) noexcept
+{
+    if (one.angle != other.angle) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t. */
+struct move_to_angle_at_speed_request : ::canwright::message {
+    /**
+     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
+     * Resolution (1 LSB): 1 deg/s.
+     */
+    ::canwright::raw<::std::uint16_t> max_speed{};
+    /**
+     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
+     * deg.
+     */
+    ::canwright::raw<::std::int32_t> angle{};
+};
+
+constexpr ::canwright::access<type::speed_limit_u16, &move_to_angle_at_speed_request::max_speed, 0u,
+    ::canwright::always> canwright_access(
+    const move_to_angle_at_speed_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::angle_i32, &move_to_angle_at_speed_request::angle, 0u,
+    ::canwright::always> canwright_access(
+    const move_to_angle_at_speed_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    move_to_angle_at_speed_request &to,
+    const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &from) noexcept
+{
+    to.max_speed = from.max_speed;
+    to.angle = from.angle;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &to,
+    const move_to_angle_at_speed_request &from) noexcept
+{
+    to.max_speed = from.max_speed;
+    to.angle = from.angle;
+}
+
+constexpr bool same(const move_to_angle_at_speed_request &one, const move_to_angle_at_speed_request &other) noexcept
+{
+    if (one.max_speed != other.max_speed) {
+        return false;
+    }
+    if (one.angle != other.angle) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t. */
+struct turn_to_angle_request : ::canwright::message {
+    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    ::canwright::raw<::std::uint8_t> spin_direction{};
+    /**
+     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
+     * Resolution (1 LSB): 0.01 deg.
+     */
+    ::canwright::raw<::std::uint32_t> angle{};
+};
+
+constexpr ::canwright::access<type::spin_direction, &turn_to_angle_request::spin_direction, 0u,
+    ::canwright::always> canwright_access(
+    const turn_to_angle_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::single_turn_angle, &turn_to_angle_request::angle, 0u,
+    ::canwright::always> canwright_access(
+    const turn_to_angle_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    turn_to_angle_request &to, const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &from) noexcept
+{
+    to.spin_direction = from.spin_direction;
+    to.angle = from.angle;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &to, const turn_to_angle_request &from) noexcept
+{
+    to.spin_direction = from.spin_direction;
+    to.angle = from.angle;
+}
+
+constexpr bool same(const turn_to_angle_request &one, const turn_to_angle_request &other) noexcept
+{
+    if (one.spin_direction != other.spin_direction) {
+        return false;
+    }
+    if (one.angle != other.angle) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t. */
+struct turn_to_angle_at_speed_request : ::canwright::message {
+    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    ::canwright::raw<::std::uint8_t> spin_direction{};
+    /**
+     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
+     * Resolution (1 LSB): 1 deg/s.
+     */
+    ::canwright::raw<::std::uint16_t> max_speed{};
+    /**
+     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
+     * Resolution (1 LSB): 0.01 deg.
+     */
+    ::canwright::raw<::std::uint32_t> angle{};
+};
+
+constexpr ::canwright::access<type::spin_direction, &turn_to_angle_at_speed_request::spin_direction, 0u,
+    ::canwright::always> canwright_access(
+    const turn_to_angle_at_speed_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::speed_limit_u16, &turn_to_angle_at_speed_request::max_speed, 0u,
+    ::canwright::always> canwright_access(
+    const turn_to_angle_at_speed_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::single_turn_angle, &turn_to_angle_at_speed_request::angle, 0u,
+    ::canwright::always> canwright_access(
+    const turn_to_angle_at_speed_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    turn_to_angle_at_speed_request &to,
+    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &from) noexcept
+{
+    to.spin_direction = from.spin_direction;
+    to.max_speed = from.max_speed;
+    to.angle = from.angle;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &to,
+    const turn_to_angle_at_speed_request &from) noexcept
+{
+    to.spin_direction = from.spin_direction;
+    to.max_speed = from.max_speed;
+    to.angle = from.angle;
+}
+
+constexpr bool same(const turn_to_angle_at_speed_request &one, const turn_to_angle_at_speed_request &other) noexcept
+{
+    if (one.spin_direction != other.spin_direction) {
+        return false;
+    }
+    if (one.max_speed != other.max_speed) {
+        return false;
+    }
+    if (one.angle != other.angle) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_move_by_angle_request_t. */
+struct move_by_angle_request : ::canwright::message {
+    /**
+     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     */
+    ::canwright::raw<::std::int32_t> increment{};
+};
+
+constexpr ::canwright::access<type::angle_i32, &move_by_angle_request::increment, 0u,
+    ::canwright::always> canwright_access(
+    const move_by_angle_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    move_by_angle_request &to, const ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &from) noexcept
+{
+    to.increment = from.increment;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &to, const move_by_angle_request &from) noexcept
+{
+    to.increment = from.increment;
+}
+
+constexpr bool same(const move_by_angle_request &one, const move_by_angle_request &other) noexcept
+{
+    if (one.increment != other.increment) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t. */
+struct move_by_angle_at_speed_request : ::canwright::message {
+    /**
+     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
+     * Resolution (1 LSB): 1 deg/s.
+     */
+    ::canwright::raw<::std::uint16_t> max_speed{};
+    /**
+     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     */
+    ::canwright::raw<::std::int32_t> increment{};
+};
+
+constexpr ::canwright::access<type::speed_limit_u16, &move_by_angle_at_speed_request::max_speed, 0u,
+    ::canwright::always> canwright_access(
+    const move_by_angle_at_speed_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::angle_i32, &move_by_angle_at_speed_request::increment, 0u,
+    ::canwright::always> canwright_access(
+    const move_by_angle_at_speed_request &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    move_by_angle_at_speed_request &to,
+    const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &from) noexcept
+{
+    to.max_speed = from.max_speed;
+    to.increment = from.increment;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &to,
+    const move_by_angle_at_speed_request &from) noexcept
+{
+    to.max_speed = from.max_speed;
+    to.increment = from.increment;
+}
+
+constexpr bool same(const move_by_angle_at_speed_request &one, const move_by_angle_at_speed_request &other) noexcept
+{
+    if (one.max_speed != other.max_speed) {
+        return false;
+    }
+    if (one.increment != other.increment) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t. */
+struct write_encoder_offset_rom : ::canwright::message {
+    /**
+     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
+     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
+     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     */
+    ::canwright::raw<::std::uint16_t> encoder_offset{};
+};
+
+constexpr ::canwright::access<type::encoder_position, &write_encoder_offset_rom::encoder_offset, 0u,
+    ::canwright::always> canwright_access(
+    const write_encoder_offset_rom &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    write_encoder_offset_rom &to, const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &from) noexcept
+{
+    to.encoder_offset = from.encoder_offset;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &to, const write_encoder_offset_rom &from) noexcept
+{
+    to.encoder_offset = from.encoder_offset;
+}
+
+constexpr bool same(const write_encoder_offset_rom &one, const write_encoder_offset_rom &other) noexcept
+{
+    if (one.encoder_offset != other.encoder_offset) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_set_angle_t. */
+struct set_angle : ::canwright::message {
+    /**
+     * Multi-turn angle of the present position, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*.
+     * Resolution (1 LSB): 0.01 deg.
+     */
+    ::canwright::raw<::std::int32_t> angle{};
+};
+
+constexpr ::canwright::access<type::angle_i32, &set_angle::angle, 0u, ::canwright::always> canwright_access(
+    const set_angle &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(set_angle &to, const ::mwd_motor_v2_35_2024_02_set_angle_t &from) noexcept
+{
+    to.angle = from.angle;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_set_angle_t &to, const set_angle &from) noexcept
+{
+    to.angle = from.angle;
+}
+
+constexpr bool same(const set_angle &one, const set_angle &other) noexcept
+{
+    if (one.angle != other.angle) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_brake_reply_t. */
+struct brake_reply : ::canwright::message {
+    /** Brake state, DATA[1]. Type brake_state: BRAKE_STATE_*. */
+    ::canwright::raw<::std::uint8_t> state{};
+};
+
+constexpr ::canwright::access<type::brake_state, &brake_reply::state, 0u, ::canwright::always> canwright_access(
+    const brake_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_STATE>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(brake_reply &to, const ::mwd_motor_v2_35_2024_02_brake_reply_t &from) noexcept
+{
+    to.state = from.state;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_brake_reply_t &to, const brake_reply &from) noexcept
+{
+    to.state = from.state;
+}
+
+constexpr bool same(const brake_reply &one, const brake_reply &other) noexcept
+{
+    if (one.state != other.state) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_read_encoder_reply_t. */
+struct read_encoder_reply : ::canwright::message {
+    /**
+     * Encoder position, DATA[2..3]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
+     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
+     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     */
+    ::canwright::raw<::std::uint16_t> encoder{};
+    /**
+     * Measured encoder position, DATA[4..5]. Type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 16).
+     */
+    ::canwright::raw<::std::uint16_t> encoder_measured{};
+    /**
+     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
+     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
+     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     */
+    ::canwright::raw<::std::uint16_t> encoder_offset{};
+};
+
+constexpr ::canwright::access<type::encoder_position, &read_encoder_reply::encoder, 0u,
+    ::canwright::always> canwright_access(
+    const read_encoder_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::encoder_position, &read_encoder_reply::encoder_measured, 0u,
+    ::canwright::always> canwright_access(
+    const read_encoder_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::encoder_position, &read_encoder_reply::encoder_offset, 0u,
+    ::canwright::always> canwright_access(
+    const read_encoder_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(read_encoder_reply &to, const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &from) noexcept
+{
+    to.encoder = from.encoder;
+    to.encoder_measured = from.encoder_measured;
+    to.encoder_offset = from.encoder_offset;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_read_encoder_reply_t &to, const read_encoder_reply &from) noexcept
+{
+    to.encoder = from.encoder;
+    to.encoder_measured = from.encoder_measured;
+    to.encoder_offset = from.encoder_offset;
+}
+
+constexpr bool same(const read_encoder_reply &one, const read_encoder_reply &other) noexcept
+{
+    if (one.encoder != other.encoder) {
+        return false;
+    }
+    if (one.encoder_measured != other.encoder_measured) {
+        return false;
+    }
+    if (one.encoder_offset != other.encoder_offset) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t. */
+struct write_position_as_zero_rom_reply : ::canwright::message {
+    /**
+     * Written encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
+     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 16).
+     */
+    ::canwright::raw<::std::uint16_t> encoder_offset{};
+};
+
+constexpr ::canwright::access<type::encoder_position, &write_position_as_zero_rom_reply::encoder_offset, 0u,
+    ::canwright::always> canwright_access(
+    const write_position_as_zero_rom_reply &,
+        ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    write_position_as_zero_rom_reply &to,
+    const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &from) noexcept
+{
+    to.encoder_offset = from.encoder_offset;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &to,
+    const write_position_as_zero_rom_reply &from) noexcept
+{
+    to.encoder_offset = from.encoder_offset;
+}
+
+constexpr bool same(
+    const write_position_as_zero_rom_reply &one, const write_position_as_zero_rom_reply &other) noexcept
+{
+    if (one.encoder_offset != other.encoder_offset) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t. */
+struct read_multi_turn_angle_reply : ::canwright::message {
+    /**
+     * Multi-turn angle, DATA[1..7]. Type multi_turn_angle: multi_turn_angle_to_*, multi_turn_angle_from_*. Resolution
+     * (1 LSB): 0.01 deg.
+     */
+    ::canwright::raw<::std::int64_t> angle{};
+};
+
+constexpr ::canwright::access<type::multi_turn_angle, &read_multi_turn_angle_reply::angle, 0u,
+    ::canwright::always> canwright_access(
+    const read_multi_turn_angle_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    read_multi_turn_angle_reply &to, const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &from) noexcept
+{
+    to.angle = from.angle;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &to, const read_multi_turn_angle_reply &from) noexcept
+{
+    to.angle = from.angle;
+}
+
+constexpr bool same(const read_multi_turn_angle_reply &one, const read_multi_turn_angle_reply &other) noexcept
+{
+    if (one.angle != other.angle) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t. */
+struct read_single_turn_angle_reply : ::canwright::message {
+    /**
+     * Single-turn angle of the output, DATA[4..7]. Type single_turn_position: single_turn_position_to_*,
+     * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
+     */
+    ::canwright::raw<::std::uint32_t> angle{};
+};
+
+constexpr ::canwright::access<type::single_turn_position, &read_single_turn_angle_reply::angle, 0u,
+    ::canwright::always> canwright_access(
+    const read_single_turn_angle_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    read_single_turn_angle_reply &to, const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &from) noexcept
+{
+    to.angle = from.angle;
+}
+
+static inline void to_c(
+    ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &to, const read_single_turn_angle_reply &from) noexcept
+{
+    to.angle = from.angle;
+}
+
+constexpr bool same(const read_single_turn_angle_reply &one, const read_single_turn_angle_reply &other) noexcept
+{
+    if (one.angle != other.angle) {
+        return false;
+    }
+    return true;
+}
+
+/** The fields of ::mwd_motor_v2_35_2024_02_read_status_3_reply_t. */
+struct read_status_3_reply : ::canwright::message {
+    /**
+     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     */
+    ::canwright::raw<::std::int8_t> temperature{};
+    /**
+     * Phase A current, DATA[2..3]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
+     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     */
+    ::canwright::raw<::std::int16_t> phase_a{};
+    /**
+     * Phase B current, DATA[4..5]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
+     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     */
+    ::canwright::raw<::std::int16_t> phase_b{};
+    /**
+     * Phase C current, DATA[6..7]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
+     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     */
+    ::canwright::raw<::std::int16_t> phase_c{};
+};
+
+constexpr ::canwright::access<type::temperature, &read_status_3_reply::temperature, 0u,
+    ::canwright::always> canwright_access(
+    const read_status_3_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::phase_current, &read_status_3_reply::phase_a, 0u,
+    ::canwright::always> canwright_access(
+    const read_status_3_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::phase_current, &read_status_3_reply::phase_b, 0u,
+    ::canwright::always> canwright_access(
+    const read_status_3_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>) noexcept
+{
+    return {};
+}
+
+constexpr ::canwright::access<type::phase_current, &read_status_3_reply::phase_c, 0u,
+    ::canwright::always> canwright_access(
+    const read_status_3_reply &, ::canwright::tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>) noexcept
+{
+    return {};
+}
+
+static inline void from_c(
+    read_status_3_reply &to, const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &from) noexcept
+{
+    to.temperature = from.temperature;
+    to.phase_a = from.phase_a;
+    to.phase_b = from.phase_b;
+    to.phase_c = from.phase_c;
+}
+
+static inline void to_c(::mwd_motor_v2_35_2024_02_read_status_3_reply_t &to, const read_status_3_reply &from) noexcept
+{
+    to.temperature = from.temperature;
+    to.phase_a = from.phase_a;
+    to.phase_b = from.phase_b;
+    to.phase_c = from.phase_c;
+}
+
+constexpr bool same(const read_status_3_reply &one, const read_status_3_reply &other) noexcept
+{
+    if (one.temperature != other.temperature) {
+        return false;
+    }
+    if (one.phase_a != other.phase_a) {
+        return false;
+    }
+    if (one.phase_b != other.phase_b) {
+        return false;
+    }
+    if (one.phase_c != other.phase_c) {
+        return false;
+    }
+    return true;
+}
+
+} /* namespace layout */
+
+struct motor_off_reply;
+struct motor_on_reply;
+struct motor_stop_reply;
+struct brake_reply;
+struct set_power_reply;
+struct set_torque_reply;
+struct set_speed_reply;
+struct set_speed_limited_reply;
+struct move_to_angle_reply;
+struct move_to_angle_at_speed_reply;
+struct turn_to_angle_reply;
+struct turn_to_angle_at_speed_reply;
+struct move_by_angle_reply;
+struct move_by_angle_at_speed_reply;
+struct read_param_torque_limit_reply;
+struct read_param_acceleration_limit_reply;
+struct read_param_speed_limit_reply;
+struct set_param_torque_limit_reply;
+struct set_param_acceleration_limit_reply;
+struct set_param_speed_limit_reply;
+struct read_encoder_reply;
+struct write_encoder_offset_rom_reply;
+struct write_position_as_zero_rom_reply;
+struct read_multi_turn_angle_reply;
+struct read_single_turn_angle_reply;
+struct set_angle_reply;
+struct read_status_1_reply;
+struct clear_errors_reply;
+struct read_status_2_reply;
+struct read_status_3_reply;
+
 /** The request of motor_off. */
-struct motor_off_request {};
+struct motor_off_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::motor_off_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOTOR_OFF_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of motor_off";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const motor_off_request &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_off_request_encode(&to, node);
+        }
+        static ::canwright::status decode(motor_off_request &, ::std::uint32_t &node, const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_off_request_decode(&node, &from);
+        }
+        static constexpr bool same(const motor_off_request &, const motor_off_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of motor_on. */
-struct motor_on_request {};
+struct motor_on_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::motor_on_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOTOR_ON_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of motor_on";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const motor_on_request &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_on_request_encode(&to, node);
+        }
+        static ::canwright::status decode(motor_on_request &, ::std::uint32_t &node, const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_on_request_decode(&node, &from);
+        }
+        static constexpr bool same(const motor_on_request &, const motor_on_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of motor_stop. */
-struct motor_stop_request {};
+struct motor_stop_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::motor_stop_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOTOR_STOP_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of motor_stop";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const motor_stop_request &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_stop_request_encode(&to, node);
+        }
+        static ::canwright::status decode(motor_stop_request &, ::std::uint32_t &node, const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_stop_request_decode(&node, &from);
+        }
+        static constexpr bool same(const motor_stop_request &, const motor_stop_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of brake, with raw integers that are 0 at first. */
-struct brake_request : ::mwd_motor_v2_35_2024_02_brake_request_t {
-    constexpr brake_request() noexcept : ::mwd_motor_v2_35_2024_02_brake_request_t{} {}
+struct brake_request : layout::brake_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::brake_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_BRAKE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of brake";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const brake_request &message,
+            field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_brake_request_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_brake_request_encode(&to, node, &raw);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_brake_request_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(brake_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_brake_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_brake_request_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const brake_request &one, const brake_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of set_power, with raw integers that are 0 at first. */
-struct set_power_request : ::mwd_motor_v2_35_2024_02_set_power_request_t {
-    constexpr set_power_request() noexcept : ::mwd_motor_v2_35_2024_02_set_power_request_t{} {}
+struct set_power_request : layout::set_power_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::set_power_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_POWER_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of set_power";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_power_request &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_power_request_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_set_power_request_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_set_power_request_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(set_power_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_power_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_power_request_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_power_request &one, const set_power_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of set_torque, with raw integers that are 0 at first. */
-struct set_torque_request : ::mwd_motor_v2_35_2024_02_set_torque_request_t {
-    constexpr set_torque_request() noexcept : ::mwd_motor_v2_35_2024_02_set_torque_request_t{} {}
+struct set_torque_request : layout::set_torque_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::set_torque_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_TORQUE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of set_torque";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_torque_request &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_torque_request_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_set_torque_request_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_set_torque_request_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(set_torque_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_torque_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_torque_request_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_torque_request &one, const set_torque_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of set_speed, with raw integers that are 0 at first. */
-struct set_speed_request : ::mwd_motor_v2_35_2024_02_set_speed_request_t {
-    constexpr set_speed_request() noexcept : ::mwd_motor_v2_35_2024_02_set_speed_request_t{} {}
+struct set_speed_request : layout::set_speed_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::set_speed_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_SPEED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of set_speed";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_speed_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_speed_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_speed_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_speed_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_speed_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_speed_request_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_speed_request &one, const set_speed_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of set_speed_limited, with raw integers that are 0 at first. */
-struct set_speed_limited_request : ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t {
-    constexpr set_speed_limited_request() noexcept : ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t{} {}
+struct set_speed_limited_request : layout::set_speed_limited_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::set_speed_limited_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_SPEED_LIMITED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of set_speed_limited";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_speed_limited_request &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_set_speed_limited_request_encode(&to, node, &raw);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_set_speed_limited_request_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(set_speed_limited_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_speed_limited_request_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_speed_limited_request &one,
+            const set_speed_limited_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of move_to_angle, with raw integers that are 0 at first. */
-struct move_to_angle_request : ::mwd_motor_v2_35_2024_02_move_to_angle_request_t {
-    constexpr move_to_angle_request() noexcept : ::mwd_motor_v2_35_2024_02_move_to_angle_request_t{} {}
+struct move_to_angle_request : layout::move_to_angle_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::move_to_angle_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOVE_TO_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of move_to_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const move_to_angle_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_to_angle_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_move_to_angle_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(move_to_angle_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_to_angle_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_move_to_angle_request_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const move_to_angle_request &one, const move_to_angle_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of move_to_angle_at_speed, with raw integers that are 0 at first. */
-struct move_to_angle_at_speed_request : ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t {
-    constexpr move_to_angle_at_speed_request() noexcept : ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t{} {}
+struct move_to_angle_at_speed_request : layout::move_to_angle_at_speed_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::move_to_angle_at_speed_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOVE_TO_ANGLE_AT_SPEED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of move_to_angle_at_speed";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const move_to_angle_at_speed_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(move_to_angle_at_speed_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const move_to_angle_at_speed_request &one,
+            const move_to_angle_at_speed_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of turn_to_angle, with raw integers that are 0 at first. */
-struct turn_to_angle_request : ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t {
-    constexpr turn_to_angle_request() noexcept : ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t{} {}
+struct turn_to_angle_request : layout::turn_to_angle_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::turn_to_angle_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of turn_to_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const turn_to_angle_request &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_turn_to_angle_request_encode(&to, node, &raw);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_turn_to_angle_request_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(turn_to_angle_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_turn_to_angle_request_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const turn_to_angle_request &one, const turn_to_angle_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of turn_to_angle_at_speed, with raw integers that are 0 at first. */
-struct turn_to_angle_at_speed_request : ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t {
-    constexpr turn_to_angle_at_speed_request() noexcept : ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t{} {}
+struct turn_to_angle_at_speed_request : layout::turn_to_angle_at_speed_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::turn_to_angle_at_speed_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_AT_SPEED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of turn_to_angle_at_speed";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const turn_to_angle_at_speed_request &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_encode(&to, node, &raw);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(turn_to_angle_at_speed_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const turn_to_angle_at_speed_request &one,
+            const turn_to_angle_at_speed_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of move_by_angle, with raw integers that are 0 at first. */
-struct move_by_angle_request : ::mwd_motor_v2_35_2024_02_move_by_angle_request_t {
-    constexpr move_by_angle_request() noexcept : ::mwd_motor_v2_35_2024_02_move_by_angle_request_t{} {}
+struct move_by_angle_request : layout::move_by_angle_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::move_by_angle_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOVE_BY_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of move_by_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const move_by_angle_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_by_angle_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_move_by_angle_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(move_by_angle_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_by_angle_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_move_by_angle_request_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const move_by_angle_request &one, const move_by_angle_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of move_by_angle_at_speed, with raw integers that are 0 at first. */
-struct move_by_angle_at_speed_request : ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t {
-    constexpr move_by_angle_at_speed_request() noexcept : ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t{} {}
+struct move_by_angle_at_speed_request : layout::move_by_angle_at_speed_request {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::move_by_angle_at_speed_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOVE_BY_ANGLE_AT_SPEED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of move_by_angle_at_speed";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const move_by_angle_at_speed_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(move_by_angle_at_speed_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const move_by_angle_at_speed_request &one,
+            const move_by_angle_at_speed_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of read_control_parameter_torque_limit. */
-struct read_param_torque_limit_request {};
+struct read_param_torque_limit_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_param_torque_limit_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_PARAM_TORQUE_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_control_parameter_torque_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_param_torque_limit_request &, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_param_torque_limit_request_encode(&to, node);
+        }
+        static ::canwright::status decode(read_param_torque_limit_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_param_torque_limit_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_param_torque_limit_request &,
+            const read_param_torque_limit_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of read_control_parameter_acceleration_limit. */
-struct read_param_acceleration_limit_request {};
+struct read_param_acceleration_limit_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_param_acceleration_limit_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_PARAM_ACCELERATION_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_control_parameter_acceleration_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_param_acceleration_limit_request &, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_request_encode(&to, node);
+        }
+        static ::canwright::status decode(read_param_acceleration_limit_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_param_acceleration_limit_request &,
+            const read_param_acceleration_limit_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of read_control_parameter_speed_limit. */
-struct read_param_speed_limit_request {};
+struct read_param_speed_limit_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_param_speed_limit_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_PARAM_SPEED_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_control_parameter_speed_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_param_speed_limit_request &, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_param_speed_limit_request_encode(&to, node);
+        }
+        static ::canwright::status decode(read_param_speed_limit_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_param_speed_limit_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_param_speed_limit_request &,
+            const read_param_speed_limit_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of write_control_parameter_ram_torque_limit, with raw integers that are 0 at first. */
-struct set_param_torque_limit_request : ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_t {
-    constexpr set_param_torque_limit_request() noexcept : ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_t{} {}
+struct set_param_torque_limit_request : layout::control_parameters_torque_limit {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::set_param_torque_limit_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_PARAM_TORQUE_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of write_control_parameter_ram_torque_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_param_torque_limit_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_param_torque_limit_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_param_torque_limit_request &one,
+            const set_param_torque_limit_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of write_control_parameter_ram_acceleration_limit, with raw integers that are 0 at first. */
-struct set_param_acceleration_limit_request : ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_t {
-    constexpr set_param_acceleration_limit_request() noexcept : ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_t{} {}
+struct set_param_acceleration_limit_request : layout::control_parameters_acceleration_limit {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::set_param_acceleration_limit_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_PARAM_ACCELERATION_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of write_control_parameter_ram_acceleration_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_param_acceleration_limit_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_param_acceleration_limit_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_param_acceleration_limit_request &one,
+            const set_param_acceleration_limit_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of write_control_parameter_ram_speed_limit, with raw integers that are 0 at first. */
-struct set_param_speed_limit_request : ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_t {
-    constexpr set_param_speed_limit_request() noexcept : ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_t{} {}
+struct set_param_speed_limit_request : layout::control_parameters_speed_limit {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::set_param_speed_limit_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_PARAM_SPEED_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of write_control_parameter_ram_speed_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_param_speed_limit_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_param_speed_limit_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_param_speed_limit_request &one,
+            const set_param_speed_limit_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of read_encoder. */
-struct read_encoder_request {};
+struct read_encoder_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_encoder_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_ENCODER_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_encoder";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const read_encoder_request &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_encoder_request_encode(&to, node);
+        }
+        static ::canwright::status decode(read_encoder_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_encoder_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_encoder_request &, const read_encoder_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of write_encoder_offset_rom, with raw integers that are 0 at first. */
-struct write_encoder_offset_rom_request : ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_t {
-    constexpr write_encoder_offset_rom_request() noexcept : ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_t{} {}
+struct write_encoder_offset_rom_request : layout::write_encoder_offset_rom {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::write_encoder_offset_rom_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_WRITE_ENCODER_OFFSET_ROM_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of write_encoder_offset_rom";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const write_encoder_offset_rom_request &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(write_encoder_offset_rom_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const write_encoder_offset_rom_request &one,
+            const write_encoder_offset_rom_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of write_position_as_zero_rom. */
-struct write_position_as_zero_rom_request {};
+struct write_position_as_zero_rom_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::write_position_as_zero_rom_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_WRITE_POSITION_AS_ZERO_ROM_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of write_position_as_zero_rom";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const write_position_as_zero_rom_request &, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_encode(&to, node);
+        }
+        static ::canwright::status decode(write_position_as_zero_rom_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_decode(&node, &from);
+        }
+        static constexpr bool same(const write_position_as_zero_rom_request &,
+            const write_position_as_zero_rom_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of read_multi_turn_angle. */
-struct read_multi_turn_angle_request {};
+struct read_multi_turn_angle_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_multi_turn_angle_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_MULTI_TURN_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_multi_turn_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_multi_turn_angle_request &, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_encode(&to, node);
+        }
+        static ::canwright::status decode(read_multi_turn_angle_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_multi_turn_angle_request &,
+            const read_multi_turn_angle_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of read_single_turn_angle. */
-struct read_single_turn_angle_request {};
+struct read_single_turn_angle_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_single_turn_angle_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_SINGLE_TURN_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_single_turn_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_single_turn_angle_request &, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_single_turn_angle_request_encode(&to, node);
+        }
+        static ::canwright::status decode(read_single_turn_angle_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_single_turn_angle_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_single_turn_angle_request &,
+            const read_single_turn_angle_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of set_angle, with raw integers that are 0 at first. */
-struct set_angle_request : ::mwd_motor_v2_35_2024_02_set_angle_request_t {
-    constexpr set_angle_request() noexcept : ::mwd_motor_v2_35_2024_02_set_angle_request_t{} {}
+struct set_angle_request : layout::set_angle {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::set_angle_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of set_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_angle_request &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_angle_request_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_angle_request_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_angle_request &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_angle_request_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_angle_request_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_angle_request &one, const set_angle_request &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The request of read_status_1. */
-struct read_status_1_request {};
+struct read_status_1_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_status_1_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_STATUS_1_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_status_1";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const read_status_1_request &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_status_1_request_encode(&to, node);
+        }
+        static ::canwright::status decode(read_status_1_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_status_1_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_status_1_request &, const read_status_1_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of clear_errors. */
-struct clear_errors_request {};
+struct clear_errors_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::clear_errors_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_CLEAR_ERRORS_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of clear_errors";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const clear_errors_request &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_clear_errors_request_encode(&to, node);
+        }
+        static ::canwright::status decode(clear_errors_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_clear_errors_request_decode(&node, &from);
+        }
+        static constexpr bool same(const clear_errors_request &, const clear_errors_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of read_status_2. */
-struct read_status_2_request {};
+struct read_status_2_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_status_2_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_STATUS_2_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_status_2";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const read_status_2_request &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_status_2_request_encode(&to, node);
+        }
+        static ::canwright::status decode(read_status_2_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_status_2_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_status_2_request &, const read_status_2_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The request of read_status_3. */
-struct read_status_3_request {};
+struct read_status_3_request : ::canwright::message {
+    /** The reply to this request. */
+    using reply = ::mwd_motor::v2_35_2024_02::read_status_3_reply;
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_STATUS_3_CODE;
+    /** What it is. */
+    static constexpr const char *text = "request of read_status_3";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const read_status_3_request &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_status_3_request_encode(&to, node, known);
+        }
+        static ::canwright::status decode(read_status_3_request &, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_read_status_3_request_decode(&node, &from);
+        }
+        static constexpr bool same(const read_status_3_request &, const read_status_3_request &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The reply of motor_off. */
-struct motor_off_reply {};
+struct motor_off_reply : ::canwright::message {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOTOR_OFF_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of motor_off";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const motor_off_reply &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_off_reply_encode(&to, node);
+        }
+        static ::canwright::status decode(motor_off_reply &, ::std::uint32_t &node, const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_off_reply_decode(&node, &from);
+        }
+        static constexpr bool same(const motor_off_reply &, const motor_off_reply &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The reply of motor_on. */
-struct motor_on_reply {};
+struct motor_on_reply : ::canwright::message {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOTOR_ON_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of motor_on";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const motor_on_reply &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_on_reply_encode(&to, node);
+        }
+        static ::canwright::status decode(motor_on_reply &, ::std::uint32_t &node, const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_on_reply_decode(&node, &from);
+        }
+        static constexpr bool same(const motor_on_reply &, const motor_on_reply &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The reply of motor_stop. */
-struct motor_stop_reply {};
+struct motor_stop_reply : ::canwright::message {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOTOR_STOP_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of motor_stop";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const motor_stop_reply &,
+            field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_stop_reply_encode(&to, node);
+        }
+        static ::canwright::status decode(motor_stop_reply &, ::std::uint32_t &node, const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_motor_stop_reply_decode(&node, &from);
+        }
+        static constexpr bool same(const motor_stop_reply &, const motor_stop_reply &) noexcept
+        {
+            return true;
+        }
+    };
+};
 
 /** The reply of brake, with raw integers that are 0 at first. */
-struct brake_reply : ::mwd_motor_v2_35_2024_02_brake_reply_t {
-    constexpr brake_reply() noexcept : ::mwd_motor_v2_35_2024_02_brake_reply_t{} {}
+struct brake_reply : layout::brake_reply {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_BRAKE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of brake";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node, const brake_reply &message,
+            field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_brake_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_brake_reply_encode(&to, node, &raw);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_brake_reply_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(brake_reply &message, ::std::uint32_t &node, const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_brake_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_brake_reply_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const brake_reply &one, const brake_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of set_power, with raw integers that are 0 at first. */
-struct set_power_reply : ::mwd_motor_v2_35_2024_02_set_power_reply_t {
-    constexpr set_power_reply() noexcept : ::mwd_motor_v2_35_2024_02_set_power_reply_t{} {}
+struct set_power_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_POWER_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of set_power";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_power_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_power_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_set_power_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(set_power_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_power_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_power_reply_decode(&raw, &node, &from,
+                known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_power_reply &one, const set_power_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of set_torque, with raw integers that are 0 at first. */
-struct set_torque_reply : ::mwd_motor_v2_35_2024_02_set_torque_reply_t {
-    constexpr set_torque_reply() noexcept : ::mwd_motor_v2_35_2024_02_set_torque_reply_t{} {}
+struct set_torque_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_TORQUE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of set_torque";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_torque_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_torque_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_set_torque_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(set_torque_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_torque_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_torque_reply_decode(&raw, &node, &from,
+                known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_torque_reply &one, const set_torque_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of set_speed, with raw integers that are 0 at first. */
-struct set_speed_reply : ::mwd_motor_v2_35_2024_02_set_speed_reply_t {
-    constexpr set_speed_reply() noexcept : ::mwd_motor_v2_35_2024_02_set_speed_reply_t{} {}
+struct set_speed_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_SPEED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of set_speed";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_speed_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_speed_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_set_speed_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(set_speed_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_speed_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_speed_reply_decode(&raw, &node, &from,
+                known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_speed_reply &one, const set_speed_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of set_speed_limited, with raw integers that are 0 at first. */
-struct set_speed_limited_reply : ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_t {
-    constexpr set_speed_limited_reply() noexcept : ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_t{} {}
+struct set_speed_limited_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_SPEED_LIMITED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of set_speed_limited";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_speed_limited_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(set_speed_limited_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_decode(&raw, &node,
+                &from, known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_speed_limited_reply &one, const set_speed_limited_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of move_to_angle, with raw integers that are 0 at first. */
-struct move_to_angle_reply : ::mwd_motor_v2_35_2024_02_move_to_angle_reply_t {
-    constexpr move_to_angle_reply() noexcept : ::mwd_motor_v2_35_2024_02_move_to_angle_reply_t{} {}
+struct move_to_angle_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOVE_TO_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of move_to_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const move_to_angle_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_to_angle_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_move_to_angle_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(move_to_angle_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_to_angle_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_move_to_angle_reply_decode(&raw, &node, &from,
+                known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const move_to_angle_reply &one, const move_to_angle_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of move_to_angle_at_speed, with raw integers that are 0 at first. */
-struct move_to_angle_at_speed_reply : ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_t {
-    constexpr move_to_angle_at_speed_reply() noexcept : ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_t{} {}
+struct move_to_angle_at_speed_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOVE_TO_ANGLE_AT_SPEED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of move_to_angle_at_speed";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const move_to_angle_at_speed_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(move_to_angle_at_speed_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_decode(&raw, &node,
+                &from, known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const move_to_angle_at_speed_reply &one,
+            const move_to_angle_at_speed_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of turn_to_angle, with raw integers that are 0 at first. */
-struct turn_to_angle_reply : ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_t {
-    constexpr turn_to_angle_reply() noexcept : ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_t{} {}
+struct turn_to_angle_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of turn_to_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const turn_to_angle_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(turn_to_angle_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_decode(&raw, &node, &from,
+                known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const turn_to_angle_reply &one, const turn_to_angle_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of turn_to_angle_at_speed, with raw integers that are 0 at first. */
-struct turn_to_angle_at_speed_reply : ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_t {
-    constexpr turn_to_angle_at_speed_reply() noexcept : ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_t{} {}
+struct turn_to_angle_at_speed_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_AT_SPEED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of turn_to_angle_at_speed";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const turn_to_angle_at_speed_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(turn_to_angle_at_speed_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_decode(&raw, &node,
+                &from, known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const turn_to_angle_at_speed_reply &one,
+            const turn_to_angle_at_speed_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of move_by_angle, with raw integers that are 0 at first. */
-struct move_by_angle_reply : ::mwd_motor_v2_35_2024_02_move_by_angle_reply_t {
-    constexpr move_by_angle_reply() noexcept : ::mwd_motor_v2_35_2024_02_move_by_angle_reply_t{} {}
+struct move_by_angle_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOVE_BY_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of move_by_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const move_by_angle_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_by_angle_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_move_by_angle_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(move_by_angle_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_by_angle_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_move_by_angle_reply_decode(&raw, &node, &from,
+                known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const move_by_angle_reply &one, const move_by_angle_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of move_by_angle_at_speed, with raw integers that are 0 at first. */
-struct move_by_angle_at_speed_reply : ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_t {
-    constexpr move_by_angle_at_speed_reply() noexcept : ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_t{} {}
+struct move_by_angle_at_speed_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_MOVE_BY_ANGLE_AT_SPEED_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of move_by_angle_at_speed";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const move_by_angle_at_speed_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(move_by_angle_at_speed_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_decode(&raw, &node,
+                &from, known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const move_by_angle_at_speed_reply &one,
+            const move_by_angle_at_speed_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_control_parameter_torque_limit, with raw integers that are 0 at first. */
-struct read_param_torque_limit_reply : ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_t {
-    constexpr read_param_torque_limit_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_t{} {}
+struct read_param_torque_limit_reply : layout::control_parameters_torque_limit {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_PARAM_TORQUE_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_control_parameter_torque_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_param_torque_limit_reply &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(read_param_torque_limit_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_param_torque_limit_reply &one,
+            const read_param_torque_limit_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_control_parameter_acceleration_limit, with raw integers that are 0 at first. */
-struct read_param_acceleration_limit_reply : ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_t {
-    constexpr read_param_acceleration_limit_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_t{} {}
+struct read_param_acceleration_limit_reply : layout::control_parameters_acceleration_limit {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_PARAM_ACCELERATION_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_control_parameter_acceleration_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_param_acceleration_limit_reply &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(read_param_acceleration_limit_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_param_acceleration_limit_reply &one,
+            const read_param_acceleration_limit_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_control_parameter_speed_limit, with raw integers that are 0 at first. */
-struct read_param_speed_limit_reply : ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_t {
-    constexpr read_param_speed_limit_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_t{} {}
+struct read_param_speed_limit_reply : layout::control_parameters_speed_limit {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_PARAM_SPEED_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_control_parameter_speed_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_param_speed_limit_reply &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(read_param_speed_limit_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_param_speed_limit_reply &one,
+            const read_param_speed_limit_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of write_control_parameter_ram_torque_limit, with raw integers that are 0 at first. */
-struct set_param_torque_limit_reply : ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_t {
-    constexpr set_param_torque_limit_reply() noexcept : ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_t{} {}
+struct set_param_torque_limit_reply : layout::control_parameters_torque_limit {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_PARAM_TORQUE_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of write_control_parameter_ram_torque_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_param_torque_limit_reply &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_param_torque_limit_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_param_torque_limit_reply &one,
+            const set_param_torque_limit_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of write_control_parameter_ram_acceleration_limit, with raw integers that are 0 at first. */
-struct set_param_acceleration_limit_reply : ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_t {
-    constexpr set_param_acceleration_limit_reply() noexcept : ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_t{} {}
+struct set_param_acceleration_limit_reply : layout::control_parameters_acceleration_limit {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_PARAM_ACCELERATION_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of write_control_parameter_ram_acceleration_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_param_acceleration_limit_reply &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_param_acceleration_limit_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_param_acceleration_limit_reply &one,
+            const set_param_acceleration_limit_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of write_control_parameter_ram_speed_limit, with raw integers that are 0 at first. */
-struct set_param_speed_limit_reply : ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_t {
-    constexpr set_param_speed_limit_reply() noexcept : ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_t{} {}
+struct set_param_speed_limit_reply : layout::control_parameters_speed_limit {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_PARAM_SPEED_LIMIT_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of write_control_parameter_ram_speed_limit";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_param_speed_limit_reply &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_param_speed_limit_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_param_speed_limit_reply &one,
+            const set_param_speed_limit_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_encoder, with raw integers that are 0 at first. */
-struct read_encoder_reply : ::mwd_motor_v2_35_2024_02_read_encoder_reply_t {
-    constexpr read_encoder_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_encoder_reply_t{} {}
+struct read_encoder_reply : layout::read_encoder_reply {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_ENCODER_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_encoder";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_encoder_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_encoder_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_read_encoder_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_read_encoder_reply_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(read_encoder_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_encoder_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_encoder_reply_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_encoder_reply &one, const read_encoder_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of write_encoder_offset_rom, with raw integers that are 0 at first. */
-struct write_encoder_offset_rom_reply : ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_t {
-    constexpr write_encoder_offset_rom_reply() noexcept : ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_t{} {}
+struct write_encoder_offset_rom_reply : layout::write_encoder_offset_rom {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_WRITE_ENCODER_OFFSET_ROM_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of write_encoder_offset_rom";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const write_encoder_offset_rom_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(write_encoder_offset_rom_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const write_encoder_offset_rom_reply &one,
+            const write_encoder_offset_rom_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of write_position_as_zero_rom, with raw integers that are 0 at first. */
-struct write_position_as_zero_rom_reply : ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t {
-    constexpr write_position_as_zero_rom_reply() noexcept : ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t{} {}
+struct write_position_as_zero_rom_reply : layout::write_position_as_zero_rom_reply {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_WRITE_POSITION_AS_ZERO_ROM_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of write_position_as_zero_rom";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const write_position_as_zero_rom_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(write_position_as_zero_rom_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_decode(&raw,
+                &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const write_position_as_zero_rom_reply &one,
+            const write_position_as_zero_rom_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_multi_turn_angle, with raw integers that are 0 at first. */
-struct read_multi_turn_angle_reply : ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t {
-    constexpr read_multi_turn_angle_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t{} {}
+struct read_multi_turn_angle_reply : layout::read_multi_turn_angle_reply {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_MULTI_TURN_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_multi_turn_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_multi_turn_angle_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_encode(&to, node, &raw);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(read_multi_turn_angle_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_multi_turn_angle_reply &one,
+            const read_multi_turn_angle_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_single_turn_angle, with raw integers that are 0 at first. */
-struct read_single_turn_angle_reply : ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t {
-    constexpr read_single_turn_angle_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t{} {}
+struct read_single_turn_angle_reply : layout::read_single_turn_angle_reply {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_SINGLE_TURN_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_single_turn_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_single_turn_angle_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(read_single_turn_angle_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_decode(&raw, &node,
+                &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_single_turn_angle_reply &one,
+            const read_single_turn_angle_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of set_angle, with raw integers that are 0 at first. */
-struct set_angle_reply : ::mwd_motor_v2_35_2024_02_set_angle_reply_t {
-    constexpr set_angle_reply() noexcept : ::mwd_motor_v2_35_2024_02_set_angle_reply_t{} {}
+struct set_angle_reply : layout::set_angle {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_SET_ANGLE_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of set_angle";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const set_angle_reply &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_angle_reply_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_set_angle_reply_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(set_angle_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_set_angle_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_set_angle_reply_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const set_angle_reply &one, const set_angle_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_status_1, with raw integers that are 0 at first. */
-struct read_status_1_reply : ::mwd_motor_v2_35_2024_02_read_status_1_reply_t {
-    constexpr read_status_1_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_status_1_reply_t{} {}
+struct read_status_1_reply : layout::status_1 {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_STATUS_1_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_status_1";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_status_1_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_status_1_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_read_status_1_reply_encode(&to, node, &raw);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_status_1_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(read_status_1_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_status_1_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_status_1_reply_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_status_1_reply &one, const read_status_1_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of clear_errors, with raw integers that are 0 at first. */
-struct clear_errors_reply : ::mwd_motor_v2_35_2024_02_clear_errors_reply_t {
-    constexpr clear_errors_reply() noexcept : ::mwd_motor_v2_35_2024_02_clear_errors_reply_t{} {}
+struct clear_errors_reply : layout::status_1 {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_CLEAR_ERRORS_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of clear_errors";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const clear_errors_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_clear_errors_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_clear_errors_reply_encode(&to, node, &raw);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_status_1_check(&rejected, &raw) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(clear_errors_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_clear_errors_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_clear_errors_reply_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const clear_errors_reply &one, const clear_errors_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_status_2, with raw integers that are 0 at first. */
-struct read_status_2_reply : ::mwd_motor_v2_35_2024_02_read_status_2_reply_t {
-    constexpr read_status_2_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_status_2_reply_t{} {}
+struct read_status_2_reply : layout::motion_feedback {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_STATUS_2_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_status_2";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = true;
+        static constexpr bool decode_needs_parameters = true;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_status_2_reply &message, field &rejected,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_status_2_reply_t raw{};
+            ::canwright::status why;
+            to_c(raw, message);
+            why = ::mwd_motor_v2_35_2024_02_read_status_2_reply_encode(&to, node, &raw, known);
+            if (why != CANWRIGHT_OK
+                && ::mwd_motor_v2_35_2024_02_motion_feedback_check(&rejected, &raw, known) != why) {
+                rejected = field();
+            }
+            return why;
+        }
+        static ::canwright::status decode(read_status_2_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_status_2_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_status_2_reply_decode(&raw, &node, &from,
+                known);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_status_2_reply &one, const read_status_2_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
 /** The reply of read_status_3, with raw integers that are 0 at first. */
-struct read_status_3_reply : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t {
-    constexpr read_status_3_reply() noexcept : ::mwd_motor_v2_35_2024_02_read_status_3_reply_t{} {}
+struct read_status_3_reply : layout::read_status_3_reply {
+    /** The command. */
+    static constexpr ::mwd_motor::v2_35_2024_02::command which = static_cast<::mwd_motor::v2_35_2024_02::command>(::MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3);
+    /** The code of the command in a frame. */
+    static constexpr auto code = MWD_MOTOR_V2_35_2024_02_READ_STATUS_3_CODE;
+    /** What it is. */
+    static constexpr const char *text = "reply of read_status_3";
+    /** How it is encoded and decoded; for `encode` and `decode`. */
+    struct rules {
+        using field = ::mwd_motor_v2_35_2024_02_field_t;
+        using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+        static constexpr bool has_node = true;
+        static constexpr bool encode_needs_parameters = false;
+        static constexpr bool decode_needs_parameters = false;
+        static ::canwright::status encode(::canwright::frame &to, ::std::uint32_t node,
+            const read_status_3_reply &message, field &,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_status_3_reply_t raw{};
+            to_c(raw, message);
+            return ::mwd_motor_v2_35_2024_02_read_status_3_reply_encode(&to, node, &raw);
+        }
+        static ::canwright::status decode(read_status_3_reply &message, ::std::uint32_t &node,
+            const ::canwright::frame &from,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            ::mwd_motor_v2_35_2024_02_read_status_3_reply_t raw{};
+            const ::canwright::status why = ::mwd_motor_v2_35_2024_02_read_status_3_reply_decode(&raw, &node, &from);
+            from_c(message, raw);
+            return why;
+        }
+        static constexpr bool same(const read_status_3_reply &one, const read_status_3_reply &other) noexcept
+        {
+            return layout::same(one, other);
+        }
+    };
 };
 
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_to_double(message.temperature);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_from_double(&message.temperature, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_to_float(message.temperature);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_from_float(&message.temperature, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_output_power_to_double(message.power);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_output_power_from_double(&message.power, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_output_power_to_float(message.power);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_output_power_from_float(&message.power, value);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_measured_torque_current_to_double(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>, double value,
-    const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_double(&message.iq, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_measured_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>, float value,
-    const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_float(&message.iq, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_measured_torque_current_to_milli(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_milli(&message.iq, value, &known);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_i16_to_double(message.speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_i16_from_double(&message.speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_i16_to_float(message.speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_i16_from_float(&message.speed, value);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_motion_feedback_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_milli(&message.encoder, value, &known);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_to_double(message.temperature);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_from_double(&message.temperature, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_to_float(message.temperature);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_from_float(&message.temperature, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_voltage_to_double(message.voltage);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_voltage_from_double(&message.voltage, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_voltage_to_float(message.voltage);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_voltage_from_float(&message.voltage, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int32_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_voltage_to_milli(message.voltage);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_VOLTAGE>,
-    int32_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_voltage_from_milli(&message.voltage, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_bus_current_to_double(message.current);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_bus_current_from_double(&message.current, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_bus_current_to_float(message.current);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_bus_current_from_float(&message.current, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int32_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_bus_current_to_milli(message.current);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_CURRENT>,
-    int32_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_bus_current_from_milli(&message.current, value);
-}
-
-/** The raw integer as a named value, which it may not have. */
-CANWRIGHT_CHECKED static inline motor_state get(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE>) noexcept
-{
-    return static_cast<motor_state>(message.motor_state);
-}
-
-/** Sets a named value. */
-static inline void set(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE>,
-    motor_state value) noexcept
-{
-    message.motor_state = static_cast<uint8_t>(value);
-}
-
-/** True if a flag is set. */
-CANWRIGHT_CHECKED static inline bool has(
-    const ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS>,
-    error_flags flag) noexcept
-{
-    return (message.errors & static_cast<uint8_t>(flag)) != 0u;
-}
-
-/** Sets or clears a flag. */
-static inline void set(
-    ::mwd_motor_v2_35_2024_02_status_1_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS>,
-    error_flags flag, bool on = true) noexcept
-{
-    const auto others = static_cast<uint8_t>(message.errors & static_cast<uint8_t>(~static_cast<uint8_t>(flag)));
-    message.errors = on ? static_cast<uint8_t>(others | static_cast<uint8_t>(flag)) : others;
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i16_to_double(message.torque_limit);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i16_from_double(&message.torque_limit, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i16_to_float(message.torque_limit);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TORQUE_LIMIT>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i16_from_float(&message.torque_limit, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i32_to_double(message.acceleration_limit);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i32_from_double(&message.acceleration_limit, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i32_to_float(message.acceleration_limit);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACCELERATION_LIMIT>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i32_from_float(&message.acceleration_limit, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i32_to_double(message.speed_limit);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i32_from_double(&message.speed_limit, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i32_to_float(message.speed_limit);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED_LIMIT>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_i32_from_float(&message.speed_limit, value);
-}
-
-/** The raw integer as a named value, which it may not have. */
-CANWRIGHT_CHECKED static inline brake_action get(
-    const ::mwd_motor_v2_35_2024_02_brake_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACTION>) noexcept
-{
-    return static_cast<brake_action>(message.action);
-}
-
-/** Sets a named value. */
-static inline void set(
-    ::mwd_motor_v2_35_2024_02_brake_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ACTION>,
-    brake_action value) noexcept
-{
-    message.action = static_cast<uint8_t>(value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_set_power_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_power_i16_to_double(message.power);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_power_i16_from_double(&message.power, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_set_power_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_power_i16_to_float(message.power);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_set_power_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_POWER>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_power_i16_from_float(&message.power, value);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_torque_current_to_double(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_torque_current_from_double(&message.iq, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_torque_current_to_float(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_torque_current_from_float(&message.iq, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_torque_current_to_milli(&value, message.iq, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_set_torque_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ>,
-    int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_torque_current_from_milli(&message.iq, value, &known);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_set_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_double(message.speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_double(&message.speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_set_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_float(message.speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_float(&message.speed, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_set_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_milli(message.speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_set_speed_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
-    int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_milli(&message.speed, value);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_torque_current_to_double(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_torque_current_from_double(&message.iq_limit, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_torque_current_to_float(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_torque_current_from_float(&message.iq_limit, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_torque_current_to_milli(&value, message.iq_limit, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT>, int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_torque_current_from_milli(&message.iq_limit, value, &known);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_double(message.speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_double(&message.speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_float(message.speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_float(&message.speed, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_milli(message.speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_set_speed_limited_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPEED>,
-    int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_milli(&message.speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_double(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.angle, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_move_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_milli(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(message.max_speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_double(&message.max_speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(message.max_speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_float(&message.max_speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_double(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.angle, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_milli(&message.angle, value);
-}
-
-/** The raw integer as a named value, which it may not have. */
-CANWRIGHT_CHECKED static inline spin_direction get(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION>) noexcept
-{
-    return static_cast<spin_direction>(message.spin_direction);
-}
-
-/** Sets a named value. */
-static inline void set(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION>, spin_direction value) noexcept
-{
-    message.spin_direction = static_cast<uint8_t>(value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_double(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_double(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_float(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_float(&message.angle, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_milli(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_milli(&message.angle, value);
-}
-
-/** The raw integer as a named value, which it may not have. */
-CANWRIGHT_CHECKED static inline spin_direction get(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION>) noexcept
-{
-    return static_cast<spin_direction>(message.spin_direction);
-}
-
-/** Sets a named value. */
-static inline void set(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION>, spin_direction value) noexcept
-{
-    message.spin_direction = static_cast<uint8_t>(value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(message.max_speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_double(&message.max_speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(message.max_speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_float(&message.max_speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_double(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_double(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_float(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_float(&message.angle, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_milli(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_milli(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_double(message.increment);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.increment, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.increment);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.increment, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(message.increment);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_move_by_angle_request_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>,
-    int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_milli(&message.increment, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(message.max_speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_double(&message.max_speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(message.max_speed);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_MAX_SPEED>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_float(&message.max_speed, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_double(message.increment);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.increment, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.increment);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.increment, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(message.increment);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_INCREMENT>, int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_milli(&message.increment, value);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder_offset,
-        &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder_offset, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder_offset, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_milli(&message.encoder_offset, value, &known);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_double(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&message.angle, value);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_set_angle_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>,
-    int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_angle_i32_from_milli(&message.angle, value);
-}
-
-/** The raw integer as a named value, which it may not have. */
-CANWRIGHT_CHECKED static inline brake_state get(
-    const ::mwd_motor_v2_35_2024_02_brake_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_STATE>) noexcept
-{
-    return static_cast<brake_state>(message.state);
-}
-
-/** Sets a named value. */
-static inline void set(
-    ::mwd_motor_v2_35_2024_02_brake_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_STATE>,
-    brake_state value) noexcept
-{
-    message.state = static_cast<uint8_t>(value);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER>,
-    int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_milli(&message.encoder, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder_measured,
-        &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder_measured, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder_measured,
-        &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder_measured, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder_measured,
-        &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_MEASURED>, int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_milli(&message.encoder_measured, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder_offset,
-        &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder_offset, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder_offset, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_read_encoder_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_milli(&message.encoder_offset, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, message.encoder_offset,
-        &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&message.encoder_offset, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_float(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&message.encoder_offset, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_encoder_position_to_milli(&value, message.encoder_offset, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET>, int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_encoder_position_from_milli(&message.encoder_offset, value, &known);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_double(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_float(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_float(&message.angle, value);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int64_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    int64_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_multi_turn_angle_to_milli(&value, message.angle) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, int64_t value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_milli(&message.angle, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_position_to_double(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_position_from_double(&message.angle, value, &known);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_position_to_float(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_position_from_float(&message.angle, value, &known);
-}
-
-/** The value in thousandths of its unit. */
-CANWRIGHT_CHECKED static inline int64_t get_milli(
-    const ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_position_to_milli(message.angle);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE>, int64_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_single_turn_position_from_milli(&message.angle, value, &known);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline double get(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_to_double(message.temperature);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
-    double value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_from_double(&message.temperature, value);
-}
-
-/** The value in its unit. */
-CANWRIGHT_CHECKED static inline float get_float(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_to_float(message.temperature);
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_TEMPERATURE>,
-    float value) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_temperature_from_float(&message.temperature, value);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, message.phase_a, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>,
-    double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&message.phase_a, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_float(&value, message.phase_a, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>,
-    float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_float(&message.phase_a, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>, const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_milli(&value, message.phase_a, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_A>,
-    int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_milli(&message.phase_a, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, message.phase_b, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>,
-    double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&message.phase_b, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_float(&value, message.phase_b, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>,
-    float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_float(&message.phase_b, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>, const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_milli(&value, message.phase_b, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_B>,
-    int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_milli(&message.phase_b, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<double> get(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
-{
-    double value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, message.phase_c, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>,
-    double value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&message.phase_c, value, &known);
-}
-
-/** The value in its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<float> get_float(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
-{
-    float value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_float(&value, message.phase_c, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_float(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>,
-    float value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_float(&message.phase_c, value, &known);
-}
-
-/** The value in thousandths of its unit, if it has one. */
-CANWRIGHT_CHECKED static inline ::std::optional<int32_t> get_milli(
-    const ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message,
-    field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>, const parameters &known) noexcept
-{
-    int32_t value = 0;
-    if (::mwd_motor_v2_35_2024_02_phase_current_to_milli(&value, message.phase_c, &known) != CANWRIGHT_OK) {
-        return ::std::nullopt;
-    }
-    return value;
-}
-
-/** Sets the nearest raw integer; a value that does not fit is rejected. */
-CANWRIGHT_CHECKED static inline status set_milli(
-    ::mwd_motor_v2_35_2024_02_read_status_3_reply_t &message, field_tag<::MWD_MOTOR_V2_35_2024_02_FIELD_PHASE_C>,
-    int32_t value, const parameters &known) noexcept
-{
-    return ::mwd_motor_v2_35_2024_02_phase_current_from_milli(&message.phase_c, value, &known);
-}
-
-/** Encodes a request of motor_off, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const motor_off_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_motor_off_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of motor_off; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    motor_off_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_motor_off_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of motor_on, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const motor_on_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_motor_on_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of motor_on; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    motor_on_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_motor_on_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of motor_stop, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const motor_stop_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_motor_stop_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of motor_stop; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    motor_stop_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_motor_stop_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of brake, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const brake_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_brake_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of brake; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    brake_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_brake_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of set_power, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_power_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_power_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of set_power; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_power_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_power_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of set_torque, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_torque_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_torque_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of set_torque; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_torque_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_torque_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of set_speed, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_speed_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_speed_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of set_speed; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_speed_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_speed_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of set_speed_limited, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_speed_limited_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_speed_limited_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of set_speed_limited; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_speed_limited_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_speed_limited_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of move_to_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const move_to_angle_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of move_to_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    move_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of move_to_angle_at_speed, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const move_to_angle_at_speed_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of move_to_angle_at_speed; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    move_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of turn_to_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const turn_to_angle_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of turn_to_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    turn_to_angle_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of turn_to_angle_at_speed, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const turn_to_angle_at_speed_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of turn_to_angle_at_speed; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    turn_to_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of move_by_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const move_by_angle_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of move_by_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    move_by_angle_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of move_by_angle_at_speed, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const move_by_angle_at_speed_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of move_by_angle_at_speed; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    move_by_angle_at_speed_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_control_parameter_torque_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_param_torque_limit_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_control_parameter_torque_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_param_torque_limit_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_control_parameter_acceleration_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_param_acceleration_limit_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_control_parameter_acceleration_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_param_acceleration_limit_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_control_parameter_speed_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_param_speed_limit_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_control_parameter_speed_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_param_speed_limit_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of write_control_parameter_ram_torque_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_param_torque_limit_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of write_control_parameter_ram_torque_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_param_torque_limit_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of write_control_parameter_ram_acceleration_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_param_acceleration_limit_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of write_control_parameter_ram_acceleration_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_param_acceleration_limit_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of write_control_parameter_ram_speed_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_param_speed_limit_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of write_control_parameter_ram_speed_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_param_speed_limit_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_encoder, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_encoder_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_encoder_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_encoder; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_encoder_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_encoder_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of write_encoder_offset_rom, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const write_encoder_offset_rom_request &message, const parameters &known,
-    status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_encode(&to, node, &message,
-        &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of write_encoder_offset_rom; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    write_encoder_offset_rom_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of write_position_as_zero_rom, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const write_position_as_zero_rom_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of write_position_as_zero_rom; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    write_position_as_zero_rom_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_multi_turn_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_multi_turn_angle_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_multi_turn_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_multi_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_single_turn_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_single_turn_angle_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_single_turn_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_single_turn_angle_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of set_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_angle_request &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_angle_request_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of set_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_angle_request &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_angle_request_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_status_1, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_status_1_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_1_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_status_1; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_status_1_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_1_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of clear_errors, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const clear_errors_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_clear_errors_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of clear_errors; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    clear_errors_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_clear_errors_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_status_2, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_status_2_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_2_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_status_2; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_status_2_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_2_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a request of read_status_3, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_status_3_request &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_3_request_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a request of read_status_3; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_status_3_request &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_3_request_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of motor_off, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const motor_off_reply &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_motor_off_reply_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of motor_off; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    motor_off_reply &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_motor_off_reply_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of motor_on, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const motor_on_reply &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_motor_on_reply_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of motor_on; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    motor_on_reply &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_motor_on_reply_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of motor_stop, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const motor_stop_reply &, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_motor_stop_reply_encode(&to, node);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of motor_stop; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    motor_stop_reply &, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_motor_stop_reply_decode(&node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of brake, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const brake_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_brake_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of brake; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    brake_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_brake_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of set_power, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_power_reply &message, const parameters &known, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_power_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of set_power; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_power_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_power_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of set_torque, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_torque_reply &message, const parameters &known, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_torque_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of set_torque; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_torque_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_torque_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of set_speed, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_speed_reply &message, const parameters &known, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_speed_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of set_speed; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_speed_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of set_speed_limited, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_speed_limited_reply &message, const parameters &known,
-    status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of set_speed_limited; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_speed_limited_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_speed_limited_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of move_to_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const move_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of move_to_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    move_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of move_to_angle_at_speed, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const move_to_angle_at_speed_reply &message, const parameters &known,
-    status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of move_to_angle_at_speed; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    move_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of turn_to_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const turn_to_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of turn_to_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    turn_to_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of turn_to_angle_at_speed, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const turn_to_angle_at_speed_reply &message, const parameters &known,
-    status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of turn_to_angle_at_speed; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    turn_to_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of move_by_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const move_by_angle_reply &message, const parameters &known, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of move_by_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    move_by_angle_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of move_by_angle_at_speed, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const move_by_angle_at_speed_reply &message, const parameters &known,
-    status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of move_by_angle_at_speed; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    move_by_angle_at_speed_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_control_parameter_torque_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_param_torque_limit_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_control_parameter_torque_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_param_torque_limit_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_control_parameter_acceleration_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_param_acceleration_limit_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_control_parameter_acceleration_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_param_acceleration_limit_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_control_parameter_speed_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_param_speed_limit_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_control_parameter_speed_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_param_speed_limit_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of write_control_parameter_ram_torque_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_param_torque_limit_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of write_control_parameter_ram_torque_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_param_torque_limit_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of write_control_parameter_ram_acceleration_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_param_acceleration_limit_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of write_control_parameter_ram_acceleration_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_param_acceleration_limit_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of write_control_parameter_ram_speed_limit, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_param_speed_limit_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of write_control_parameter_ram_speed_limit; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_param_speed_limit_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_encoder, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_encoder_reply &message, const parameters &known, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_encoder_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_encoder; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_encoder_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_encoder_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of write_encoder_offset_rom, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const write_encoder_offset_rom_reply &message, const parameters &known,
-    status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of write_encoder_offset_rom; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    write_encoder_offset_rom_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of write_position_as_zero_rom, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const write_position_as_zero_rom_reply &message, const parameters &known,
-    status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_encode(&to, node, &message,
-        &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of write_position_as_zero_rom; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    write_position_as_zero_rom_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_multi_turn_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_multi_turn_angle_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_multi_turn_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_multi_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_single_turn_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_single_turn_angle_reply &message, const parameters &known,
-    status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_single_turn_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_single_turn_angle_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of set_angle, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const set_angle_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_set_angle_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of set_angle; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    set_angle_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_set_angle_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_status_1, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_status_1_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_1_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_status_1; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_status_1_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_1_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of clear_errors, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const clear_errors_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_clear_errors_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of clear_errors; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    clear_errors_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_clear_errors_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_status_2, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_status_2_reply &message, const parameters &known, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_2_reply_encode(&to, node, &message, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_status_2; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_status_2_reply &message, const frame &from, const parameters &known, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_2_reply_decode(&message, &node, &from, &known);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Encodes a reply of read_status_3, if it is valid. */
-CANWRIGHT_CHECKED static inline ::std::optional<frame> encode(
-    ::std::uint32_t node, const read_status_3_reply &message, status *why = nullptr) noexcept
-{
-    frame to{};
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_3_reply_encode(&to, node, &message);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<frame>(to) : ::std::nullopt;
-}
-
-/** Decodes a reply of read_status_3; the result is the node. */
-CANWRIGHT_CHECKED static inline ::std::optional<::std::uint32_t> decode(
-    read_status_3_reply &message, const frame &from, status *why = nullptr) noexcept
-{
-    ::std::uint32_t node = 0u;
-    const status done = ::mwd_motor_v2_35_2024_02_read_status_3_reply_decode(&message, &node, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<::std::uint32_t>(node) : ::std::nullopt;
-}
-
-/** Any request: its node, and its fields in the member of `as` that has the name of the command. */
+/** Any request: `which()` is the command, `node` the node; `visit` calls a function with the message. */
 struct any_request : ::mwd_motor_v2_35_2024_02_any_request_t {
     constexpr any_request() noexcept : ::mwd_motor_v2_35_2024_02_any_request_t{} {}
     /** The command that the frame belongs to. */
@@ -3765,18 +5063,163 @@ struct any_request : ::mwd_motor_v2_35_2024_02_any_request_t {
 };
 
 /** Decodes any request. */
-CANWRIGHT_CHECKED static inline ::std::optional<any_request> decode_request(
-    const frame &from, status *why = nullptr) noexcept
+CANWRIGHT_CHECKED static inline result<any_request> decode_request(const frame &from) noexcept
 {
     any_request found;
-    const status done = ::mwd_motor_v2_35_2024_02_decode_request(&found, &from);
-    if (why != nullptr) {
-        *why = done;
-    }
-    return done == CANWRIGHT_OK ? ::std::optional<any_request>(found) : ::std::nullopt;
+    const status why = ::mwd_motor_v2_35_2024_02_decode_request(&found, &from);
+    return why == CANWRIGHT_OK ? result<any_request>(found) : result<any_request>(why);
 }
 
-/** Any reply: its node, and its fields in the member of `as` that has the name of the command. */
+/**
+ * Calls a function with the message of any request: `visit(function, any)`, where `function` takes every message, such as
+ * a generic lambda. The result is that of the function, or a default one for a command without a request.
+ */
+template <class Function> auto visit(Function &&function, const any_request &any)
+{
+    switch (any.command) {
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF: {
+        motor_off_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON: {
+        motor_on_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP: {
+        motor_stop_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE: {
+        brake_request message;
+        from_c(message, any.as.brake);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER: {
+        set_power_request message;
+        from_c(message, any.as.set_power);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE: {
+        set_torque_request message;
+        from_c(message, any.as.set_torque);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED: {
+        set_speed_request message;
+        from_c(message, any.as.set_speed);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED: {
+        set_speed_limited_request message;
+        from_c(message, any.as.set_speed_limited);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE: {
+        move_to_angle_request message;
+        from_c(message, any.as.move_to_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED: {
+        move_to_angle_at_speed_request message;
+        from_c(message, any.as.move_to_angle_at_speed);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE: {
+        turn_to_angle_request message;
+        from_c(message, any.as.turn_to_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED: {
+        turn_to_angle_at_speed_request message;
+        from_c(message, any.as.turn_to_angle_at_speed);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE: {
+        move_by_angle_request message;
+        from_c(message, any.as.move_by_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED: {
+        move_by_angle_at_speed_request message;
+        from_c(message, any.as.move_by_angle_at_speed);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT: {
+        read_param_torque_limit_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT: {
+        read_param_acceleration_limit_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT: {
+        read_param_speed_limit_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT: {
+        set_param_torque_limit_request message;
+        from_c(message, any.as.set_param_torque_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT: {
+        set_param_acceleration_limit_request message;
+        from_c(message, any.as.set_param_acceleration_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT: {
+        set_param_speed_limit_request message;
+        from_c(message, any.as.set_param_speed_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER: {
+        read_encoder_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM: {
+        write_encoder_offset_rom_request message;
+        from_c(message, any.as.write_encoder_offset_rom);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM: {
+        write_position_as_zero_rom_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE: {
+        read_multi_turn_angle_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE: {
+        read_single_turn_angle_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE: {
+        set_angle_request message;
+        from_c(message, any.as.set_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1: {
+        read_status_1_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS: {
+        clear_errors_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2: {
+        read_status_2_request message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3: {
+        read_status_3_request message;
+        return function(::std::as_const(message));
+    }
+    default:
+        using value = decltype(function(::std::declval<const motor_off_request &>()));
+        return value();
+    }
+}
+
+/** Any reply: `which()` is the command, `node` the node; `visit` calls a function with the message. */
 struct any_reply : ::mwd_motor_v2_35_2024_02_any_reply_t {
     constexpr any_reply() noexcept : ::mwd_motor_v2_35_2024_02_any_reply_t{} {}
     /** The command that the frame belongs to. */
@@ -3787,15 +5230,171 @@ struct any_reply : ::mwd_motor_v2_35_2024_02_any_reply_t {
 };
 
 /** Decodes any reply. */
-CANWRIGHT_CHECKED static inline ::std::optional<any_reply> decode_reply(
-    const frame &from, const parameters &known, status *why = nullptr) noexcept
+CANWRIGHT_CHECKED static inline result<any_reply> decode_reply(const frame &from, const parameters &known) noexcept
 {
     any_reply found;
-    const status done = ::mwd_motor_v2_35_2024_02_decode_reply(&found, &from, &known);
-    if (why != nullptr) {
-        *why = done;
+    const status why = ::mwd_motor_v2_35_2024_02_decode_reply(&found, &from, &known);
+    return why == CANWRIGHT_OK ? result<any_reply>(found) : result<any_reply>(why);
+}
+
+/**
+ * Calls a function with the message of any reply: `visit(function, any)`, where `function` takes every message, such as
+ * a generic lambda. The result is that of the function, or a default one for a command without a reply.
+ */
+template <class Function> auto visit(Function &&function, const any_reply &any)
+{
+    switch (any.command) {
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF: {
+        motor_off_reply message;
+        return function(::std::as_const(message));
     }
-    return done == CANWRIGHT_OK ? ::std::optional<any_reply>(found) : ::std::nullopt;
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON: {
+        motor_on_reply message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP: {
+        motor_stop_reply message;
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE: {
+        brake_reply message;
+        from_c(message, any.as.brake);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER: {
+        set_power_reply message;
+        from_c(message, any.as.set_power);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE: {
+        set_torque_reply message;
+        from_c(message, any.as.set_torque);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED: {
+        set_speed_reply message;
+        from_c(message, any.as.set_speed);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED: {
+        set_speed_limited_reply message;
+        from_c(message, any.as.set_speed_limited);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE: {
+        move_to_angle_reply message;
+        from_c(message, any.as.move_to_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED: {
+        move_to_angle_at_speed_reply message;
+        from_c(message, any.as.move_to_angle_at_speed);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE: {
+        turn_to_angle_reply message;
+        from_c(message, any.as.turn_to_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED: {
+        turn_to_angle_at_speed_reply message;
+        from_c(message, any.as.turn_to_angle_at_speed);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE: {
+        move_by_angle_reply message;
+        from_c(message, any.as.move_by_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED: {
+        move_by_angle_at_speed_reply message;
+        from_c(message, any.as.move_by_angle_at_speed);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT: {
+        read_param_torque_limit_reply message;
+        from_c(message, any.as.read_param_torque_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT: {
+        read_param_acceleration_limit_reply message;
+        from_c(message, any.as.read_param_acceleration_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT: {
+        read_param_speed_limit_reply message;
+        from_c(message, any.as.read_param_speed_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT: {
+        set_param_torque_limit_reply message;
+        from_c(message, any.as.set_param_torque_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT: {
+        set_param_acceleration_limit_reply message;
+        from_c(message, any.as.set_param_acceleration_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT: {
+        set_param_speed_limit_reply message;
+        from_c(message, any.as.set_param_speed_limit);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER: {
+        read_encoder_reply message;
+        from_c(message, any.as.read_encoder);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM: {
+        write_encoder_offset_rom_reply message;
+        from_c(message, any.as.write_encoder_offset_rom);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM: {
+        write_position_as_zero_rom_reply message;
+        from_c(message, any.as.write_position_as_zero_rom);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE: {
+        read_multi_turn_angle_reply message;
+        from_c(message, any.as.read_multi_turn_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE: {
+        read_single_turn_angle_reply message;
+        from_c(message, any.as.read_single_turn_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE: {
+        set_angle_reply message;
+        from_c(message, any.as.set_angle);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1: {
+        read_status_1_reply message;
+        from_c(message, any.as.read_status_1);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS: {
+        clear_errors_reply message;
+        from_c(message, any.as.clear_errors);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2: {
+        read_status_2_reply message;
+        from_c(message, any.as.read_status_2);
+        return function(::std::as_const(message));
+    }
+    case MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3: {
+        read_status_3_reply message;
+        from_c(message, any.as.read_status_3);
+        return function(::std::as_const(message));
+    }
+    default:
+        using value = decltype(function(::std::declval<const motor_off_reply &>()));
+        return value();
+    }
 }
 
 /** Checks whether a frame answers a request: CANWRIGHT_OK, or CANWRIGHT_NOT_ANSWER. */

@@ -777,7 +777,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_power_request_encode(&result->written, node,
-            &wanted.raws_set_power_request);
+            &wanted.raws_set_power_request, parameters);
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER
                 && request.node == result->node
@@ -820,7 +820,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
             field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
         }
         result->encoded = mwd_motor_v2_35_2024_02_set_torque_request_encode(&result->written, node,
-            &wanted.raws_set_torque_request);
+            &wanted.raws_set_torque_request, parameters);
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE
                 && request.node == result->node
@@ -1658,7 +1658,7 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
     case 58u: /* request of read_status_3 */
         result->decoded = mwd_motor_v2_35_2024_02_read_status_3_request_decode(&result->node, frame);
         result->same = true;
-        result->encoded = mwd_motor_v2_35_2024_02_read_status_3_request_encode(&result->written, node);
+        result->encoded = mwd_motor_v2_35_2024_02_read_status_3_request_encode(&result->written, node, parameters);
         if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3
                 && request.node == result->node;

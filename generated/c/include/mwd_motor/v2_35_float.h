@@ -8,7 +8,9 @@
  * converted exactly. A value that does not fit, NaN and infinity are rejected.
  *
  * From a raw integer to `double`: rounded once, to the nearest number, if the products of raw integer, scale and
- * parameter fit in 64 bits, else wrong by at most 4 * 2^-52 of the magnitudes of value and offset together.
+ * parameter fit in 64 bits, else wrong by at most 4 * 2^-52 of the magnitudes of value and offset together. A constant
+ * scale or offset of more digits is the sum of two doubles for raw integers of up to 40 bits. Their results are wrong by
+ * less than 0.51 * 2^-52 of these magnitudes, and nearly all of them are the nearest number.
  *
  * The functions for `float` never use `double`. They divide once if the products fit in 24 bits, so the result is the
  * nearest number. Otherwise the error in either direction is at most 7 * 2^-24 of the magnitudes of value and offset

@@ -600,7 +600,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             field = MWD_MOTOR_V2_35_FIELD_NONE;
         }
         result->encoded = mwd_motor_v2_35_set_power_request_encode(&result->written, node,
-            &wanted.raws_set_power_request);
+            &wanted.raws_set_power_request, parameters);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_POWER && request.node == result->node
                 && mwd_motor_v2_35_set_power_request_matches(&request.as.set_power, &wanted.raws_set_power_request);
@@ -638,7 +638,7 @@ static inline void mwd_motor_v2_35_selftest_message(
             field = MWD_MOTOR_V2_35_FIELD_NONE;
         }
         result->encoded = mwd_motor_v2_35_set_torque_request_encode(&result->written, node,
-            &wanted.raws_set_torque_request);
+            &wanted.raws_set_torque_request, parameters);
         if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_TORQUE && request.node == result->node
                 && mwd_motor_v2_35_set_torque_request_matches(&request.as.set_torque,

@@ -776,7 +776,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_power_request_encode(&result->written, node,
-            &wanted.raws_set_power_request);
+            &wanted.raws_set_power_request, parameters);
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER
                 && request.node == result->node
@@ -819,7 +819,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
             field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
         }
         result->encoded = mwd_motor_v2_36_2024_11_set_torque_request_encode(&result->written, node,
-            &wanted.raws_set_torque_request);
+            &wanted.raws_set_torque_request, parameters);
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE
                 && request.node == result->node
@@ -1862,7 +1862,7 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
     case 74u: /* request of read_status_3 */
         result->decoded = mwd_motor_v2_36_2024_11_read_status_3_request_decode(&result->node, frame);
         result->same = true;
-        result->encoded = mwd_motor_v2_36_2024_11_read_status_3_request_encode(&result->written, node);
+        result->encoded = mwd_motor_v2_36_2024_11_read_status_3_request_encode(&result->written, node, parameters);
         if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
             result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3
                 && request.node == result->node;

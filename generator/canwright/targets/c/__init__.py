@@ -17,7 +17,7 @@ from .command_example import command_example
 from .cxx import cxx_example, cxx_view
 from .examples import example
 from .expressions import operand
-from .files import PARTS, SHARED
+from .files import PARTS, SHARED, SHARED_CXX
 from .selftest import has_self_test, self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
@@ -111,7 +111,7 @@ def _headers(
 ) -> Iterator[Output]:
     """The headers of a family, and those through which Arduino finds them."""
     lines = "".join(f"/* {line} */\n" for line in family.headers)
-    files = {file: lines + (RUNTIME / file).read_text("utf-8") for file in SHARED}
+    files = {file: lines + (RUNTIME / file).read_text("utf-8") for file in (*SHARED, *SHARED_CXX)}
     for one, view in editions:
         for part in PARTS:
             files[f"{view.file}{part}.h"] = fold(env.get_template(f"edition{part}.h.j2").render(e=view))

@@ -126,7 +126,7 @@ def _sent(of: _Edition, message: Message, golden: GoldenFrame, parameters: Mappi
             "&frame",
             f"{golden.node}u" if frame.message.pattern.rule.has_nodes else "",
             "&request" if frame.struct else "",
-            "&parameters" if frame.layout.takes_parameters else "",
+            "&parameters" if frame.takes_parameters else "",
         ),
     )
     printed = _print(of, Direction.REQUEST, "&frame")
@@ -155,7 +155,7 @@ def _conversions(of: _Edition, field: Field, value: Value | None) -> Iterator[Ca
 def _received(of: _Edition, message: Message, golden: GoldenFrame, is_answered: bool) -> ReceivedView:
     frame = of.frames[of.names.lower(message.name)]
     marks = ["CANWRIGHT_EXTENDED"] * golden.extended + ["CANWRIGHT_REMOTE"] * golden.remote
-    has_node = frame.message.pattern.rule.has_nodes
+    has_node = frame.message.has_node
     decode = CallView(
         f"{frame.name}_decode",
         (

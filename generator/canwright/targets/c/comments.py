@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.layout import Field, Space
+from ...model.layout import Field, NodeRole, Space
 from ...model.types import IDENTITY, Dependent, Encoding, Linear, Type
 from .text import english
 
@@ -27,6 +27,8 @@ def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence
     if field.is_array:
         indices = [e.index for e in field.elements]
         parts.append(f"Element 0 is number {indices[0]}, the last one number {indices[-1]}.")
+    if isinstance(field.role, NodeRole):
+        parts.append("It contains the node, or its low bits.")
     if english(field.about):
         parts.append(english(field.about))
     parts += type_facts(field.type, among) if among else of_type

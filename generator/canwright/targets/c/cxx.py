@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.layout import Field, Layout
-from ...model.message import Message
+from ...model.message import Direction, Message
 from ...model.types import Type
 from .conversions import ConversionView
 from .examples import ExchangeView
+from .layouts import LayoutView as CLayoutView
 from .names import RESERVED, Names, layouts, member
 from .text import english
 from .types import TypeView
 from .view import DirectionView, EditionView, FrameView
 
 OWN_NAMES = (
-    *("frame", "status", "parameters", "command", "field", "field_tag", "any_request", "any_reply"),
-    *("encode", "decode", "decode_request", "decode_reply", "check_reply", "name"),
-    *("get", "set", "get_milli", "set_milli", "has"),
+    *("frame", "status", "parameters", "command", "field", "type", "layout", "any_request", "any_reply", "result"),
+    *("encode", "decode", "decode_request", "decode_reply", "check_reply", "name", "visit", "canwright_access"),
+    *("get", "set", "get_float", "set_float", "get_milli", "set_milli", "has"),
 )
 """The names that the header of every edition has in its namespace."""
+TYPE_NAMES = ("integer", "parameters", "flags", "value", "single", "milli")
+"""The names in the description of each type."""
+MESSAGE_NAMES = ("reply", "which", "code", "text", "rules")
+"""The names that messages have besides their fields."""
 
 
 class Enumerator(NamedTuple):
@@ -55,9 +61,9 @@ class ParameterSetter(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Conversion:
-    """A pair of functions of a field: `get` and `set`, or those in thousandths."""
+    """A pair of functions of a type: to the unit, to it in single precision, or to thousandths."""
 
-    ending: str
+    name: str
     number: str
     to: str
     from_: str
@@ -67,41 +73,71 @@ class Conversion:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FieldView:
-    """A field of a struct; `length` is that of an array, else 0. Flags have `flags`, named values have `named`."""
+class TypeTraits:
+    """A type; `named` is the enumeration of its values, `flags` that of its flags, empty without any."""
 
-    tag: str
-    member: str
-    length: int
+    name: str
+    heading: str
     kind: str
     named: str
     flags: str
     conversions: tuple[Conversion, ...]
 
     @property
-    def place(self) -> str:
-        return f"message.{self.member}" + ("[index]" if self.length else "")
+    def lacking(self) -> list[str]:
+        """The conversions that it does not have."""
+        there = {conversion.name for conversion in self.conversions} | ({"value"} if self.named else set())
+        return [name for name in ("value", "single", "milli") if name not in there]
 
 
-class StructView(NamedTuple):
+class Presence(NamedTuple):
+    """The nodes that have a field: those with some values of a parameter."""
+
     name: str
+    parameter: str
+    unknown: str
+    values: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldView:
+    """A field of a layout; `length` is that of an array, else 0. `presence` is empty for a field of all nodes."""
+
+    tag: str
+    doc: str
+    member: str
+    c_member: str
+    length: int
+    type: TypeTraits
+    presence: str
+
+
+class LayoutView(NamedTuple):
+    """The fields of messages with the struct `struct` of C."""
+
+    name: str
+    struct: str
     fields: tuple[FieldView, ...]
 
 
 class MessageView(NamedTuple):
-    """A message as a type of its own; `struct` is that of C, empty without fields."""
+    """A message as a type of its own; `layout` is empty without fields, `reply` without a reply, `code` without one."""
 
     name: str
     title: str
-    struct: str
+    layout: str
+    which: str
+    code: str
+    reply: str
     frame: FrameView
 
 
 class AnyView(NamedTuple):
-    """Any message of one direction."""
+    """Any message of one direction; `messages` are those that a frame can be, each with its member of the union."""
 
     name: str
     direction: DirectionView
+    messages: tuple[tuple[MessageView, str], ...]
 
 
 class CxxView(NamedTuple):
@@ -111,7 +147,9 @@ class CxxView(NamedTuple):
     enums: tuple[EnumView, ...]
     parameters: tuple[ParameterSetter, ...]
     tags: tuple[Enumerator, ...]
-    structs: tuple[StructView, ...]
+    types: tuple[TypeTraits, ...]
+    presences: tuple[Presence, ...]
+    layouts: tuple[LayoutView, ...]
     messages: tuple[MessageView, ...]
     any: tuple[AnyView, ...]
 
@@ -119,7 +157,8 @@ class CxxView(NamedTuple):
 class CxxExample(NamedTuple):
     """The first exchange of the examples: its messages, and a field of the reply with its conversion to a value.
 
-    `tag` and `conversion` are empty if no field of the reply is a number with a scale.
+    `tag` and `conversion` are empty if no field of the reply is a number with a scale. `needs_parameters` is true if
+    reading it depends on parameters.
     """
 
     request: MessageView
@@ -128,6 +167,8 @@ class CxxExample(NamedTuple):
     reply: MessageView
     tag: str
     conversion: Conversion | None
+    needs_parameters: bool
+    is_result: bool
 
 
 def cxx_example(x: CxxView, exchange: ExchangeView) -> CxxExample:
@@ -135,15 +176,19 @@ def cxx_example(x: CxxView, exchange: ExchangeView) -> CxxExample:
     frames = {m.frame.name: m for m in x.messages}
     request, reply = frames[exchange.request.frame.name], frames[exchange.reply.frame.name]
     tags = {tag.value: tag.name for tag in x.tags}
-    fields = next((s.fields for s in x.structs if s.name == f"{reply.frame.layout.name}_t"), ())
-    number = next((f for f in fields if f.conversions and not f.length), None)
+    fields = next((layout.fields for layout in x.layouts if layout.name == reply.layout), ())
+    number = next((f for f in fields if f.type.conversions and not f.length), None)
+    conversion = number.type.conversions[0] if number else None
+    presence = bool(number and number.presence)
     return CxxExample(
         request=request,
         assignments=exchange.request.assignments,
         node=exchange.node,
         reply=reply,
         tag=tags[number.tag] if number else "",
-        conversion=number.conversions[0] if number else None,
+        conversion=conversion,
+        needs_parameters=presence or (conversion is not None and conversion.to_parameters),
+        is_result=presence or (conversion is not None and conversion.to_fails),
     )
 
 
@@ -170,9 +215,22 @@ class _Cxx:
         self._message_names = {m.name: next(free) for m in edition.all_messages()}
         self._choices = {p.name: next(free) for p in choices}
         self._enums = {t.name: next(free) for t in used}
+        found = [layout for layout in layouts(edition) if _members(layout)]
+        self._layouts = dict(zip(found, _distinct((layout.name for layout in found), ()), strict=True))
+        self._members = {layout: self._view_of(layout).members for layout in found}
+        types = {f.type.name: f.type for layout in found for f in _members(layout)}
+        names = _distinct(map(self._stem, types.values()), TYPE_NAMES)
+        self._traits = dict(self._type_traits(zip(types.values(), names, strict=True)))
+        presences = dict.fromkeys(itertools.chain.from_iterable(map(_presences, found)))
+        self._presences = {key: self._presence(f"only_{place}", key) for place, key in enumerate(presences, 1)}
+
+    def _view_of(self, layout: Layout) -> CLayoutView:
+        name = self._names.lower(layout.name)
+        return next(frame.layout for frame in self._frames.values() if frame.layout.name == name)
 
     def view(self) -> CxxView:
         tags = [name for _, name in self._view.fields]
+        messages = {m.name: self._message(m) for m in self._edition.all_messages()}
         return CxxView(
             namespace=f"{member(self._edition.family)}::{self._edition.identifier}",
             enums=(self._commands(), *self._parameter_enums(), *self._type_enums()),
@@ -181,10 +239,22 @@ class _Cxx:
                 for p in self._edition.parameters
             ),
             tags=tuple(map(Enumerator, _distinct(tags, ()), (tag for tag, _ in self._view.fields))),
-            structs=tuple(self._struct(layout) for layout in layouts(self._edition) if _members(layout)),
-            messages=tuple(map(self._message, self._edition.all_messages())),
-            any=tuple(AnyView(f"any_{d.word}", d) for d in self._view.directions if d.decode),
+            types=tuple(self._traits.values()),
+            presences=tuple(self._presences.values()),
+            layouts=tuple(
+                LayoutView(name, self._names.lower(layout.name, "t"), tuple(map(self._field, _members(layout))))
+                for layout, name in self._layouts.items()
+            ),
+            messages=tuple(messages.values()),
+            any=tuple(self._any(d, messages) for d in self._view.directions if d.decode),
         )
+
+    def _any(self, direction: DirectionView, messages: Mapping[str, MessageView]) -> AnyView:
+        """The messages that the decoder of any frame returns."""
+        found = [messages[message.name] for message in self._edition.messages(Direction(direction.word))]
+        by_command = direction.by_command
+        members = tuple((view, by_command[view.which].member if view.layout else "") for view in found)
+        return AnyView(f"any_{direction.word}", direction, members)
 
     def _stem(self, type_: Type) -> str:
         return self._names.type_stem(type_)
@@ -219,40 +289,68 @@ class _Cxx:
                     c_type=view.kind,
                 )
 
-    def _struct(self, layout: Layout) -> StructView:
-        return StructView(self._names.lower(layout.name, "t"), tuple(map(self._field, _members(layout))))
+    def _type_traits(self, names: Iterable[tuple[Type, str]]) -> Iterator[tuple[str, TypeTraits]]:
+        for type_, name in names:
+            view = self._types[self._names.lower(self._stem(type_))]
+            enum = self._enums.get(type_.name, "")
+            pairs = (
+                ("value", "double", view.double),
+                ("single", "float", view.single),
+                ("milli", view.milli.kind if view.milli else "", view.milli),
+            )
+            conversions = (_conversion(view, *pair) for pair in pairs if not enum and pair[2] is not None)
+            yield (
+                type_.name,
+                TypeTraits(
+                    name=name,
+                    heading=view.heading,
+                    kind=view.kind,
+                    named=enum if type_.enum else "",
+                    flags=enum if type_.flags else "",
+                    conversions=tuple(conversions),
+                ),
+            )
+
+    def _presence(self, name: str, key: tuple[str, ...]) -> Presence:
+        parameter, *values = key
+        names = tuple(self._names.upper(parameter, value) for value in values)
+        return Presence(name, member(parameter), self._names.upper(parameter, "unknown"), names)
 
     def _field(self, field: Field) -> FieldView:
-        type_ = field.type
-        enum = self._enums.get(type_.name, "")
-        view = self._types[self._names.lower(self._stem(type_))]
-        pairs = (
-            ("", "double", view.double),
-            ("_float", "float", view.single),
-            ("_milli", view.milli.kind if view.milli else "", view.milli),
-        )
+        layout = next(layout for layout in self._layouts if field in layout.fields)
+        view = next(m for m in self._members[layout] if m.name.partition("[")[0] == member(field.name))
+        key = (layout.parameter or "", *field.only)
+        name = member(field.name)
         return FieldView(
             tag=self._names.upper("field", field.name),
-            member=member(field.name),
+            doc=view.doc,
+            member=f"{name}_" if name in MESSAGE_NAMES else name,
+            c_member=name,
             length=len(field.elements) if field.is_array else 0,
-            kind=view.kind,
-            named=enum if type_.enum else "",
-            flags=enum if type_.flags else "",
-            conversions=tuple(_conversion(view, *pair) for pair in pairs if not enum and pair[2] is not None),
+            type=self._traits[field.type.name],
+            presence=self._presences[key].name if field.only else "",
         )
 
     def _message(self, message: Message) -> MessageView:
         frame = self._frames[self._names.lower(message.name)]
+        command = self._edition.command(message.command)
+        reply = command.reply if message.direction is Direction.REQUEST else None
         return MessageView(
-            self._message_names[message.name], f"{message.direction.value} of {message.command}", frame.struct, frame
+            name=self._message_names[message.name],
+            title=f"{message.direction.value} of {message.command}",
+            layout=self._layouts.get(message.layout, ""),
+            which=self._names.command(command.name),
+            code="" if command.code is None else self._names.upper(command.name, "code"),
+            reply=self._message_names[reply.name] if reply else "",
+            frame=frame,
         )
 
 
-def _conversion(type_: TypeView, ending: str, number: str, view: ConversionView | None) -> Conversion:
+def _conversion(type_: TypeView, name: str, number: str, view: ConversionView | None) -> Conversion:
     assert view is not None
-    unit = "milli" if ending == "_milli" else number
+    unit = "milli" if name == "milli" else number
     return Conversion(
-        ending=ending,
+        name=name,
         number=number,
         to=f"{type_.name}_to_{unit}",
         from_=f"{type_.name}_from_{unit}",
@@ -260,6 +358,11 @@ def _conversion(type_: TypeView, ending: str, number: str, view: ConversionView 
         to_parameters=view.to_parameters,
         from_parameters=view.from_parameters,
     )
+
+
+def _presences(layout: Layout) -> Iterator[tuple[str, ...]]:
+    """The parameter of a layout and its values under which a field exists, for each field that not all nodes have."""
+    yield from ((layout.parameter or "", *field.only) for field in _members(layout) if field.only)
 
 
 def _members(layout: Layout) -> Sequence[Field]:

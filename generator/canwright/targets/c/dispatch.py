@@ -34,10 +34,12 @@ class UnpackView(NamedTuple):
 class MatchView(NamedTuple):
     """A command, or a run of commands that differ only in the number, which the expression `command` reads.
 
-    `other_constant` is the condition for a frame with other constants, empty without constants.
+    `node` is the node in a field, where the messages of a route differ in it; `other_constant` is the condition for a
+    frame with other constants. Both are empty otherwise.
     """
 
     command: str
+    node: str
     other_constant: str
     unpack: UnpackView | None
 
@@ -71,6 +73,8 @@ class RouteView(NamedTuple):
     frame_id: str
     other_kind: str
     """Bits of the id that are 0 here and that frames of the other kind (remote or not) use; empty without any."""
+    node: str
+    """The node if the id contains none."""
     then: NodeView
 
     def only_kind(self, condition: str) -> str:
@@ -108,20 +112,21 @@ def routes(
 ) -> list[RouteView]:
     """The routes of the dispatch plan, in the order in which they are tried; `unpack` is what follows a match."""
     printer = _Printer(names, edition, views, unpack)
-    return [
-        _route(edition, views, direction, route, printer.node(route.then))
-        for route in dispatch_plan(edition, direction).routes
-    ]
+    return [_route(edition, views, direction, route, printer) for route in dispatch_plan(edition, direction).routes]
 
 
-def _route(edition: Edition, views: Messages, direction: Direction, route: dispatch.Route, then: NodeView) -> RouteView:
+def _route(
+    edition: Edition, views: Messages, direction: Direction, route: dispatch.Route, printer: _Printer
+) -> RouteView:
     message = route.messages[0]
+    nodes = {views.message(message).held_node for message in route.messages}
     other_kind = address_mask(edition, message.address, direction) & ~route.mask
     return RouteView(
         rule=views.rule(edition.address(message.address), direction),
         frame_id=frame_id(message),
         other_kind=f"0x{other_kind:X}u" if other_kind else "",
-        then=then,
+        node=(nodes.pop() if len(nodes) == 1 else "") or "0u",
+        then=printer.node(route.then, has_nodes=len(nodes) > 1),
     )
 
 
@@ -133,21 +138,25 @@ class _Printer:
         self._numbers = command_numbers(edition)
         self._type = names.lower("command_t")
 
-    def node(self, node: dispatch.Node) -> NodeView:
+    def node(self, node: dispatch.Node, *, has_nodes: bool) -> NodeView:
+        """The view of a node of the plan; with `has_nodes`, each message writes the node that its fields contain."""
         if isinstance(node, dispatch.Reject):
             return RejectView(node.reason.name)
         if isinstance(node, dispatch.Match):
-            return self._match(node.message, self._names.command(node.message.command))
+            return self._match(node.message, self._names.command(node.message.command), has_nodes)
         if isinstance(node.otherwise, dispatch.Reject) and len(node.cases) == 1:
             condition = _differs(node.subject, node.cases[0].values)
-            return GuardView(condition, node.otherwise.reason.name, self.node(node.cases[0].then))
-        return SwitchView(_read(node.subject), tuple(self._cases(node)), self.node(node.otherwise))
+            then = self.node(node.cases[0].then, has_nodes=has_nodes)
+            return GuardView(condition, node.otherwise.reason.name, then)
+        otherwise = self.node(node.otherwise, has_nodes=has_nodes)
+        return SwitchView(_read(node.subject), tuple(self._cases(node, has_nodes)), otherwise)
 
-    def _match(self, message: Message, command: str) -> MatchView:
-        constant = self._views.message(message).other_constant
-        return MatchView(command, constant, self._unpack.get(message.layout))
+    def _match(self, message: Message, command: str, has_nodes: bool) -> MatchView:
+        view = self._views.message(message)
+        held_node = view.held_node if has_nodes else ""
+        return MatchView(command, held_node, view.other_constant, self._unpack.get(message.layout))
 
-    def _cases(self, node: dispatch.Select) -> Iterator[CaseView]:
+    def _cases(self, node: dispatch.Select, has_nodes: bool) -> Iterator[CaseView]:
         """The cases; those that differ only in the command, whose number is that of the case, become one."""
         number = f"({self._type}){_read(node.subject)}"
         is_byte = isinstance(node.subject, BitRun) and bits.is_byte(node.subject.space, node.subject.segments)
@@ -156,11 +165,13 @@ class _Printer:
             then = case.then
             key: MatchView | tuple[int, ...] = case.values
             if is_byte and isinstance(then, dispatch.Match) and key == (self._numbers[then.message.command],):
-                key = self._match(then.message, number)
+                key = self._match(then.message, number, has_nodes)
             groups.setdefault(key, []).append(case)
         for key, cases in groups.items():
             values = [value for case in cases for value in case.values]
-            then_ = key if isinstance(key, MatchView) and len(cases) > 1 else self.node(cases[0].then)
+            then_ = (
+                key if isinstance(key, MatchView) and len(cases) > 1 else self.node(cases[0].then, has_nodes=has_nodes)
+            )
             yield CaseView(_labels(node.subject, values), then_)
 
 

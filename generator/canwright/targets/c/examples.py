@@ -73,7 +73,7 @@ class ExampleView(NamedTuple):
     def uses_parameters(self) -> bool:
         frames = [frame for one in self.exchanges for frame in (one.request.frame, one.reply.frame)]
         values = [t.double for t in self._shown if t.double is not None]
-        return any(f.layout.takes_parameters for f in frames) or any(v.to_parameters for v in values)
+        return any(f.takes_parameters for f in frames) or any(v.to_parameters for v in values)
 
     @property
     def _shown(self) -> list[TypeView]:

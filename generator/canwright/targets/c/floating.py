@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
-from .conversions import MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, ratio
+from .conversions import MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, nearest, ratio
 from .expressions import joined, operand
 from .names import Names
 from .numbers import INT64, UINT64, Integer, common, integer
@@ -17,36 +18,59 @@ from .validity import Condition, constant_limits, has_constant_limits
 
 COARSE = 1 << 51
 """Raw integers from here on are too many for the precision of a quotient of doubles."""
+LARGEST = 1 << 64
+"""The limit of raw integers."""
+SPLIT = 40
+"""The maximum width of raw integers for which the first part of a scale has enough bits."""
 CORRECTABLE = 1 << 45
 """The limit of the numerator and denominator of a scale for `canwright_corrected`."""
 
 
 class Format(NamedTuple):
-    """A floating-point type of C; every integer up to `exact` is representable."""
+    """A floating-point type of C; every integer up to `exact` is representable.
+
+    `least` is the smallest number with full precision, `greatest` the largest one.
+    """
 
     name: str
     suffix: str
     exact: int
+    least: Fraction
+    greatest: Fraction
 
     def literal(self, number: Fraction | int) -> str:
         """The nearest number of this type as a literal."""
         literal = f"{float(number)!r}{self.suffix}"
         return f"({literal})" if number < 0 else literal
 
+    def has(self, *numbers: Fraction) -> bool:
+        """Whether each number is 0 or has full precision in this type."""
+        return all(number == 0 or self.least <= abs(number) <= self.greatest for number in numbers)
 
-SINGLE = Format("float", "f", 1 << 24)
-DOUBLE = Format("double", "", 1 << 53)
+
+SINGLE = Format("float", "f", 1 << 24, Fraction(1, 1 << 126), Fraction(1 << 126))
+DOUBLE = Format("double", "", 1 << 53, Fraction(1, 1 << 1022), Fraction(1 << 1022))
 
 
-def lacks_floating(type_: Type) -> bool:
-    """True if scale or offset need integers of more than 63 bits; there are no conversions to floating point then."""
-    linears = [linear for _, linear in type_.linear.distinct() if linear is not None]
-    return not all(INT64.holds(*map(abs, linear.as_quotient)) for linear in linears)
+def is_wide(type_: Type) -> bool:
+    """True if scale or offset needs integers of more than 63 bits."""
+    return not all(INT64.holds(*map(abs, linear.as_quotient)) for linear in _linears(type_))
+
+
+def has_floating(type_: Type, format_: Format) -> bool:
+    """False for a type without a scale, and for values beyond the range of a floating-point type."""
+    linears = _linears(type_) if type_.is_number else []
+    greatest = 1 if type_.encoding is Encoding.FLOAT else max(map(abs, type_.raw_limits))
+    return bool(linears) and all(format_.has(x.scale, x.scale * greatest, x.offset) for x in linears)
+
+
+def _linears(type_: Type) -> list[Linear]:
+    return [linear for _, linear in type_.linear.distinct() if linear is not None]
 
 
 def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_: Format) -> ConversionView | None:
-    """Conversions to the unit in a floating-point type; None without a scale, or with one that is too precise."""
-    if not type_.is_number or not any(linear for _, linear in type_.linear.distinct()) or lacks_floating(type_):
+    """Conversions to the unit in a floating-point type; None without a scale in its range."""
+    if not has_floating(type_, format_):
         return None
     is_float = type_.encoding is Encoding.FLOAT
 
@@ -95,15 +119,40 @@ def _value(linear: Linear, type_: Type, format_: Format) -> str:
         if divisor == 1:
             return dividend
         return f"{operand(dividend)} / {format_.literal(divisor)}"
+    if format_ is DOUBLE and type_.width <= SPLIT:
+        return integral or _split(linear, type_)
     return integral or _scaled(raw, linear, format_)
+
+
+def _split(linear: Linear, type_: Type) -> str:
+    """The value with scale and offset as sums of two doubles each: the products with the first ones are exact."""
+    greatest = max(map(abs, type_.raw_limits)) * abs(linear.scale) + abs(linear.offset)
+    unit = Fraction(2) ** (math.frexp(float(greatest))[1] - 53)
+    first = [nearest(part / unit) * unit for part in (linear.scale, linear.offset)]
+    rest = [part - one for part, one in zip((linear.scale, linear.offset), first, strict=True)]
+    has_addend = linear.offset or linear.scale < 0  # 0.0 makes -0.0 positive
+    sums = (
+        f"((double)raw * {DOUBLE.literal(scale)})" + (f" + {DOUBLE.literal(offset)}" if has_addend else "")
+        for scale, offset in (first, rest)
+    )
+    return joined("+", sums)
 
 
 def _scaled(raw: str, linear: Linear, format_: Format) -> str:
     """The value of a number with factor, divisor and offset of the scale, each rounded."""
-    above, below = linear.scale.numerator, linear.scale.denominator
+    above, below = _fraction(linear, format_)
+    if max(abs(above), below) > format_.exact:
+        above, below = linear.scale, Fraction(1)
     scaled = raw + (f" * {format_.literal(above)}" if above != 1 else "")
     scaled = f"{operand(scaled)} / {format_.literal(below)}" if below != 1 else scaled
     return f"{operand(scaled)} + {format_.literal(linear.offset)}" if linear.offset else scaled
+
+
+def _fraction(linear: Linear, format_: Format) -> tuple[Fraction, Fraction]:
+    """Numerator and denominator of a scale, or the scale itself if they or products with them are beyond the range."""
+    above, below = Fraction(linear.scale.numerator), Fraction(linear.scale.denominator)
+    is_small = format_.has(LARGEST * above, LARGEST * below, linear.offset * below * LARGEST)
+    return (above, below) if is_small else (linear.scale, Fraction(1))
 
 
 def _dividend(raw: str, factor: int, addend: int, literal: Callable[[int], str]) -> str:
@@ -154,12 +203,13 @@ def _toward_zero(dividend: int, divisor: int) -> int:
 
 def _nearest(linear: Linear, type_: Type, format_: Format) -> str:
     """The call that stores the nearest raw integer: from minus offset, times denominator, divided by numerator."""
-    scale, offset = linear.scale, linear.offset
+    offset = linear.offset
     steps = "value" if linear.times is None else f"canwright_share_{format_.name}(value, &{ratio(linear)})"
     steps = f"({steps} - {format_.literal(offset)})" if offset > 0 else steps
     steps = f"({steps} + {format_.literal(-offset)})" if offset < 0 else steps
-    steps = f"{operand(steps)} * {format_.literal(scale.denominator)}" if scale.denominator != 1 else steps
-    steps = f"{operand(steps)} / {format_.literal(scale.numerator)}" if scale.numerator != 1 else steps
+    above, below = _fraction(linear, format_)
+    steps = f"{operand(steps)} * {format_.literal(below)}" if below != 1 else steps
+    steps = f"{operand(steps)} / {format_.literal(above)}" if above != 1 else steps
     if type_.encoding is Encoding.FLOAT:
         return f"canwright_bits{type_.width}_from_{format_.name}(&nearest, value, {steps})"
     wide = _wide(type_)
@@ -185,9 +235,17 @@ def _line(linear: Linear) -> str:
     return ", ".join(numbers)
 
 
-def initializer(linear: Linear) -> str:
-    """Scale and offset as the initializer of a `canwright_linear_t`."""
-    numbers = ", ".join(map(INT64.literal, linear.as_quotient))
+def initializer(linear: Linear, type_: Type) -> str:
+    """Scale and offset as the initializer of a `canwright_linear_t`, rounded to 63 bits; empty if these are too few."""
+    quotient = linear.as_quotient
+    if not INT64.holds(*map(abs, quotient)):
+        whole = max(math.floor(abs(part)).bit_length() for part in (linear.scale, linear.offset))
+        divisor = 1 << max(0, 62 - whole)
+        quotient = nearest(linear.scale * divisor), nearest(linear.offset * divisor), divisor
+        # then the error of no value reaches a quarter of an LSB
+        if whole > 62 or abs(quotient[0]) < 4 * max(map(abs, type_.raw_limits)):
+            return ""
+    numbers = ", ".join(map(INT64.literal, quotient))
     return f"{{{numbers}, {ratio(linear) or '{1, 1u}'}}}"
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
 from .conversions import Formula, ratio
-from .floating import initializer, lacks_floating, raw_kind
+from .floating import initializer, raw_kind
 from .names import Names
 from .text import literal
 
@@ -31,15 +31,17 @@ class ShowView(NamedTuple):
 def show(names: Names, type_: Type) -> ShowView:
     kind = raw_kind(type_)
     plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, raw);"
-    is_raw = lacks_floating(type_)
 
     def formula(linear: Linear | None) -> Formula:
-        if linear is None or is_raw:
+        if linear is None:
             return RAW
         if linear.is_identity and type_.encoding is not Encoding.FLOAT:
             return Formula(number=plain)
+        numbers = initializer(linear, type_)
+        if not numbers:
+            return RAW
         call = f"canwright_print_value_{kind}(printer, raw, &linear, {decimals(type_, linear)}u);"
-        return Formula(number=call, linear=initializer(linear), ratio=ratio(linear))
+        return Formula(number=call, linear=numbers, ratio=ratio(linear))
 
     formulas = choose(names, type_.linear, formula, RAW)
     has_value = any(not one.status for one in formulas.alternatives)

@@ -12,7 +12,7 @@ from ...model.edition import Edition
 from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
 from ...semantics.decoder import Decoder, Identified
-from ...semantics.frame import CanFrame
+from ...semantics.frame import CanFrame, read_bits
 from ..base import Specification
 from .names import Names, member
 from .numbers import integer
@@ -121,7 +121,7 @@ class _SelfTest:
         flags = [*([UNIQUE] if is_unique else []), *([] if frame.decode_only else [ENCODED])]
         text = _braces(
             _stored(frame),
-            f"{frame.node or 0}u",
+            f"{_node(message, frame)}u",
             f"{_index(self._messages, message)}u",
             f"{self._raw_index(message, frame.raw)}u",
             f"{self._parameters(frame.parameters)}u",
@@ -249,6 +249,13 @@ def _fits(field: Field, raw: RawValue) -> bool:
     return all(low <= number <= high for number in raws) and (
         not field.is_array or len(raws) in (1, len(field.elements))
     )
+
+
+def _node(message: Message, frame: GoldenFrame) -> int:
+    """The node in the id or in a field; 0 if the frame contains none."""
+    if message.id.nodes is not None or message.node_bits is None:
+        return frame.node or 0
+    return read_bits(message.node_bits, _can(frame))
 
 
 def _can(frame: GoldenFrame) -> CanFrame:

@@ -10,7 +10,7 @@ from ...model.types import Encoding, Type
 from .choices import Choice
 from .comments import errata, type_facts
 from .conversions import ConversionView, milli
-from .floating import DOUBLE, SINGLE, floating, lacks_floating
+from .floating import DOUBLE, SINGLE, floating, has_floating, is_wide
 from .names import SCALE_MACROS, Names, layouts
 from .numbers import INT64, Integer, integer
 from .printing import ShowView, show
@@ -118,8 +118,10 @@ def _lacking(type_: Type, thousandths: ConversionView | None) -> Iterator[str]:
     by = ", ".join(type_.times)
     if by and thousandths is None:
         yield f"No thousandths: 64 bits are too few to multiply with {by}; there are conversions to floating point."
-    if lacks_floating(type_):
-        yield "No conversions to floating point: scale or offset needs integers of more than 63 bits."
+    if not by and is_wide(type_):
+        yield "No thousandths: scale or offset needs integers of more than 63 bits; there are conversions to floating point."
+    if has_floating(type_, DOUBLE) and not has_floating(type_, SINGLE):
+        yield "No conversions to float: values are beyond its range."
 
 
 def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
@@ -145,7 +147,7 @@ def _scale(names: Names, type_: Type) -> Iterator[MacroView]:
     linear = type_.linear.constant
     if linear is None or linear.times or not type_.is_number or (type_.is_plain and not type_.unit):
         return
-    if not lacks_floating(type_):
+    if not is_wide(type_):
         scale, offset = linear.scale, linear.offset
         numbers = (scale.numerator, scale.denominator, offset.numerator, offset.denominator)
         parts = ("scale: numerator", "scale: denominator", "offset: numerator", "offset: denominator")

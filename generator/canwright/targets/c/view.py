@@ -38,6 +38,13 @@ class FrameView(NamedTuple):
     title: str
     deprecated: str
     """The end of a comment on a deprecated message."""
+    lacking: str
+    """For a request, the condition for a node that does not have the command; empty without parameters that decide it."""
+
+    @property
+    def takes_parameters(self) -> bool:
+        """True if encoding the message needs the parameters."""
+        return self.layout.takes_parameters or bool(self.lacking)
 
     @property
     def name(self) -> str:
@@ -70,7 +77,14 @@ class FrameView(NamedTuple):
     @property
     def is_match_only(self) -> bool:
         """True if there is nothing to read or check after the match."""
-        return not (self.layout.members or self.layout.depends or self.message.other_constant or self.matches[1:])
+        message = self.message
+        return not (
+            self.layout.members
+            or self.layout.depends
+            or message.other_constant
+            or message.held_node
+            or self.matches[1:]
+        )
 
 
 class CommandView(NamedTuple):
@@ -130,6 +144,7 @@ class DirectionView:
     contents: tuple[ContentsView, ...]
     without_node: tuple[str, ...]
     without_fields: bool
+    checks_availability: bool
 
     @cached_property
     def cleared(self) -> list[str]:
@@ -179,7 +194,7 @@ class DirectionView:
 
     @cached_property
     def check_parameters(self) -> bool:
-        return any(content.layout.check_parameters for content in self.contents)
+        return self.checks_availability or any(content.layout.check_parameters for content in self.contents)
 
 
 class FloatingView(NamedTuple):
@@ -310,6 +325,7 @@ def _command(
             names.upper(command.name, "code"), f"0x{command.code:02X}u", "Identifies the command in a frame."
         )
     frames: list[FrameView] = []
+    lacking = [f"{parameter} == {value}" for parameter, value in _lacking(names, edition, command)]
     for message in messages:
         layout = views[message.layout]
         own_struct = message.name == message.layout.name
@@ -322,6 +338,7 @@ def _command(
                 own_struct=own_struct,
                 title=f"{what} of {command.name}",
                 deprecated=with_deprecation("", command.deprecated),
+                lacking=joined("||", lacking) if lacking and message.direction is Direction.REQUEST else "",
             )
         )
     return CommandView(
@@ -390,15 +407,18 @@ def _availability(names: Names, edition: Edition) -> list[AvailabilityView]:
     grouped: dict[str, list[str]] = {}
     for command in edition.commands:
         if command.only:
-            lacking = [
-                f"{parameter_access(name)} != {names.upper(name, value.name)}"
-                for name, values in command.only.items()
-                for value in edition.parameter(name).values
-                if value.name not in values
-            ]
+            lacking = [f"{parameter} != {value}" for parameter, value in _lacking(names, edition, command)]
             if lacking:
                 grouped.setdefault(joined("&&", lacking), []).append(names.command(command.name))
     return [AvailabilityView(tuple(commands), condition) for condition, commands in grouped.items()]
+
+
+def _lacking(names: Names, edition: Edition, command: Command) -> Iterator[tuple[str, str]]:
+    """The parameters and the values of them under which a node does not have a command."""
+    for name, values in command.only.items():
+        for value in edition.parameter(name).values:
+            if value.name not in values:
+                yield parameter_access(name), names.upper(name, value.name)
 
 
 def _direction(
@@ -418,6 +438,7 @@ def _direction(
         decode=tuple(routes(names, edition, messages, direction, unpack)),
         contents=tuple(some.values()),
         without_node=tuple(names.command(m.command) for m in edition.messages(direction) if not m.id.nodes),
+        checks_availability=direction is Direction.REQUEST and bool(_availability(names, edition)),
         without_fields=any(not views[m.layout].members for m in edition.messages(direction)),
     )
 

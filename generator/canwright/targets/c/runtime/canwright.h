@@ -19,7 +19,7 @@
 #endif
 
 /** The version of this file. Headers that need another version do not compile. */
-#define CANWRIGHT_H_VERSION 3
+#define CANWRIGHT_H_VERSION 4
 
 /** Marks a function whose result must be used; define it before, also as empty, to replace it. */
 #ifndef CANWRIGHT_CHECKED
@@ -107,7 +107,9 @@ typedef enum {
     /** The address does not have this node. */
     CANWRIGHT_UNKNOWN_NODE,
     /** The reply does not belong to the request. */
-    CANWRIGHT_NOT_ANSWER
+    CANWRIGHT_NOT_ANSWER,
+    /** A node with these parameters does not have this command, or this field. */
+    CANWRIGHT_NOT_AVAILABLE
 } canwright_status_t;
 
 /** A number as a quotient, exact without floating point: 6 is {6, 1}. A denominator of 0 means unknown. */
@@ -144,6 +146,8 @@ static inline const char *canwright_status_name(canwright_status_t status)
         return "unknown_node";
     case CANWRIGHT_NOT_ANSWER:
         return "not_answer";
+    case CANWRIGHT_NOT_AVAILABLE:
+        return "not_available";
     default:
         return "?";
     }
