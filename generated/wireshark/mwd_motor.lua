@@ -162,6 +162,14 @@ local function node_of_rule(rule, frame)
     return false
 end
 
+-- The node of a frame of a message: that in its id, or else in its data; nil without one.
+local function node_of(message, frame, in_id)
+    if message.has_node_in_data then
+        return (read(frame, message.node_bits.segments))
+    end
+    return in_id
+end
+
 -- The message of a frame of one direction ("requests" or "replies") and its node; nil and the reason without one.
 function codec.identify(edition, direction, frame)
     for _, route in ipairs(edition[direction]) do
@@ -178,7 +186,7 @@ function codec.identify(edition, direction, frame)
             if type(found) == "string" then
                 return nil, found
             end
-            return found, node
+            return found, node_of(found, frame, node)
         end
     end
     return nil, "unknown_id"
@@ -210,7 +218,7 @@ function codec.is_message(message, frame)
             return false
         end
     end
-    return true, node
+    return true, node_of(message, frame, node)
 end
 
 local function is_present(field, choice)
@@ -492,7 +500,8 @@ end
 local function open(bus, exchange)
     for number = #bus.open, 1, -1 do
         local other = bus.open[number]
-        if other.request == exchange.request and other.frame[0] == exchange.frame[0] then
+        local is_to_same = other.frame[0] == exchange.frame[0] and other.node == exchange.node
+        if other.request == exchange.request and is_to_same then
             if not exchange.request.echo or is_same(other.frame, exchange.frame) then
                 table.remove(bus.open, number)
             end
@@ -544,6 +553,9 @@ function directions.judge(state, edition, only, frame, one)
         result.message, result.node = found.reply, found.reply_node
         if exchange then
             result.message, result.node = exchange.request.reply, source
+            if not source and #exchange.request.nodes == 0 then
+                result.node = exchange.node
+            end
             result.exchange, result.latency = exchange, bus.clock - exchange.since
             if one.time[1] < exchange.time[1] then
                 result.latency = nil

@@ -103,8 +103,10 @@ class Runner:
             return f"refused: {found}"
         if self._adapter.message_of(frame.direction, found.command) is not message:
             return f"decoded as {found.command}, not as {message.name}"
-        if found.node != frame.node:
-            return f"node {found.node}, not {frame.node}"
+        in_data = message.node_in_data
+        node = frame.node if in_data is None else frame.raw[in_data.name]
+        if found.node != node:
+            return f"node {found.node}, not {node}"
         if dict(found.raw) != dict(frame.raw):
             return f"raw {dict(found.raw)}, not {dict(frame.raw)}"
         for name, wanted in frame.values.items():

@@ -11,6 +11,7 @@ import pytest
 from canwright.language.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
+from canwright.semantics.frame import CanFrame, node_of
 from canwright.targets import python as target
 
 from ..spec_texts import ROOT, SPECS, called
@@ -58,7 +59,10 @@ def test_frames_cross_a_bus(
         assert (received.arbitration_id, bytes(received.data)) == (frame.id, frame.data)
         message = python_can.from_message(received, decode, parameters)
         raw = {name: list(value) if isinstance(value, tuple) else int(value) for name, value in message.raw().items()}
-        assert (message.node, raw) == (frame.node, dict(frame.raw))
+        name = f"{message.COMMAND}_{message.DIRECTION}"
+        expected = next(one for one in item.edition.messages(frame.direction) if one.name == name)
+        in_data = node_of(expected, CanFrame(frame.id, frame.data, frame.extended))
+        assert (message.node, raw) == (in_data, dict(frame.raw))
         crossed += 1
     assert crossed == len(item.frames.frames) > 0
 

@@ -101,6 +101,37 @@ def test_rows_of_two_editions_on_two_buses() -> None:
     assert "1 frame with foreign ids: 0x7FF (1)" in result.stderr
 
 
+# Requests to one id; the node is in the data. The replies have an id of each node, an id of all, or four bits of the node
+NODES_IN_DATA = """\
+(1.000000) can0 7E5#1000006F00000000
+(1.000200) can0 46F#100000000DF0AD8B
+(1.001000) can0 7E6#1125000000000000
+(1.001200) can0 7E4#1150000002010000
+(1.002000) can0 7E6#1107000000000000
+(1.002200) can0 7E4#1170000002010000
+(2.002200) can0 7E4#1130000002010000
+"""
+
+
+def test_the_node_in_the_data_of_a_frame() -> None:
+    spec = ("--spec", str(ROOT / "tests/specs/valve/v1.yaml"))
+    found = json_rows(decode(NODES_IN_DATA, *spec, "--format", "jsonl").stdout)
+    assert [(row["node"], row["request"]) for row in found] == [
+        (111, None),
+        (111, 0),
+        (37, None),
+        (37, 2),
+        (7, None),
+        (7, 4),
+        (None, None),  # the node of a reply alone is unknown: 3, 19, 35 and others have these four bits
+    ]
+    text = decode(NODES_IN_DATA, *spec).stdout
+    assert "can0, node 37, v1: 1 request, 1 reply after 0.200 ms" in text
+    assert "can0, no node, v1: 0 requests, 1 reply\n  1 unexpected" in text
+    text = run("7E6#1125000000000000", *spec).stdout
+    assert "request of read_version to node 37" in text
+
+
 def test_the_edition_is_identified_for_each_node() -> None:
     result = decode(MIXED, "--format", "csv")
     editions = {(row["bus"], row["node"]): row["edition"] for row in csv.DictReader(io.StringIO(result.stdout))}
@@ -254,7 +285,9 @@ def test_golden_frames_as_a_log(file: Path) -> None:
         assert row.judged.direction is one.direction
         identified = decoder.identify(one.direction, frame)  # without its request, also for replies of other commands
         assert isinstance(identified, Identified) and row.judged.message is identified.message
-        assert row.judged.node == one.node
+        holding = identified.message.node_in_data
+        in_data = one.raw[holding.name] if holding and holding.name in one.raw else None
+        assert row.judged.node == (in_data if identified.message.id.nodes is None else one.node)
         assert by_field(row, raw=True) == one.raw
         values = by_field(row, raw=False)
         for name, value in one.values.items():

@@ -156,6 +156,51 @@ def test_messages_read_well_and_compare(v2_35: ModuleType) -> None:
     assert repr(answer.errors) == repr(v2_35.ErrorFlags.LOW_VOLTAGE | v2_35.ErrorFlags.OVER_TEMPERATURE)
 
 
+def test_equal_messages_have_equal_values_and_limits(v2_35: ModuleType) -> None:
+    """A parameter on which nothing of a message depends does not matter; one of its values is not that of another."""
+    series = v2_35.Series
+    make = partial(v2_35.SetTorqueRequest.from_raw, node=1, iq=155)
+    known = [v2_35.Parameters(series=series.MG), v2_35.Parameters(series=series.MF), v2_35.UNKNOWN]
+    messages = [make(parameters=one) for one in known]
+    assert len(set(messages)) == 3 and messages[0] != messages[1] != messages[2] != messages[0]
+    same = make(parameters=v2_35.Parameters(series=series.MG, encoder_bits=18))
+    assert same == messages[0] and hash(same) == hash(messages[0])
+    assert same.replace(parameters=known[1]) == messages[1]
+    data = bytes.fromhex("A0190000F4010040")
+    limits = [v2_35.Parameters(series=series.MS, encoder_bits=bits) for bits in (14, 15)]
+    assert v2_35.decode_reply(0x141, data, limits[0]) != v2_35.decode_reply(0x141, data, limits[1])
+    assert v2_35.decode_request(0x141, bytes([0x80, *bytes(7)]), known[0]) == v2_35.MotorOffRequest(node=1)
+
+
+def test_a_message_shows_the_parameters_on_which_it_depends(v2_35: ModuleType) -> None:
+    known = v2_35.Parameters(series=v2_35.Series.MS, encoder_bits=15, gear_ratio=10)
+    assert repr(known) == "Parameters(series=Series.MS, encoder_bits=15, gear_ratio=10)"
+    assert repr(v2_35.UNKNOWN) == "Parameters()"
+    reply = v2_35.decode_reply(0x141, bytes.fromhex("A0190000F4010040"), known)
+    assert repr(reply).endswith(", parameters=Parameters(series=Series.MS, encoder_bits=15))")
+    request = v2_35.decode_request(0x141, bytes.fromhex("A1000000C4090000"), v2_35.Parameters(encoder_bits=15))
+    assert repr(request) == "SetTorqueRequest(node=1, iq_raw=2500)"
+
+
+def test_a_pattern_by_position_matches_whatever_the_parameters_are(v2_35: ModuleType) -> None:
+    known = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=18)
+    match v2_35.decode_reply(0x141, bytes.fromhex("A1190000F4010040"), known):
+        case v2_35.MotionFeedback(temperature, speed, encoder):
+            assert (temperature, speed, encoder) == (25, 500, 90)
+        case other:
+            raise AssertionError(other)
+
+
+def test_flags_without_a_name_are_kept_and_shown(v2_35: ModuleType) -> None:
+    named = v2_35.ErrorFlags.LOW_VOLTAGE | v2_35.ErrorFlags.OVER_TEMPERATURE
+    reply = v2_35.decode_reply(0x141, bytes.fromhex("9A1900F0000000F9"))
+    assert reply.errors == reply.errors_raw == 0xF9 and reply.errors & named == named
+    assert "LOW_VOLTAGE" in repr(reply.errors) and "240" in repr(reply.errors)
+    assert reply.encode_unchecked()[7] == 0xF9
+    with pytest.raises(v2_35.CodecError, match="errors=0xF9 sets bits without a name; the named ones are 0x9"):
+        reply.encode()
+
+
 HOSTILE = (
     '""" + __import__("os").system("x") + """',
     "back\\slash \\N{BULLET} \\u202e",

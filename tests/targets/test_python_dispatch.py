@@ -15,7 +15,7 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Rejection
-from canwright.semantics.frame import CanFrame
+from canwright.semantics.frame import CanFrame, node_of
 from canwright.targets.python.text import class_name
 
 from ..conformance.adapters.python import load
@@ -68,7 +68,10 @@ def compare(module: ModuleType, edition: Edition, frames: Iterable[CanFrame]) ->
             if isinstance(reference, Rejection):
                 assert found[:1] == (reference.reason.value,), (direction, frame)
             elif found[0] not in ("wrong_constant", "missing_parameter"):
-                assert found[:2] == (class_name(reference.message.name), reference.node), (direction, frame)
+                assert found[:2] == (class_name(reference.message.name), node_of(reference.message, frame)), (
+                    direction,
+                    frame,
+                )
             seen[str(found[0])] += 1
     assert "unknown_id" in seen and any(name[0].isupper() for name in seen)
 

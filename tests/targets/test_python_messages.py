@@ -119,9 +119,9 @@ def test_a_decoded_frame_is_encoded_or_refused_as_its_raw_integers_are(
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_a_decoded_frame_is_written_back_and_copied(spec: Path, package: Callable[[Path], Package]) -> None:
     ours = package(spec)
-    for _, decoded, _ in _decoded(ours):
+    for found, decoded, _ in _decoded(ours):
         data = decoded.encode_unchecked()
-        again = decoded.unpack(decoded.node, decoded.can_id, data, decoded.parameters)
+        again = decoded.unpack(found.node, decoded.can_id, data, decoded.parameters)
         assert (again, again.encode_unchecked(), again.can_id) == (decoded, data, decoded.can_id)
         assert decoded.values().keys() == decoded.raw().keys() == set(decoded.fields())
         assert copy.copy(decoded) == copy.deepcopy(decoded) == decoded

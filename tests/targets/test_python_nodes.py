@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -13,6 +15,7 @@ from typing import Any
 import can
 import pytest
 
+from ..conformance.adapters import modules
 from ..spec_texts import MINIMAL, ROOT
 from .test_python import write
 
@@ -80,6 +83,20 @@ def test_a_message_of_another_edition_is_refused(nodes: Any, package: dict[str, 
         package["nodes"].Node(middle, 1, old.Parameters())
 
 
+def test_a_command_that_the_node_does_not_have_is_refused(nodes: Any, package: dict[str, ModuleType]) -> None:
+    """Its parameters decide; a node whose series is unknown can have any command."""
+    old, codec, make = package["v2_35"], package["_codec"], package["nodes"].Node
+    first, _, _ = nodes
+    with pytest.raises(codec.CodecError) as caught:
+        first.make(old.SetPowerRequest, power=200)
+    assert str(caught.value) == ("SetPowerRequest is available with series=Series.MS; Node(v2.35, 1) has Series.MG")
+    assert caught.value.refusal is codec.Refusal.NOT_AVAILABLE
+    # a bus can carry the frame nevertheless
+    assert first.decode_request(0x141, bytes.fromhex("A0000000C8000000")).power == 200
+    for known in (None, old.Parameters(series=old.Series.MS), old.Parameters(encoder_bits=18)):
+        assert make(old, 1, known).make(old.SetPowerRequest, power=200).power == 200
+
+
 def test_a_broadcast_made_by_a_node_is_for_every_node(nodes: Any, package: dict[str, ModuleType]) -> None:
     first, _, _ = nodes
     broadcast = first.make(package["v2_35"].BroadcastTorqueRequest, iq=(1, 0, 0, -1))
@@ -127,6 +144,58 @@ def test_what_is_of_no_node(nodes: Any, package: dict[str, ModuleType]) -> None:
         with pytest.raises(package["_codec"].CodecError, match="no node of this bus") as caught:
             nodes.decode_reply(can_id, bytes.fromhex("9A 32 08 13 64 00 10 00"))
         assert caught.value.refusal is package["_codec"].Refusal.UNKNOWN_ID
+
+
+@pytest.fixture(scope="module")
+def valves(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """An edition whose service requests have one id: their node is in the data, or the low four bits of its number are."""
+    spec = ROOT / "tests/specs/valve/v1.yaml"
+    return modules.load(write(tmp_path_factory.mktemp("valve"), spec), "valve.v1", "valve.nodes")
+
+
+def test_the_node_in_the_data(valves: Any) -> None:
+    v1, nodes = valves
+    first, second = nodes.Node(v1, 37), nodes.Node(v1, 5)
+    bus = nodes.Nodes([first, second])
+    request = second.make(v1.ReadSerialRequest)
+    assert (request.valve, request.node, request.can_id) == (5, 5, 0x7E5)
+    assert repr(request) == "ReadSerialRequest(valve=5)"
+    assert v1.decode_request(request.can_id, request.encode()) == request
+    for node in bus:
+        data = node.make(v1.ReadSerialRequest).encode()
+        assert bus.nodes_of("request", 0x7E5, data) == (node,)
+        assert bus.decode_request(0x7E5, data).node == v1.node_of("request", 0x7E5, data) == node.node
+    assert bus.nodes_of("request", 0x7E5) == (first, second) and v1.node_of("request", 0x7E5) is None
+    with pytest.raises(v1.CodecError, match="is of no node of this bus") as caught:
+        bus.decode_request(0x7E5, v1.ReadSerialRequest(valve=6).encode())
+    assert caught.value.refusal is v1.Refusal.UNKNOWN_NODE
+    with pytest.raises(v1.CodecError, match="unknown code") as caught:
+        bus.decode_request(0x7E5, bytes(8))
+    assert caught.value.refusal is v1.Refusal.UNKNOWN_CODE
+    with pytest.raises(TypeError, match=r"^Node\(v1, 5\) sets valve itself; leave it out$"):
+        second.make(v1.ReadSerialRequest, valve=5)
+
+
+def test_the_low_bits_of_a_node_do_not_identify_it(valves: Any) -> None:
+    v1, nodes = valves
+    bus = nodes.Nodes([nodes.Node(v1, 37), nodes.Node(v1, 5)])
+    reply = next(iter(bus)).make(v1.ReadVersionReply, version=7)
+    assert (reply.valve, reply.node) == (37 & 15, None)
+    assert bus.nodes_of("reply", 0x7E4, reply.encode()) == tuple(bus)
+    assert bus.decode_reply(0x7E4, reply.encode()) == reply
+    request = nodes.Node(v1, 37).make(v1.ReadVersionRequest)
+    assert v1.decode_answer(request, 0x7E4, reply.encode()) == reply
+
+
+def test_a_frame_is_decoded_with_the_parameters_of_the_node_in_its_data(tmp_path: Path) -> None:
+    spec = ROOT / "tests/assurance/specs/doser/v1.yaml"
+    v1, nodes = modules.load(write(tmp_path, spec), "doser.v1", "doser.nodes")
+    pair = [nodes.Node(v1, number, v1.Parameters(cylinder=number * 10)) for number in (2, 4)]
+    for node in pair:
+        request = node.make(v1.DoseRequest, volume=5)
+        assert (request.doser, request.parameters) == (node.node, node.parameters)
+        read = nodes.Nodes(pair).decode_request(0x60, request.encode())
+        assert read == request and read.volume == 5
 
 
 def test_two_nodes_on_one_id_are_refused(package: dict[str, ModuleType]) -> None:
@@ -177,3 +246,68 @@ def test_two_nodes_on_one_29_bit_id_are_refused(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert "both reply with the id 0x1001" in done.stdout
+
+
+class Line:
+    """A bus that returns own frames or not, with a node that replies to each frame."""
+
+    def __init__(self, returned: bool, answer: Callable[[can.Message], Sequence[can.Message]]) -> None:
+        self.returned, self.answer, self.queue = returned, answer, deque[can.Message]()
+        self.is_full = False
+
+    def send(self, frame: can.Message) -> None:
+        if self.is_full:
+            raise can.CanOperationError("the queue is full")
+        self.queue += [frame] * self.returned + list(self.answer(frame))
+
+    def recv(self, timeout: float) -> can.Message | None:
+        return self.queue.popleft() if self.queue else None
+
+
+def _times(count: int, frame: can.Message) -> Sequence[can.Message]:
+    return [frame] * count
+
+
+def _always(answer: Sequence[can.Message], frame: can.Message) -> Sequence[can.Message]:
+    return answer
+
+
+STATUS = can.Message(arbitration_id=0x141, data=bytes.fromhex("9A3200E701000000"), is_extended_id=False)
+
+
+@pytest.mark.parametrize("returned", [False, True])
+def test_own_frames_are_no_replies(returned: bool, package: dict[str, ModuleType]) -> None:
+    """The node echoes, is silent, and echoes again; a frame that equals the request is a reply once the copy came."""
+    old, python_can = package["v2_35"], package["python_can"]
+    probe, request = old.ReadStatus1Request(node=1), old.MotorOnRequest(node=1)
+    line = Line(returned, lambda frame: [STATUS])
+    own = python_can.OwnFrames.learn(line, probe, partial(old.decode_answer, probe), 1)
+    assert own.are_returned is returned and not line.queue
+
+    def ask() -> list[Any]:
+        own.send(request)
+        frames = list(iter(partial(line.recv, 0), None))
+        decode = partial(old.decode_answer, request)
+        return [python_can.from_message(frame, decode) for frame in frames if not own.is_own(frame)]
+
+    for echoes in (1, 0, 0, 1, 2):
+        line.answer = partial(_times, echoes)
+        assert ask() == [old.MotorOnReply(node=1)] * echoes
+    line.is_full = True
+    with pytest.raises(can.CanOperationError):
+        own.send(request)
+    assert not own.is_own(python_can.to_message(request))
+
+
+def test_nothing_is_learnt_from_a_silent_bus(package: dict[str, ModuleType]) -> None:
+    old, own_frames = package["v2_35"], package["python_can"].OwnFrames
+    probe = old.ReadStatus1Request(node=1)
+    decode = partial(old.decode_answer, probe)
+    other = can.Message(arbitration_id=0x141, data=b"other", is_extended_id=False)
+    for answer in ([], [other], [can.Message(arbitration_id=0x141, data=STATUS.data, is_error_frame=True)]):
+        with pytest.raises(TimeoutError, match=r"^no reply to ReadStatus1Request\(node=1\)$"):
+            own_frames.learn(Line(False, partial(_always, answer)), probe, decode, 0.01)
+    assert own_frames.learn(Line(True, lambda frame: []), probe, decode, 0.01).are_returned
+    # a driver may deliver the copy after the reply
+    late = Line(False, lambda frame: [STATUS, frame])
+    assert own_frames.learn(late, probe, decode, 0.01).are_returned

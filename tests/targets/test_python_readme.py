@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
+from canwright.targets.base import Specification
 from canwright.targets.python.examples import Example, example
+from canwright.targets.python.text import class_name
 
 from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
@@ -21,17 +24,19 @@ VIRTUAL = """\
 import threading
 import can
 RealBus = can.Bus
-can.Bus = lambda channel, interface: RealBus(channel, interface="virtual")
+can.Bus = lambda channel, interface: RealBus(channel, interface="virtual", receive_own_messages={returned})
 """
 
 NODE = """\
+REPLIES = {replies}
 def simulated_node():
     with RealBus("can0", interface="virtual") as bus:
         ready.set()
         while True:
-            bus.recv()
+            asked = bus.recv()
             bus.send(can.Message(arbitration_id=0x7FE, data=b"other", is_extended_id=False))
-            bus.send(can.Message(arbitration_id={id}, data=bytes.fromhex("{data}"), is_extended_id={extended}))
+            for can_id, data in REPLIES.get((asked.arbitration_id, bytes(asked.data)), ()):
+                bus.send(can.Message(arbitration_id=can_id, data=data, is_extended_id=asked.is_extended_id))
 ready = threading.Event()
 threading.Thread(target=simulated_node, daemon=True).start()
 ready.wait()
@@ -51,17 +56,45 @@ def run(folder: Path, *parts: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
+Frame = tuple[int, bytes]
+
+
+def answers(item: Specification, x: Example) -> dict[Frame, list[Frame]]:
+    """The replies of the node to the requests of the programs, as golden frames have them."""
+    assert item.frames is not None
+    sent = [frame for frame in item.frames.frames if class_name(f"{frame.request}_request") == x.request]
+    found = {(one.id, one.data): [(int(x.reply_id, 16), bytes.fromhex(x.data))] for one in sent}
+    for command in item.edition.commands:
+        if class_name(f"{command.name}_request") == x.probe.partition("(")[0]:
+            assert command.request is not None and command.reply is not None
+            ids = [rule.base + x.node * rule.node_step for rule in (command.request.id, command.reply.id)]
+            data = [next(f.data for f in item.frames.frames if command.name == getattr(f, kind)) for kind in KINDS]
+            found[ids[0], data[0]] = [(ids[1], data[1])]
+    return found
+
+
+KINDS = ("request", "reply")
+
+
+def started(returned: bool, replies: Mapping[Frame, Sequence[Frame]]) -> str:
+    """A virtual bus that returns own frames or not, with a node that gives these answers."""
+    return VIRTUAL.format(returned=returned) + NODE.format(replies=dict(replies))
+
+
+@pytest.mark.parametrize("returned", [False, True])
 @pytest.mark.parametrize("spec", sampled(SPECS, 2), ids=called)
-def test_all_programs(spec: Path, tmp_path: Path) -> None:
+def test_all_programs(spec: Path, returned: bool, tmp_path: Path) -> None:
     """They send what a golden frame has, read the reply of the node, and print no value that is only raw."""
     folder, item = write(tmp_path, spec), specification(spec)
     x = example([item])
     assert item.frames is not None and isinstance(x, Example)
-    node = NODE.format(id=x.reply_id, data=x.data, extended=x.extended)
-    done = run(folder, VIRTUAL, node, *(re.sub(r"^TIMEOUT = .*", PATIENT, one, flags=re.M) for one in programs(folder)))
+    requests = [frame for frame in item.frames.frames if frame.request]
+    shown = [re.sub(r"^TIMEOUT = .*", PATIENT, one, flags=re.M) for one in programs(folder)]
+    if returned and x.shares_ids and not x.probe:
+        shown = [one.replace("are_returned=False", "are_returned=True") for one in shown]
+    done = run(folder, started(returned, answers(item, x)), *shown)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
-    requests = [frame for frame in item.frames.frames if frame.request]
     ids = [f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}" for frame in requests]
     assert lines[0].strip() in {
         f"{id_} {f.data.hex(' ').upper()}".strip() for id_, f in zip(ids, requests, strict=True)
@@ -72,9 +105,14 @@ def test_all_programs(spec: Path, tmp_path: Path) -> None:
     assert cycles == [value] * 3 and of_async == reply and made.startswith(f"{x.request}(")
 
 
-def test_a_silent_node_ends_the_control_loop(tmp_path: Path) -> None:
-    folder = write(tmp_path, SPEC)
-    done = run(folder, VIRTUAL, *programs(folder))
+@pytest.mark.parametrize("returned", [False, True])
+def test_a_silent_node_ends_the_control_loop(returned: bool, tmp_path: Path) -> None:
+    """A request that the bus returns is no reply."""
+    folder, item = write(tmp_path, SPEC), specification(SPEC)
+    x = example([item])
+    assert isinstance(x, Example)
+    silent = {sent: found for sent, found in answers(item, x).items() if found[0][1] != bytes.fromhex(x.data)}
+    done = run(folder, started(returned, silent), *programs(folder))
     assert done.returncode == 1 and done.stdout.count("no reply to SetPowerRequest(node=1, power=200)") == 3
     assert done.stderr.endswith("TimeoutError: no reply to SetPowerRequest(node=1, power=200)\n")
 

@@ -180,8 +180,9 @@ def rejected(refusal: Refusal, call: Callable[..., object], *arguments: object, 
 
 
 def test_the_reasons_for_rejection_are_those_of_golden_frames() -> None:
+    """And one that only `make` of a node with parameters has."""
     ours, model = ({r.name: r.value for r in reasons} for reasons in (Refusal, refusal.Refusal))
-    assert list(ours.items()) == list(model.items())
+    assert list(ours.items()) == [*model.items(), ("NOT_AVAILABLE", "not_available")]
 
 
 def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
@@ -593,6 +594,7 @@ class Variants(DimRequest):
     """Level, and power or light at the same place."""
 
     __slots__ = ()
+    DEPENDS = ("size",)
     TYPES: ClassVar[Any] = {"level": LEVEL, "power": LEVEL, "light": LEVEL}
     VARIANTS = (("level", "power"), ("level", "light"), ("level", None))
     VARIANT_BY = "size"
@@ -774,6 +776,7 @@ def speaking(name: str) -> Any:
         decode_request=DISPATCHER.requests.decode,
         decode_reply=DISPATCHER.replies.decode,
         node_of=DISPATCHER.node_of,
+        has_node_in_data=DISPATCHER.has_node_in_data,
         ids_of=DISPATCHER.ids_of,
     )
 

@@ -10,6 +10,8 @@ import pytest
 from canwright.model.edition import Edition
 from canwright.project.loader import specification
 from canwright.recordings.directions import Directions
+from canwright.recordings.recorded import Recorded
+from canwright.semantics.frame import CanFrame
 from canwright.targets.wireshark import text
 from canwright.targets.wireshark.filters import filters
 from lupa import lua52, lua54
@@ -57,6 +59,25 @@ def test_requests_and_latencies_are_those_of_the_recordings() -> None:
     ]
     assert found == wanted
     assert sum(request is not None for request, _, _ in wanted) > 200
+
+
+NODES_IN_DATA = (
+    *((0x7E5, "100000 05 00000000", 5, None), (0x7E5, "100000 07 00000000", 7, None)),  # both are open at once
+    *((0x407, "1000000000000001", 7, 1), (0x405, "1000000000000001", 5, 0)),
+    *((0x7E6, "11 25 000000000000", 37, None), (0x7E4, "11 50 000002010000", 37, 4)),  # the low four bits of 37
+    (0x7E4, "11 50 000002010000", None, None),
+)
+
+
+def test_the_node_in_the_data() -> None:
+    """It tells requests to one id apart; the low bits in a reply are of the node of the request."""
+    log = [
+        Recorded(i * 100_000, "", CanFrame(can_id, bytes.fromhex(data)), None)
+        for i, (can_id, data, *_) in enumerate(NODES_IN_DATA)
+    ]
+    judged = judge(_edition("tests/specs/valve/v1.yaml"), log)
+    found = [(one.node, one.exchange and one.exchange.number) for one in judged]
+    assert found == [(node, request) for *_, node, request in NODES_IN_DATA]
 
 
 def _edition(spec: str) -> Edition:

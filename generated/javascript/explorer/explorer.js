@@ -391,7 +391,7 @@
 
   function showFields() {
     const { edition, message, decoded } = chosen;
-    at("node-box").hidden = decoded.node === null;
+    at("node-box").hidden = message.nodes === null; // then a field contains the node, or none does
     at("node").value = decoded.node ?? "";
     const rows = decoded.fields.map((one) => {
       const position = message.fields.findIndex(({ name }) => name === one.name);

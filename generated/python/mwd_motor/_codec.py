@@ -41,6 +41,7 @@ class Refusal(str, Enum):
     NOT_FINITE = "not_finite"
     UNKNOWN_NODE = "unknown_node"
     NOT_ANSWER = "not_answer"
+    NOT_AVAILABLE = "not_available"
 
 
 class CodecError(ValueError):
@@ -57,6 +58,25 @@ class CodecError(ValueError):
 
 class FieldAbsent(AttributeError):  # noqa: N818  the name reads well in an `except` clause
     """A field that this message does not have under its parameters."""
+
+
+class NodeParameters:
+    """The base class of the `Parameters` of every edition."""
+
+    def __repr__(self) -> str:
+        return shown_parameters(self, vars(self))
+
+
+def shown_parameters(parameters: object, names: Iterable[str]) -> str:
+    """The call that makes `Parameters` with those of some names that are known."""
+    given = ((name, getattr(parameters, name)) for name in names)
+    shown = (f"{name}={shown_choice(value)}" for name, value in given if value is not None)
+    return f"Parameters({', '.join(shown)})"
+
+
+def shown_choice(value: object) -> str:
+    """The expression of the value of a parameter."""
+    return str(value) if isinstance(value, Enum) else repr(value)
 
 
 def known(parameters: object, name: str, what: str) -> Any:
@@ -723,7 +743,11 @@ class Message:
     NODE_STEP: ClassVar[int] = 1
     """The distance between the CAN ids of neighbouring nodes."""
     NODES: ClassVar[tuple[int, int]]
-    """First and last node."""
+    """First and last node in the id."""
+    NODE_FIELD: ClassVar[str] = ""
+    """The field with the node or its low bits; empty without one."""
+    NODE_MASK: ClassVar[int] = -1
+    """The bits of the node that `NODE_FIELD` has."""
     CODE: ClassVar[int]
     """The selector's value."""
     TITLE: ClassVar[str] = ""
@@ -742,6 +766,8 @@ class Message:
     """True when the id is a 29-bit one."""
     REMOTE: ClassVar[bool] = False
     """True for a remote frame."""
+    DEPENDS: ClassVar[tuple[str, ...]] = ()
+    """The parameters on which fields, values or ranges depend."""
     TYPES: ClassVar[Mapping[str, FieldType]] = {}
     """The type of each field by name, in the order of the specification: its unit, range and conversions."""
     VARIANTS: ClassVar[tuple[tuple[str | None, ...], ...]] = ()
@@ -756,6 +782,7 @@ class Message:
     _checked: bool
     """Whether the raw integers and the node are known to be valid."""
     _node: Any
+    """The node in the id."""
     _parameters: Any
     _raws: Any
     """The raw integer of each field, a tuple of them for an array. Fields that never exist together share a place."""
@@ -768,7 +795,7 @@ class Message:
 
     @property
     def node(self) -> Any:
-        """The node that receives or sends this frame; None where the id has none."""
+        """The node that receives or sends this frame; None where neither the id nor the data identifies it."""
         return self._node
 
     @property
@@ -918,6 +945,8 @@ class Message:
                 parts.append(f"{name}={getattr(self, name)!r}")
             except CodecError:
                 parts.append(f"{name}_raw={raw!r}")
+        if any(getattr(self._parameters, name) is not None for name in self.DEPENDS):
+            parts.append(f"parameters={shown_parameters(self._parameters, self.DEPENDS)}")
         return f"{type(self).__name__}({', '.join(parts)})"
 
     def __eq__(self, other: object) -> bool:
@@ -925,9 +954,11 @@ class Message:
             return NotImplemented
         if self._raws != other._raws or self._node != other._node:
             return False
-        return not self.VARIANT_BY or self._parameters is other._parameters or self._variant() == other._variant()
+        ours, theirs = self._parameters, other._parameters
+        return ours is theirs or all(getattr(ours, name) == getattr(theirs, name) for name in self.DEPENDS)
 
     def __hash__(self) -> int:
+        # equal messages have equal hashes, whatever their parameters are
         return hash((type(self), self._node, self._raws))
 
 

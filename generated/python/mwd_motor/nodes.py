@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from ._codec import CodecError, Message, Refusal
+from ._codec import CodecError, Message, Refusal, shown_choice
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -35,7 +34,11 @@ class Edition(Protocol[Q, A]):
         self, can_id: int, data: Buffer, parameters: Any = ..., *, extended: bool = ..., remote: bool = ...
     ) -> A: ...
 
-    def node_of(self, direction: str, can_id: int, *, extended: bool = ..., remote: bool = ...) -> int | None: ...
+    def node_of(
+        self, direction: str, can_id: int, data: Buffer | None = ..., *, extended: bool = ..., remote: bool = ...
+    ) -> int | None: ...
+
+    def has_node_in_data(self, direction: str, can_id: int, *, extended: bool = ..., remote: bool = ...) -> bool: ...
 
     def ids_of(self, direction: str, node: int) -> Iterable[tuple[int, int, bool, bool]]: ...
 
@@ -57,19 +60,33 @@ class Node(Generic[Q, A]):
         return f"Node({self.edition.EDITION}, {self.node})"
 
     def make(self, message: type[M], **values: Any) -> M:
-        """A message to or from this node, of a class of its edition. Raises CodecError and TypeError.
+        """A message to or from this node, of a class of its edition.
 
-        A message whose id has no node, such as a broadcast, is for every node on the bus; only its values are computed
-        with the parameters of this node.
+        Raises CodecError, also where nodes with these parameters do not have the command (not_available), and
+        TypeError.
+        A message without a node, such as a broadcast, is for every node on the bus; only its values are computed with the
+        parameters of this node. The field that contains the node is set, too.
         """
         if message.__module__ != getattr(self.edition, "__name__", None):
             raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
         own = {"node": self.node, "parameters": self.parameters}
+        if message.NODE_FIELD:
+            own[message.NODE_FIELD] = self.node & message.NODE_MASK
         for name in own:
             if name in values:
                 raise TypeError(f"{self!r} sets {name} itself; leave it out")
+        self._check_available(message)
         taken = message.__init__.__annotations__
         return _made(message, **values, **{name: value for name, value in own.items() if name in taken})
+
+    def _check_available(self, message: type[Message]) -> None:
+        """Checks that a node with these parameters has a command. Raises CodecError (not_available)."""
+        for name, values in message.ONLY.items():
+            value = getattr(self.parameters, name)
+            if value is not None and value not in values:
+                available = " or ".join(map(shown_choice, values))
+                text = f"{message.__name__} is available with {name}={available}; {self!r} has {shown_choice(value)}"
+                raise CodecError(Refusal.NOT_AVAILABLE, text)
 
     def ids_of(self, direction: str) -> Iterable[tuple[int, int, bool, bool]]:
         """The ids of this node, as a `request` or a `reply`; see the function of the edition."""
@@ -94,9 +111,9 @@ MAX_KNOWN_IDS = 1 << 11
 class Nodes(Generic[Q, A]):
     """The nodes of one bus. Each frame is decoded by the edition and with the parameters of its node.
 
-    A frame whose id has no node, such as a broadcast, belongs to every node whose edition has that id. It is decoded with
-    the parameters that are the same in all of them; the others are unknown. A frame that belongs to nodes of two
-    editions is rejected (unknown_node): decode it with each of `nodes_of`, or with the one you want.
+    A frame without a node in its id and its data, such as a broadcast, belongs to every node whose edition has that id.
+    It is decoded with the parameters that are the same in all of them; the others are unknown. A frame that belongs to
+    nodes of two editions is rejected (unknown_node): decode it with each of `nodes_of`, or with the one you want.
 
     Raises ValueError when two nodes would reply with the same id.
     """
@@ -121,43 +138,59 @@ class Nodes(Generic[Q, A]):
         return iter(self._nodes)
 
     def nodes_of(
-        self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False
+        self,
+        direction: str,
+        can_id: int,
+        data: Buffer | None = None,
+        *,
+        extended: bool = False,
+        remote: bool = False,
     ) -> tuple[Node[Q, A], ...]:
-        """The nodes that a `request` with this id goes to, or that a `reply` with this id comes from."""
+        """The nodes that a `request` goes to, or that a `reply` comes from: all that its id and its data allow."""
         numbers: dict[int, int | None] = {}
         for edition in self._editions:
-            with suppress(CodecError):
-                numbers[id(edition)] = edition.node_of(direction, can_id, extended=extended, remote=remote)
+            try:
+                numbers[id(edition)] = edition.node_of(direction, can_id, data, extended=extended, remote=remote)
+            except CodecError as error:
+                if error.refusal is not Refusal.UNKNOWN_ID:
+                    numbers[id(edition)] = None
         known = (one for one in self._nodes if id(one.edition) in numbers)
         return tuple(one for one in known if numbers[id(one.edition)] in (None, one.node))
 
     def decode_request(self, can_id: int, data: Buffer, *, extended: bool = False, remote: bool = False) -> Q:
         """Decodes a request with the edition of the node it goes to. Raises CodecError."""
         key = (can_id, extended, remote) if extended or remote else can_id
-        edition, parameters = self._requests.get(key) or self._edition("request", self._requests, key)
+        edition, parameters = self._requests.get(key) or self._edition("request", self._requests, key, data)
         return edition.decode_request(can_id, data, parameters, extended=extended, remote=remote)
 
     def decode_reply(self, can_id: int, data: Buffer, *, extended: bool = False, remote: bool = False) -> A:
         """Decodes a reply with the edition of the node that sent it. Raises CodecError."""
         key = (can_id, extended, remote) if extended or remote else can_id
-        edition, parameters = self._replies.get(key) or self._edition("reply", self._replies, key)
+        edition, parameters = self._replies.get(key) or self._edition("reply", self._replies, key, data)
         return edition.decode_reply(can_id, data, parameters, extended=extended, remote=remote)
 
     def _edition(
-        self, direction: str, known: dict[Key, tuple[Edition[Q, A], Any]], key: Key
+        self, direction: str, known: dict[Key, tuple[Edition[Q, A], Any]], key: Key, data: Buffer
     ) -> tuple[Edition[Q, A], Any]:
-        """The edition and the parameters for frames with an id, which are stored in `known`. Raises CodecError."""
+        """The edition and the parameters for a frame, which are stored in `known` for its id. Raises CodecError."""
         can_id, extended, remote = (key, False, False) if isinstance(key, int) else key
-        found = self.nodes_of(direction, can_id, extended=extended, remote=remote)
-        if not found:
+        having_id = self.nodes_of(direction, can_id, extended=extended, remote=remote)
+        if not having_id:
             raise CodecError(Refusal.UNKNOWN_ID, f"no node of this bus has a {direction} with the id 0x{can_id:X}")
+        editions = {id(one.edition): one.edition for one in having_id}.values()
+        is_in_data = any(one.has_node_in_data(direction, can_id, extended=extended, remote=remote) for one in editions)
+        found = self.nodes_of(direction, can_id, data, extended=extended, remote=remote) if is_in_data else having_id
+        if not found:
+            raise CodecError(
+                Refusal.UNKNOWN_NODE, f"this {direction} with the id 0x{can_id:X} is of no node of this bus"
+            )
         edition = found[0].edition
         other = next((one for one in found if one.edition is not edition), None)
         if other is not None:
             text = f"0x{can_id:X} is a {direction} of {found[0]!r} and of {other!r}; decode it with one of these nodes"
             raise CodecError(Refusal.UNKNOWN_NODE, text)
         result = edition, _common([one.parameters for one in found])
-        if len(known) < MAX_KNOWN_IDS:
+        if not is_in_data and len(known) < MAX_KNOWN_IDS:
             known[key] = result
         return result
 

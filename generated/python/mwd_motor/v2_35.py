@@ -23,6 +23,7 @@ from ._codec import (
     FlagsType,
     Integer,
     Message,
+    NodeParameters,
     Number,
     Real,
     Refusal,
@@ -128,6 +129,7 @@ __all__ = [
     "decode_answer",
     "decode_reply",
     "decode_request",
+    "has_node_in_data",
     "ids_of",
     "node_of",
 ]
@@ -150,8 +152,8 @@ class Series(str, Enum):
     """MG series"""
 
 
-@dataclass(frozen=True)
-class Parameters:
+@dataclass(frozen=True, repr=False)
+class Parameters(NodeParameters):
     """The properties of a node that no frame contains; leave out unknown ones."""
 
     series: Series | None = None
@@ -440,6 +442,7 @@ class WriteEncoderOffsetRom(Message):
     __match_args__ = ("encoder_offset",)
     TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int]
 
@@ -494,7 +497,7 @@ class MotionFeedback(Message):
 
     __slots__ = ()
 
-    __match_args__ = ("temperature", "power", "iq", "speed", "encoder")
+    __match_args__ = ("temperature", "speed", "encoder")
     TYPES = {
         "temperature": TEMPERATURE,
         "power": POWER,
@@ -503,6 +506,7 @@ class MotionFeedback(Message):
         "encoder": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series", "encoder_bits")
     VARIANTS = (
         ("temperature", "power", "speed", "encoder"),
         ("temperature", "iq", "speed", "encoder"),
@@ -861,6 +865,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     __match_args__ = ("iq",)
     TYPES = {"iq": TORQUE_CURRENT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int]
 
@@ -2104,6 +2109,7 @@ class ReadEncoderReply(Reply):
     __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
     TYPES = {"encoder": ENCODER_POSITION, "encoder_measured": ENCODER_POSITION, "encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int, int, int]
 
@@ -2211,6 +2217,7 @@ class WritePositionAsZeroRomReply(Reply):
     __match_args__ = ("encoder_offset",)
     TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int]
 
@@ -2330,6 +2337,7 @@ class ReadSingleTurnAngleReply(Reply):
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("gear_ratio",)
 
     _raws: tuple[int]
 
@@ -2835,6 +2843,7 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
+has_node_in_data = _dispatcher.has_node_in_data
 ids_of = _dispatcher.ids_of
 decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode

@@ -20,6 +20,7 @@ from ._codec import (
     FlagsType,
     Integer,
     Message,
+    NodeParameters,
     Number,
     Real,
     Refusal,
@@ -135,6 +136,7 @@ __all__ = [
     "decode_answer",
     "decode_reply",
     "decode_request",
+    "has_node_in_data",
     "ids_of",
     "node_of",
 ]
@@ -157,8 +159,8 @@ class Series(str, Enum):
     """MG series"""
 
 
-@dataclass(frozen=True)
-class Parameters:
+@dataclass(frozen=True, repr=False)
+class Parameters(NodeParameters):
     """The properties of a node that no frame contains; leave out unknown ones."""
 
     series: Series | None = None
@@ -462,6 +464,7 @@ class WriteEncoderOffsetRom(Message):
     __match_args__ = ("encoder_offset",)
     TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int]
 
@@ -568,7 +571,7 @@ class MotionFeedback(Message):
 
     __slots__ = ()
 
-    __match_args__ = ("temperature", "power", "iq", "speed", "encoder")
+    __match_args__ = ("temperature", "speed", "encoder")
     TYPES = {
         "temperature": TEMPERATURE,
         "power": OUTPUT_POWER,
@@ -577,6 +580,7 @@ class MotionFeedback(Message):
         "encoder": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series", "encoder_bits")
     VARIANTS = (
         ("temperature", "power", "speed", "encoder"),
         ("temperature", "iq", "speed", "encoder"),
@@ -1025,6 +1029,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     __match_args__ = ("iq",)
     TYPES = {"iq": TORQUE_CURRENT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int]
 
@@ -1154,6 +1159,7 @@ class SetSpeedLimitedRequest(Request["SetSpeedLimitedReply"]):
     __match_args__ = ("iq_limit", "speed")
     TYPES = {"iq_limit": TORQUE_CURRENT, "speed": SPEED_SETPOINT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int, int]
 
@@ -2393,6 +2399,7 @@ class ReadEncoderReply(Reply):
     __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
     TYPES = {"encoder": ENCODER_POSITION, "encoder_measured": ENCODER_POSITION, "encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int, int, int]
 
@@ -2500,6 +2507,7 @@ class WritePositionAsZeroRomReply(Reply):
     __match_args__ = ("encoder_offset",)
     TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int]
 
@@ -2619,6 +2627,7 @@ class ReadSingleTurnAngleReply(Reply):
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("gear_ratio",)
 
     _raws: tuple[int]
 
@@ -2739,6 +2748,7 @@ class ReadStatus3Reply(Reply):
     __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
     TYPES = {"temperature": TEMPERATURE, "phase_a": PHASE_CURRENT, "phase_b": PHASE_CURRENT, "phase_c": PHASE_CURRENT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int, int, int, int]
 
@@ -3170,6 +3180,7 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
+has_node_in_data = _dispatcher.has_node_in_data
 ids_of = _dispatcher.ids_of
 decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode

@@ -21,6 +21,7 @@ from ._codec import (
     FlagsType,
     Integer,
     Message,
+    NodeParameters,
     Number,
     Real,
     Refusal,
@@ -220,6 +221,7 @@ __all__ = [
     "decode_answer",
     "decode_reply",
     "decode_request",
+    "has_node_in_data",
     "ids_of",
     "node_of",
 ]
@@ -242,8 +244,8 @@ class Series(str, Enum):
     """MG series"""
 
 
-@dataclass(frozen=True)
-class Parameters:
+@dataclass(frozen=True, repr=False)
+class Parameters(NodeParameters):
     """The properties of a node that no frame contains; leave out unknown ones."""
 
     series: Series | None = None
@@ -605,6 +607,7 @@ class ControlParametersMaxTorqueCurrent(Message):
     __match_args__ = ("max_torque_current",)
     TYPES = {"max_torque_current": OUTPUT_LIMIT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int]
 
@@ -1027,6 +1030,7 @@ class StoredSettingsMaxPower(Message):
     __match_args__ = ("max_power",)
     TYPES = {"max_power": OUTPUT_LIMIT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int]
 
@@ -1268,7 +1272,7 @@ class MotionFeedback(Message):
 
     __slots__ = ()
 
-    __match_args__ = ("temperature", "power", "iq", "speed", "encoder")
+    __match_args__ = ("temperature", "speed", "encoder")
     TYPES = {
         "temperature": TEMPERATURE,
         "power": OUTPUT_POWER,
@@ -1277,6 +1281,7 @@ class MotionFeedback(Message):
         "encoder": ENCODER_POSITION,
     }
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series", "encoder_bits")
     VARIANTS = (
         ("temperature", "power", "speed", "encoder"),
         ("temperature", "iq", "speed", "encoder"),
@@ -1725,6 +1730,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
     __match_args__ = ("iq",)
     TYPES = {"iq": TORQUE_CURRENT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int]
 
@@ -1790,6 +1796,7 @@ class SetSpeedRequest(Request["SetSpeedReply"]):
     __match_args__ = ("iq_limit", "speed")
     TYPES = {"iq_limit": TORQUE_CURRENT, "speed": SPEED_SETPOINT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int, int]
 
@@ -4034,6 +4041,7 @@ class ReadEncoderReply(Reply):
     __match_args__ = ("encoder", "encoder_measured", "encoder_offset")
     TYPES = {"encoder": ENCODER_POSITION, "encoder_measured": ENCODER_POSITION, "encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int, int, int]
 
@@ -4208,6 +4216,7 @@ class WritePositionAsZeroRomReply(Reply):
     __match_args__ = ("encoder_offset",)
     TYPES = {"encoder_offset": ENCODER_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("encoder_bits",)
 
     _raws: tuple[int]
 
@@ -4327,6 +4336,7 @@ class ReadSingleTurnAngleReply(Reply):
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("gear_ratio",)
 
     _raws: tuple[int]
 
@@ -4448,6 +4458,7 @@ class ReadStatus3Reply(Reply):
     __match_args__ = ("temperature", "phase_a", "phase_b", "phase_c")
     TYPES = {"temperature": TEMPERATURE, "phase_a": PHASE_CURRENT, "phase_b": PHASE_CURRENT, "phase_c": PHASE_CURRENT}
     DEFAULTS = UNKNOWN
+    DEPENDS = ("series",)
 
     _raws: tuple[int, int, int, int]
 
@@ -5834,6 +5845,7 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
     unknown=UNKNOWN,
 )
 node_of = _dispatcher.node_of
+has_node_in_data = _dispatcher.has_node_in_data
 ids_of = _dispatcher.ids_of
 decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode

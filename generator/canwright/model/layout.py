@@ -78,7 +78,7 @@ class ReservedRole:
 
 @dataclass(frozen=True)
 class NodeRole:
-    """The role of a field whose value is the node that receives or sends the frame."""
+    """The role of a field whose value is the node that receives or sends the frame, or the low bits of its number."""
 
 
 FieldRole = ValueRole | ConstantRole | ReservedRole | NodeRole

@@ -13,6 +13,8 @@ from .layout import Layout, NodeRole, Segment, Space
 from .metadata import Effect, Setting
 from .types import Assignment, ImpliedTitle, Order, Text
 
+MAX_NODE_BITS = 32
+"""The maximum width of a field that identifies a node."""
 LISTED_NODES = 256
 """The maximum number of nodes of an address that an output lists one by one."""
 
@@ -92,6 +94,8 @@ class Message:
     A frame with the values of all `keys` is this message; `accept` are further accepted values of `keys[0]`. `claims`
     are the values of `keys[0]` that identify this message without its request: where several messages accept one
     value, it identifies the message whose command has that code.
+
+    `largest_node` is the largest node in the ids of its address, or of the edition if those have no nodes; 0 without one.
     """
 
     name: str
@@ -105,11 +109,29 @@ class Message:
     dlc: int
     remote: bool
     layout: Layout
+    largest_node: int
     path: DocumentPath
 
     @property
+    def node_in_data(self) -> BitRun | None:
+        """The bits of the field that identifies the node; None if the id does, or if a field has its low bits only.
+
+        They are at most 32, so that every target has an integer for a node.
+        """
+        bits = self.node_bits
+        if self.id.nodes is not None or bits is None or bits.width > MAX_NODE_BITS or self.has_low_bits_of_node:
+            return None
+        return bits
+
+    @property
+    def has_low_bits_of_node(self) -> bool:
+        """Whether a field contains the low bits of the node only."""
+        bits = self.node_bits
+        return bits is not None and bool(self.largest_node >> bits.width)
+
+    @property
     def node_bits(self) -> BitRun | None:
-        """The bits of the field whose role is the node; None without such a field."""
+        """The bits of the field that contains the node or its low bits; None without such a field."""
         field = next((f for f in self.layout.fields if isinstance(f.role, NodeRole)), None)
         if field is None:
             return None

@@ -29,7 +29,7 @@ from typing import NamedTuple
 from ..model.edition import Edition
 from ..model.message import Direction, Message
 from ..semantics.decoder import Identified, Rejection, rejects_constants
-from ..semantics.frame import CanFrame
+from ..semantics.frame import CanFrame, node_of
 from .frame_kinds import Channel, FrameKind, FrameKinds, Opened
 from .recorded import Mark, Recorded
 
@@ -372,11 +372,13 @@ class Directions:
         if answered is None:
             identified = kind.identified[Direction.REPLY]
             rejection = kind.rejection(Direction.REPLY, one.frame)
-            node = arrived.line.node if isinstance(identified, Rejection) else identified.node
+            node = arrived.line.node if isinstance(identified, Rejection) else node_of(identified.message, one.frame)
             message = None if isinstance(identified, Rejection) or rejection else identified.message
             return _judged(arrived, Direction.REPLY, decided_by, node, message, rejection)
         exchange, (message, node) = answered
         self._close(exchange)
+        if node is None and exchange.kind.request is not None:
+            node = exchange.kind.request.node
         rejection = rejects_constants(message, one.frame, {}) if message in kind.with_constants else None
         asked = exchange.request
         latency = None

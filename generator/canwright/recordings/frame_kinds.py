@@ -24,6 +24,7 @@ from ..semantics.frame import (
     data_bits,
     has_id,
     has_id_rule,
+    node_in_id,
     node_of,
     parts_of,
     wrong_constants,
@@ -86,7 +87,7 @@ class Form:
 
 @dataclass(eq=False, kw_only=True)
 class FrameKind:
-    """The messages of an edition that a frame can be, by its id, its length and the bits of all keys.
+    """The messages of an edition that a frame can be, by its id, its length, its keys and the node in its data.
 
     A request is answered on the channels `opens`; a reply answers a request that opened one of `answers`. `identified`
     are the results of the dispatch plan. `only` is the direction of all frames with this id; None if it has both.
@@ -178,12 +179,14 @@ class FrameKinds:
 
     def nodes(self, frame: CanFrame) -> Sequence[int | None]:
         """The nodes that the id of a frame can mean; empty if it is no id of this edition."""
-        return list(dict.fromkeys(node_of(m, frame) for m in self.edition.all_messages() if has_id_rule(m, frame)))
+        return list(dict.fromkeys(node_in_id(m, frame) for m in self.edition.all_messages() if has_id_rule(m, frame)))
 
     def key_bits(self, frame: CanFrame) -> int:
-        """The data bits of all keys of the messages with the id of a frame."""
+        """The data bits that identify a frame: all keys, and the node where the id has none."""
         having = [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
-        return data_bits((key.space, key.segments) for message in having for key in message.keys)
+        nodes = [message.node_bits for message in having if message.id.nodes is None]
+        runs = [*(key for message in having for key in message.keys), *(bits for bits in nodes if bits is not None)]
+        return data_bits((run.space, run.segments) for run in runs)
 
     def kind(self, frame: CanFrame) -> FrameKind:
         """The kind of a frame."""
@@ -193,7 +196,9 @@ class FrameKinds:
         having = [message for message in self.edition.all_messages() if has_id(message, frame)]
         having = having or [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
         directions = {message.direction for message in having}
-        sources = [(message.id, node_of(message, frame)) for message in having if message.direction is Direction.REPLY]
+        sources = [
+            (message.id, node_in_id(message, frame)) for message in having if message.direction is Direction.REPLY
+        ]
         return FrameKind(
             edition=self.edition,
             decoder=self._decoder,

@@ -48,6 +48,7 @@ class MessageResolver:
         self._spec = spec
         self._resolver = layouts
         self._addresses = addresses
+        self._largest_node = max(map(_largest_node, addresses.values()), default=0)
         self._pending: list[str] = []
         self._lacks_selector = False
         self._done: dict[tuple[str, str | None], tuple[Message | None, tuple[Reply, ...]]] = {}
@@ -237,6 +238,7 @@ class MessageResolver:
             dlc=self._dlc(path, spec, of_entry),
             remote=bool(spec.remote),
             layout=layout,
+            largest_node=_largest_node(address) or self._largest_node,
             path=path,
         )
 
@@ -349,3 +351,8 @@ class MessageResolver:
         manual = entry.manual or table.manual
         written = schema.LayoutSpec(title=entry.title, about=entry.about, fields=entry.layout, manual=manual)
         return self._resolver.shared(path, name, written, (*path, "layout"))
+
+
+def _largest_node(address: Address) -> int:
+    """The largest node in the ids of an address; 0 if they have no nodes."""
+    return max(rule.nodes[-1] if rule.nodes else 0 for rule in (address.request, address.reply))

@@ -15,7 +15,7 @@ from ..model.message import Direction, Message
 from ..model.types import Assignment, Order
 from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value
 from ..semantics.encoder import Encoder, Encoders
-from ..semantics.frame import CanFrame, Raw, difference, node_of, raws, wrong_constants
+from ..semantics.frame import CanFrame, Raw, difference, node_in_id, raws, wrong_constants
 from . import can_ids
 from .golden_entries import KEY, EntryProblem, entry_findings, named
 from .rule import Findings, RelatedItem, Subject
@@ -132,7 +132,7 @@ _CHECK_LAYOUT = f"check the layout and its `reserved` fields; {_DECODE_ONLY}"
 def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem | None:
     wrong = difference(message, can)
     if wrong is None:
-        node = node_of(message, can)
+        node = node_in_id(message, can)
         if node is None and frame.node is not None:
             return ("node",), f"the id 0x{frame.id:X} has no node", "remove `node`"
         if node != frame.node:

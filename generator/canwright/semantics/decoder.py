@@ -21,7 +21,7 @@ from ..model.message import BitRun, Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Encoding, Linear, Type
 from .dispatch import Length, MaskedId, Match, Node, Route, Select, Subject, dispatch_plan
-from .frame import CanFrame, Raw, difference, node_of, raw_of, raws, read_bits, wrong_constants
+from .frame import CanFrame, Raw, difference, node_in_id, raw_of, raws, read_bits, wrong_constants
 
 Value = Fraction | str | list[str] | None
 
@@ -80,7 +80,7 @@ class Decoder:
         wrong = difference(message, frame)
         if wrong:
             return Rejection(_REASONS.get(wrong.part, Refusal.UNKNOWN_ID), wrong.text)
-        return _fields(Identified(message, node_of(message, frame)), frame, assignment)
+        return _fields(Identified(message, node_in_id(message, frame)), frame, assignment)
 
     def decisions(self, direction: Direction, frame: CanFrame) -> Node | None:
         """The decisions between the messages that have the id of a frame; None without such a message."""

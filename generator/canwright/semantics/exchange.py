@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..model.message import Direction
 from ..model.refusal import Refusal
 from .decoder import Decoder, Identified, Rejection, rejects_constants
-from .frame import CanFrame, difference, node_of, read_bits
+from .frame import CanFrame, difference, node_in_id, read_bits
 
 
 def check_reply(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified | Rejection:
@@ -25,7 +25,7 @@ def check_reply(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identif
     wrong = difference(expected, reply)
     if wrong:
         return _no_answer(wrong.text)
-    source = node_of(expected, reply)
+    source = node_in_id(expected, reply)
     asked, reported = sent.message.node_bits, expected.node_bits
     to, bits = sent.node, -1
     if asked and not command.from_each:

@@ -94,9 +94,15 @@ def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
     return taken
 
 
-def node_of(message: Message, frame: CanFrame) -> int | None:
+def node_in_id(message: Message, frame: CanFrame) -> int | None:
     """The node in the id of a frame of this message; None without one."""
     return node_of_id(message.id, frame.id & ~message.id_mask)
+
+
+def node_of(message: Message, frame: CanFrame) -> int | None:
+    """The node of a frame of this message, in its id or in its data; None without one."""
+    bits = message.node_in_data
+    return node_in_id(message, frame) if bits is None else read_bits(bits, frame)
 
 
 def has_id(message: Message, frame: CanFrame) -> bool:

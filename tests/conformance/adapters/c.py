@@ -122,11 +122,11 @@ class CAdapter(Adapter):
 
     @staticmethod
     def _node(message: Message, frame: CanFrame, node: int) -> int | None:
-        """The node in the id. One in a field must be that of the frame, and 0 stands for none."""
+        """The node in the id, or in the field that identifies it. C returns low bits too, and 0 for none."""
         if message.id.nodes is not None:
             return node
         assert node == node_in_field(message, frame), (message.name, frame, node)
-        return None
+        return None if message.node_in_data is None else node
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         answer = self._ask("answers", *_frame(request), *_frame(reply))

@@ -131,7 +131,10 @@ class DbcFile:
                 if field.fixed is None:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = values_of(places, shown)
-        return Decoded(message.command, _node(message, found), raw, values)
+        in_data = message.node_in_data
+        node = _node(message, found) if in_data is None else raw[in_data.name]
+        assert not isinstance(node, list)
+        return Decoded(message.command, node, raw, values)
 
     def _command(self, name: str) -> Command | None:
         """The command of a text, which ends in the code where a command has several, or in the direction.

@@ -100,7 +100,11 @@ class DocsAdapter(Adapter):
             return Refused(Refusal.WRONG_CONSTANT)
         if isinstance(rows, Refused):
             return rows
-        return self._decoded(name, node[0], [r for r in rows if r.constant is None], frame, parameters)
+        holder = next((row for row in page.rows if row.holds_node and not row.has_low_bits), None)
+        in_data = _raw(holder, frame) if holder and page.nodes is None else None
+        return self._decoded(
+            name, node[0] if in_data is None else in_data, [r for r in rows if r.constant is None], frame, parameters
+        )
 
     def _decoded(
         self, name: str, node: int | None, rows: Sequence[FieldRow], frame: CanFrame, parameters: Parameters

@@ -159,6 +159,8 @@ class FieldRow:
     checked: bool
     only: tuple[str, tuple[str, ...]]
     holds_node: bool
+    has_low_bits: bool
+    """Of the number of the node."""
 
 
 @dataclass(frozen=True)
@@ -258,4 +260,5 @@ def _field(line: Mapping[str, str]) -> FieldRow:
         "ignored when received" not in line.get("Value range", ""),
         (parameter, tuple(values.split(", "))),
         "node number" in line["Description"],
+        "low bits of the node number" in line["Description"],
     )

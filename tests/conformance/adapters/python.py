@@ -68,7 +68,7 @@ class PythonAdapter(Adapter):
             message = self._decoded(direction, frame, self.parameters(parameters), expected)
         except ValueError as error:
             return self._refused(error)
-        again = message.unpack(message.node, message.can_id, message.encode_unchecked(), message.parameters)
+        again = message.unpack(_node_in_id(message), message.can_id, message.encode_unchecked(), message.parameters)
         if again != message or (message.can_id ^ frame.id) & ~self._reserved(message, direction):
             raise AssertionError(f"{message} does not go back to id 0x{frame.id:X}")
         raw = {self._names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
@@ -221,8 +221,13 @@ class PythonAdapter(Adapter):
 
 def _encoded(message: Any) -> Encoded:
     """The frame of a message; the message that is decoded from it must pass the checks of `encode` too."""
-    decoded = message.unpack(message.node, message.can_id, message.encode(), message.parameters)
+    decoded = message.unpack(_node_in_id(message), message.can_id, message.encode(), message.parameters)
     return Encoded(message.can_id, decoded.encode(), message.EXTENDED, message.REMOTE)
+
+
+def _node_in_id(message: Any) -> int | None:
+    """The node in the id of a message, which `unpack` takes."""
+    return message.node if hasattr(message, "NODES") else None
 
 
 def _value(value: Any) -> Value:

@@ -14,6 +14,7 @@ from canwright.model.types import Type
 from canwright.semantics.decoder import Decoder, Rejection, Value as ModelValue
 from canwright.semantics.encoder import Encoders
 from canwright.semantics.exchange import check_reply
+from canwright.semantics.frame import node_of
 from canwright.targets.base import Specification
 
 from ...float_rule import effective
@@ -58,7 +59,7 @@ class ReferenceAdapter(Adapter):
             return _refused(found)
         missing = {f.name for f in found.variant.fields if f.name in found.values and self._is_missing(f, parameters)}
         values = {name: _value(value) for name, value in found.values.items() if name not in missing}
-        return Decoded(found.message.command, found.node, found.raws, values)
+        return Decoded(found.message.command, node_of(found.message, frame), found.raws, values)
 
     def _is_missing(self, field: Field, parameters: Parameters) -> bool:
         """Whether the value of a field depends on a missing parameter."""

@@ -76,7 +76,10 @@ def module_view(edition: Edition) -> Mapping[str, object]:
         "parameters": edition.parameters,
         "types": edition.types,
         "tables": tables,
-        "messages": [(m, code_of(m, codes), layouts.index(m.layout)) for m in messages],
+        "messages": [
+            (m, code_of(m, codes), layouts.index(m.layout), read_key(m.node_in_data) if m.node_in_data else "")
+            for m in messages
+        ],
         "routes": {direction.value: route_views(edition, direction, numbers) for direction in Direction},
     }
 

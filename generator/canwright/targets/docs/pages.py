@@ -126,9 +126,9 @@ class Pages:
         """Computed once for all commands that show a layout alike."""
         layout = side.message.layout
         manual = command.entry.manual if command.entry else ""
-        key = (layout, command.manual, manual, *command.only.items())
+        key = (layout, side.message.has_low_bits_of_node, command.manual, manual, *command.only.items())
         if key not in self._field_rows:
-            rows = tables.field_rows(side.fields, layout, command, self._labels, self._language)
+            rows = tables.field_rows(side.fields, side.message, command, self._labels, self._language)
             self._field_rows[key] = tuple(rows)
         return self._field_rows[key]
 

@@ -98,16 +98,17 @@ def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels:
 
 
 def field_rows(
-    fields: Sequence[tuple[Field, Sequence[Cells]]], layout: Layout, command: Command, labels: Labels, language: str
+    fields: Sequence[tuple[Field, Sequence[Cells]]], message: Message, command: Command, labels: Labels, language: str
 ) -> Iterator[Row]:
     """The rows of the fields that a command has, in the order of the spec."""
+    layout, holds = message.layout, labels["holds_low_bits" if message.has_low_bits_of_node else "holds_node"]
     for field, places in fields:
         if is_available(layout, field, command):
             resolution, raw, values = _numbers(field, layout, command, labels)
             what = (
                 description(field, labels, language)
                 + (f" ({deprecation(field.deprecated, labels)})" if field.deprecated else "")
-                + (f"{labels['and']}{labels['holds_node']}" if isinstance(field.role, NodeRole) else "")
+                + (f"{labels['and']}{holds}" if isinstance(field.role, NodeRole) else "")
                 + _section(field, layout, command, labels)
                 + _members(field.type, labels)
             )

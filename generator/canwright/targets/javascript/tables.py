@@ -83,6 +83,7 @@ class EditionTables:
             "keys": [_key(message, number) for number in range(len(message.keys))] or None,
             "layout": self.layouts[message.layout],
             "nodeBits": segments(message.node_bits.segments, message.node_bits.space) if message.node_bits else None,
+            "hasNodeInData": True if message.node_in_data else None,
         }
 
     def _answers(self) -> Iterator[Table]:

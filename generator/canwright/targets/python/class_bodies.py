@@ -25,12 +25,13 @@ class ReadView:
 
 @dataclass(frozen=True, kw_only=True)
 class BodyView:
-    """The body of a class; `has_node` and `depends` decide its keywords."""
+    """The body of a class; `has_node` and `depends` decide on its keywords."""
 
     fields: tuple[FieldView, ...]
     raws_python: code.Code
     """The declaration of the raw integers."""
     match_args: code.Code
+    """The fields that always exist."""
     types: code.Code
     """The type of each field by name."""
     parameter: str
@@ -46,7 +47,8 @@ class BodyView:
     to_raws: code.Code
     """The statement of the constructor that stores the raw integers."""
     has_node: bool
-    depends: bool
+    depends: code.Code | None
+    """The names of the parameters on which the fields depend; None without any."""
     is_always_valid: bool
     """Whether every decoded message can be encoded again."""
 
@@ -64,7 +66,7 @@ class ClassBodies:
     def body(self, layout: Layout, dlc: int, has_node: bool, nodes: Sequence[int]) -> BodyView:
         """The body for the fields of a layout, in frames of that length; `nodes` are those of elements of arrays."""
         stored = storage(layout)
-        depends, varies = depends_on_parameters(layout), len(layout.variants) > 1
+        varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(layout)]
         fields = tuple(
             field_view(
                 field=one,
@@ -85,7 +87,9 @@ class ClassBodies:
         return BodyView(
             fields=fields,
             raws_python=code.Items("_raws: tuple[", tuple(raws[place] for place in sorted(raws)) or ("()",), "]"),
-            match_args=code.tuple_of((text.literal(view.attribute) for view in fields), "__match_args__ = "),
+            match_args=code.tuple_of(
+                (text.literal(view.attribute) for view in fields if not view.only), "__match_args__ = "
+            ),
             types=code.dict_of((view.type for view in fields), "TYPES = "),
             parameter=text.attribute(layout.parameter or "") if varies else "",
             variants=tuple(_names(variant, stored) for variant in layout.variants),
@@ -98,7 +102,7 @@ class ClassBodies:
             reads=reads[:1] if len(set(reads)) == 1 else reads,
             to_raws=to_raws,
             has_node=has_node,
-            depends=depends,
+            depends=code.tuple_of(depends, "DEPENDS = ") if depends else None,
             is_always_valid=all(one.type.accepts_every_raw for one in stored),
         )
 
@@ -142,6 +146,11 @@ def variant_values(layout: Layout, variant: Variant, parameters: Mapping[str, Pa
     return tuple(types.parameter_key(parameters[layout.parameter], value) for value in variant.values)
 
 
+def parameters_of(layout: Layout) -> tuple[str, ...]:
+    """The parameters on which fields, values or ranges of a layout depend."""
+    return tuple(dict.fromkeys((*layout.parameters, *(name for f in layout.fields for name in f.type.numbers))))
+
+
 def depends_on_parameters(layout: Layout) -> bool:
     """Whether fields, values or ranges of a layout depend on parameters."""
-    return bool(layout.parameters) or any(field.type.numbers for field in layout.fields)
+    return bool(parameters_of(layout))

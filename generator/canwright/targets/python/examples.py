@@ -10,8 +10,9 @@ from ...language.golden_frames import GoldenFrame, Value
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
-from ...model.types import Parameter
+from ...model.types import Assignment, Parameter
 from ...semantics.decoder import Decoder, Rejection
+from ...semantics.encoder import Encoder
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame
 from ..base import Specification
@@ -44,6 +45,10 @@ class Example(NamedTuple):
     """Empty where the specification gives no time."""
     is_full: bool
     """Whether the request has values too."""
+    shares_ids: bool
+    """Whether requests and replies of the edition have the same ids."""
+    probe: str
+    """A request without effects whose reply always differs from it; empty where the edition has none."""
 
 
 class Argument(NamedTuple):
@@ -107,6 +112,10 @@ def _example(edition: Edition, command: Command, request: GoldenFrame, reply: Go
     classes = text.class_name(asked.name), text.class_name(answer.name)
     names = {*classes, "CodecError", "REPLY_WITHIN_MS", "decode_answer", "decode_reply"}
     names |= {argument.enum for argument in sent if argument.enum}
+    node = 1 if request.node is None else request.node
+    shares_ids = any(c.request and c.reply and c.request.id == c.reply.id for c in edition.commands)
+    probe = _probe(edition, node, {name: str(value) for name, value in given.items()}) if shares_ids else None
+    names |= {text.class_name(probe.name)} if probe else set()
     names |= {"Parameters"} if known else set()
     names |= {text.class_name(p.name) for p in parameters if p.is_choice and not p.is_numeric}
     return Example(
@@ -115,7 +124,7 @@ def _example(edition: Edition, command: Command, request: GoldenFrame, reply: Go
         tuple(sorted(names)),
         ", ".join(known),
         classes[0],
-        1 if request.node is None else request.node,
+        node,
         ", ".join(values),
         ", ".join(keywords),
         classes[1],
@@ -126,7 +135,49 @@ def _example(edition: Edition, command: Command, request: GoldenFrame, reply: Go
         ", known" if known else "",
         "" if edition.bus.reply_within_ms is None else str(float(edition.bus.reply_within_ms)),
         bool(asked.layout.fields),
+        shares_ids,
+        f"{text.class_name(probe.name)}({f'node={node}' if probe.id.nodes is not None else ''})" if probe else "",
     )
+
+
+def _probe(edition: Edition, node: int, assignment: Assignment) -> Message | None:
+    """The first request without fields and effects whose reply always differs from it.
+
+    None if the spec defines no effects, because then nothing is known about those of a command.
+    """
+    for command in edition.commands if edition.effects else ():
+        request, reply = command.request, command.reply
+        if request is None or reply is None or command.effects or command.from_each or not command.implemented:
+            continue
+        is_bare = not any(field.fixed is None for field in request.layout.fields)
+        if is_bare and command.available(assignment) and _differ(edition, request, reply, node):
+            return request
+    return None
+
+
+def _differ(edition: Edition, request: Message, reply: Message, node: int) -> bool:
+    """Whether no working node replies with the bytes of a request without fields."""
+    encoder = Encoder({})
+    frame = encoder.encode_raws(request, node if request.id.nodes is not None else None, {})
+    if isinstance(frame, Rejection) or reply.layout.parameter is not None:
+        return False
+    found = Decoder(edition).decode_as(reply, frame, {})
+    if isinstance(found, Rejection):
+        return True
+    fields = [field for field in found.variant.fields if field.fixed is None]
+    return any(
+        encoder.rejects_raw(field, found.raws[field.name]) or _is_implausible(field, found.values[field.name])
+        for field in fields
+    )
+
+
+def _is_implausible(field: Field, value: object) -> bool:
+    """Whether no working node reports a value."""
+    plausible = field.type.plausible
+    if plausible is None or not isinstance(value, Fraction):
+        return False
+    low, high = plausible.low.at({}), plausible.high.at({})
+    return (low is not None and value < low) or (high is not None and value > high)
 
 
 def arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:

@@ -10,7 +10,7 @@ PUBLIC = ("CodecError", "FieldAbsent", "Message", "Refusal", "Reply", "Request")
 _RUNTIME = {
     "_codec": (
         *PUBLIC,
-        *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Integer", "Number", "Real"),
+        *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Integer", "NodeParameters", "Number", "Real"),
         *("ToAll", "ToNode", "check_choice", "check_number", "constant", "merge", "missing", "new"),
     ),
     "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.layout import MAX_DATA_BYTES, Space
+from ...model.layout import MAX_DATA_BYTES, NodeRole, Space
 from ...model.message import Command, Direction, Message
 from . import code, docstrings, encoding, metadata, text
 from .class_bodies import BodyView, ClassBodies
 from .encoding import EncodeView
+from .fields import storage
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +41,12 @@ class MessageView:
     extended: bool
     remote: bool
     nodes: tuple[int, int] | None
+    node_field: str
+    """The field with the node or its low bits; empty without such a field."""
+    node_mask: int
+    """The bits of the node in that field; 0 where it has all of them."""
+    node_place: int | None
+    """The place of the node among the raw integers; None where it is not there."""
     body: BodyView | None
     id: str
     step: int
@@ -87,6 +94,11 @@ def _bases(groups: Iterable[Group]) -> dict[Group, str]:
     }
 
 
+def _place(message: Message) -> int:
+    """The place of the node among the raw integers of a message with its node in the data."""
+    return next(place for field, place in storage(message.layout).items() if isinstance(field.role, NodeRole))
+
+
 def _differ_in_code_only(messages: Sequence[Message]) -> bool:
     """Whether messages have one selector each, at one position in the data."""
     positions = {tuple((k.space, k.segments) for k in m.keys) for m in messages}
@@ -116,6 +128,7 @@ class MessageViews:
 
     def _message(self, command: Command, message: Message) -> MessageView:
         group, nodes = _group(message), message.id.nodes
+        holder = message.node_bits
         name, has_fields = text.class_name(message.name), bool(message.layout.fields)
         has_metadata = message.direction is Direction.REQUEST or command.request is None
         return MessageView(
@@ -128,6 +141,9 @@ class MessageViews:
             extended=message.id.extended,
             remote=message.remote,
             nodes=(nodes[0], nodes[-1]) if nodes is not None else None,
+            node_field=text.attribute(holder.name) if holder else "",
+            node_mask=(1 << holder.width) - 1 if holder and message.has_low_bits_of_node else 0,
+            node_place=_place(message) if message.node_in_data else None,
             body=self._body(message, command.from_each) if has_fields and group not in self._bases else None,
             id=f"0x{encoding.fixed_id(message):X}",
             step=message.id.node_step,

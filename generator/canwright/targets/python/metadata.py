@@ -20,7 +20,9 @@ def class_attributes(command: Command, parameters: Mapping[str, Parameter]) -> I
         yield code.tuple_of((text.literal(setting.name) for setting in command.limited_by), "LIMITED_BY = ")
     if command.only:
         only = (
-            code.tuple_of((types.parameter_key(parameters[name], v) for v in values), f"{text.literal(name)}: ")
+            code.tuple_of(
+                (types.parameter_key(parameters[name], v) for v in values), f"{text.literal(text.attribute(name))}: "
+            )
             for name, values in command.only.items()
         )
         yield code.dict_of(only, "ONLY = ")

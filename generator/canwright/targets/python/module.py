@@ -21,7 +21,10 @@ CONSTANTS = (
     *("EDITION", "FAMILY", "REPLY_WITHIN_MS", "SPEC_HASH", "UNKNOWN"),
     *("AnyReply", "AnyRequest", "Parameters"),
 )
-FUNCTIONS = ("check_reply", "decode_answer", "decode_reply", "decode_request", "ids_of", "node_of")
+FUNCTIONS = (
+    *("check_reply", "decode_answer", "decode_reply", "decode_request"),
+    *("has_node_in_data", "ids_of", "node_of"),
+)
 
 
 def module_view(edition: Edition) -> dict[str, object]:
@@ -68,6 +71,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "request_routes": list(routes.route_views(edition, Direction.REQUEST, readers)),
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
+        "nodes_in_data": list(routes.node_readers(edition, readers)),
         "slow_replies": edition.slow_replies,
         "reply_within_ms": None if edition.bus.reply_within_ms is None else float(edition.bus.reply_within_ms),
         "request_classes": routes.decoded_classes(edition, Direction.REQUEST),

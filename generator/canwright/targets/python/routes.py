@@ -156,6 +156,13 @@ def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
         )
 
 
+def node_readers(edition: Edition, readers: Readers) -> Iterator[tuple[str, str]]:
+    """Each message with its node in the data, and the function that reads it."""
+    for message in edition.all_messages():
+        if message.node_in_data is not None:
+            yield text.class_name(message.name), readers.of(message.node_in_data, _shortest(message))
+
+
 def _node_field(message: Message, readers: Readers) -> str:
     """The function that reads the node from a field, with the mask of its bits; empty without such a field."""
     run = message.node_bits

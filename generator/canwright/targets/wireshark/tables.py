@@ -100,6 +100,7 @@ class EditionTables:
             "keys": list(map(_key, range(len(message.keys)), [message] * len(message.keys))),
             "layout": Code(f"layouts[{self._layouts[message.layout]}]"),
             "node_bits": _node_bits(message),
+            "has_node_in_data": True if message.node_in_data else None,
             "reserved": list(_reserved(message)),
         }
 

@@ -221,12 +221,16 @@ class Layout:
 
 
 class Message(NamedTuple):
-    """A request or a reply; its number is its position in `MESSAGES`. `code` is -1 without one."""
+    """A request or a reply; its number is its position in `MESSAGES`. `code` is -1 without one.
+
+    `node` reads the node from the data; None if the id has it, or if there is none.
+    """
 
     command: str
     direction: Direction
     code: int
     layout: int
+    node: Callable[[Words, Words], Array] | None = None
 
 
 @dataclass(frozen=True)
@@ -317,7 +321,7 @@ class Table(NamedTuple):
     message: NDArray[np.int16]
     """The message number of each frame."""
     node: NDArray[np.int32]
-    """The node of each frame; -1 without one."""
+    """The node of each frame, in its id or its data; -1 without one, and for one of more than 31 bits."""
     columns: dict[str, Array]
     """The values of each field, and its raw integers under the name with `_raw` if they were asked for and differ."""
 
@@ -372,6 +376,7 @@ class Decoder:
         self.columns = {layout.name: self._columns(layout, raw) for layout in edition.layouts}
         """The columns of each layout, without those of the frame; None where a parameter that decides is missing."""
         self._layout_of = np.array([message.layout for message in edition.messages], np.int16)
+        self._nodes_in_data = [(i, one.node) for i, one in enumerate(edition.messages) if one.node is not None]
 
     def decode(self, frames: Frames) -> Decoded:
         """The tables of some frames. Frames of no message are in no table; `message` has the reason."""
@@ -429,6 +434,10 @@ class Decoder:
                 message[found] = (
                     then if isinstance(then, int) else then.follow(frames.data[found], own, frames.length[found])
                 )
+        for number, read in self._nodes_in_data:
+            rows = np.flatnonzero(message == number)
+            if rows.size:
+                node[rows] = read(frames.data[rows], ids[rows]).astype(np.uint32).view(np.int32).clip(-1)
         return message, node
 
     def _columns(self, layout: Layout, raw: bool) -> tuple[Column, ...] | None:

@@ -65,7 +65,7 @@ export interface Message<D extends Direction, C, Fields, Parameters> {
   readonly edition: string;
   readonly direction: D;
   readonly command: C;
-  /** The node that receives or sends the frame; null if its id contains none. */
+  /** The node that receives or sends the frame; null if neither its id nor its data identifies it. */
   readonly node: number | null;
   readonly parameters: Parameters;
   readonly frame: WrittenFrame;

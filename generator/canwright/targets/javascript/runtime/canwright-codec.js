@@ -139,7 +139,7 @@ class Codec {
       edition: this.tables.edition,
       direction: message.direction,
       command: message.command,
-      node,
+      node: message.nodeOf(frame, node),
       parameters,
       frame,
       fields: Object.freeze(fields),
@@ -217,7 +217,7 @@ class Codec {
     const found = [];
     const add = (message, node) => {
       if (!found.some((one) => one.message === message)) {
-        found.push({ message, node });
+        found.push({ message, node: message.nodeOf(frame, node) });
       }
     };
     const identify = (router) => {
@@ -467,6 +467,7 @@ class Message {
     this.layout = layout;
     this.layoutNumber = table.layout;
     this.nodeBits = table.nodeBits ? new Bits(table.nodeBits) : null;
+    this.hasNodeInData = table.hasNodeInData ?? false;
   }
 
   get description() {
@@ -502,6 +503,11 @@ class Message {
         throw new CodecError("not_available", `${this.command} is available with ${name} ${values.join(" or ")}, not ${value}`);
       }
     }
+  }
+
+  /** The node of a frame of this message: that in its id, or else in its data; null without one. */
+  nodeOf(frame, inId) {
+    return this.hasNodeInData ? this.nodeBits.read(frame) : inId;
   }
 
   checkConstants(frame, parameters) {

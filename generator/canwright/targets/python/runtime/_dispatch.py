@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import takewhile
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union, cast
 
 from ._codec import MAX_DATA, CodecError, Message, Refusal, Request
@@ -297,24 +298,49 @@ class Dispatcher(Generic[P, Q, M]):
         requests: Iterable[Route],
         replies: Iterable[Route],
         answers: Mapping[type[Message], Answer],
+        nodes_in_data: Mapping[type[Message], Reader] = MappingProxyType({}),
         unknown: P,
     ) -> None:
         self.requests: Router[P, Q] = Router("request", requests, unknown)
         self.replies: Router[P, M] = Router("reply", replies, unknown)
         self._answers = answers
+        self._nodes_in_data = nodes_in_data
         self._unknown = unknown
 
-    def node_of(self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> int | None:
-        """The node of the id of a `request` or a `reply`; None without one. Raises CodecError (unknown_id)."""
-        router = self.requests if direction == "request" else self.replies
-        return router.find(can_id, extended, remote)[1]
+    def node_of(
+        self,
+        direction: str,
+        can_id: int,
+        data: Buffer | None = None,
+        *,
+        extended: bool = False,
+        remote: bool = False,
+    ) -> int | None:
+        """The node in the id of a `request` or a `reply`, or else in its data; None without one.
+
+        Raises CodecError: unknown_id; with `data`, also unknown_code and wrong_length.
+        """
+        route, node = self._router(direction).find(can_id, extended, remote)
+        if node is not None or data is None:
+            return node
+        data = bytes(memoryview(data))
+        read = self._nodes_in_data.get(route.message(can_id, data))
+        return None if read is None else read(can_id, data)
+
+    def has_node_in_data(self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> bool:
+        """Whether requests or replies with this id have their node in the data. Raises CodecError (unknown_id)."""
+        route, _ = self._router(direction).find(can_id, extended, remote)
+        return not route.classes.isdisjoint(self._nodes_in_data)
+
+    def _router(self, direction: str) -> Router[P, Any]:
+        return self.requests if direction == "request" else self.replies
 
     def ids_of(self, direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
         """The ids of a node, as a `request` or a `reply`, each with a mask of the bits that messages fill in.
 
         The last two items are True for a 29-bit id, and for remote frames.
         """
-        return tuple((self.requests if direction == "request" else self.replies).ids(node))
+        return tuple(self._router(direction).ids(node))
 
     def decode_answer(
         self,

@@ -1,7 +1,9 @@
-"""Conversion to and from the messages of python-can."""
+"""Conversion to and from the messages of python-can, and recognition of the frames that a program sent itself."""
 
 from __future__ import annotations
 
+from collections import deque
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
 import can
@@ -42,7 +44,10 @@ def from_message(frame: can.Message, decode: Decoder[M], parameters: Any = None)
 @overload
 def from_message(frame: can.Message, decode: NodeDecoder[M]) -> M: ...
 def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any:
-    """Decodes a frame of a python-can bus. Raises CodecError, also for error and CAN FD frames."""
+    """Decodes a frame of a python-can bus. Raises CodecError, also for error and CAN FD frames.
+
+    It does not matter who sent the frame: a request that the bus returns can be decoded as a reply. See `OwnFrames`.
+    """
     if frame.is_error_frame or frame.is_fd:
         kind = "an error frame" if frame.is_error_frame else "a CAN FD frame"
         raise CodecError(Refusal.UNKNOWN_ID, f"0x{frame.arbitration_id:X} is {kind}")
@@ -54,3 +59,78 @@ def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any
         extended=frame.is_extended_id,
         remote=frame.is_remote_frame,
     )
+
+
+MAX_EXPECTED = 1 << 12
+"""The most frames that are expected to come back; more than the transmit queues of drivers contain."""
+
+
+LATER_COPY = 0.05
+"""The time in seconds after a reply in which the copy of its request may still come."""
+
+
+class OwnFrames:
+    """Sends on a bus, and recognizes the frames that the bus returns.
+
+    Where requests and replies have the same ids, a returned request is also a valid reply. Whether a bus returns frames
+    depends on the adapter, its driver and its settings; `is_rx` of a frame does not always tell.
+    """
+
+    def __init__(self, bus: can.BusABC, *, are_returned: bool) -> None:
+        self.bus = bus
+        self.are_returned = are_returned
+        self._expected: deque[tuple[int, bool, bool, bytes]] = deque(maxlen=MAX_EXPECTED)
+
+    @classmethod
+    def learn(cls, bus: can.BusABC, request: Message, decode: Decoder[Any], timeout: float) -> OwnFrames:
+        """Sends a request to learn whether it comes back besides its reply, which has to differ from it.
+
+        `decode` is `partial(decode_answer, request)`. Raises TimeoutError if neither comes within a time in seconds,
+        because nothing is certain then: without another node on the bus, a frame is neither sent nor returned.
+        """
+        sent = _identity(to_message(request))
+        is_returned = is_answered = False
+        bus.send(to_message(request))
+        deadline = monotonic() + timeout
+        while (left := deadline - monotonic()) > 0 and (frame := bus.recv(left)) is not None:
+            if _identity(frame) == sent:
+                is_returned = True
+            elif not is_answered and _is_accepted(frame, decode):
+                is_answered = True
+                deadline = min(deadline, monotonic() + LATER_COPY)
+        if not (is_returned or is_answered):
+            raise TimeoutError(f"no reply to {request}")
+        return cls(bus, are_returned=is_returned)
+
+    def send(self, message: Message) -> None:
+        """Sends a frame. Raises what the bus raises."""
+        frame = to_message(message)
+        if self.are_returned:
+            self._expected.append(_identity(frame))
+        try:
+            self.bus.send(frame)
+        except can.CanError:
+            self.is_own(frame)
+            raise
+
+    def is_own(self, frame: can.Message) -> bool:
+        """Whether a received frame is one that was sent. Each counts once, so an equal one, such as an echo, is not."""
+        try:
+            self._expected.remove(_identity(frame))
+        except ValueError:
+            return False
+        return True
+
+
+def _identity(frame: can.Message) -> tuple[int, bool, bool, bytes]:
+    """What a frame and its copy have in common; the id is -1 for error frames and CAN FD frames, which are never sent."""
+    can_id = -1 if frame.is_error_frame or frame.is_fd else frame.arbitration_id
+    return can_id, frame.is_extended_id, frame.is_remote_frame, bytes(frame.data)
+
+
+def _is_accepted(frame: can.Message, decode: Decoder[Any]) -> bool:
+    try:
+        from_message(frame, decode)
+    except CodecError:
+        return False
+    return True

@@ -155,6 +155,14 @@ local function node_of_rule(rule, frame)
     return false
 end
 
+-- The node of a frame of a message: that in its id, or else in its data; nil without one.
+local function node_of(message, frame, in_id)
+    if message.has_node_in_data then
+        return (read(frame, message.node_bits.segments))
+    end
+    return in_id
+end
+
 -- The message of a frame of one direction ("requests" or "replies") and its node; nil and the reason without one.
 function codec.identify(edition, direction, frame)
     for _, route in ipairs(edition[direction]) do
@@ -171,7 +179,7 @@ function codec.identify(edition, direction, frame)
             if type(found) == "string" then
                 return nil, found
             end
-            return found, node
+            return found, node_of(found, frame, node)
         end
     end
     return nil, "unknown_id"
@@ -203,7 +211,7 @@ function codec.is_message(message, frame)
             return false
         end
     end
-    return true, node
+    return true, node_of(message, frame, node)
 end
 
 local function is_present(field, choice)

@@ -135,7 +135,8 @@ end
 local function open(bus, exchange)
     for number = #bus.open, 1, -1 do
         local other = bus.open[number]
-        if other.request == exchange.request and other.frame[0] == exchange.frame[0] then
+        local is_to_same = other.frame[0] == exchange.frame[0] and other.node == exchange.node
+        if other.request == exchange.request and is_to_same then
             if not exchange.request.echo or is_same(other.frame, exchange.frame) then
                 table.remove(bus.open, number)
             end
@@ -187,6 +188,9 @@ function directions.judge(state, edition, only, frame, one)
         result.message, result.node = found.reply, found.reply_node
         if exchange then
             result.message, result.node = exchange.request.reply, source
+            if not source and #exchange.request.nodes == 0 then
+                result.node = exchange.node
+            end
             result.exchange, result.latency = exchange, bus.clock - exchange.since
             if one.time[1] < exchange.time[1] then
                 result.latency = nil
