@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
+import struct
 import zipfile
+from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from canwright.cli import main
+from canwright.language.golden_frames import GoldenFrame
 from canwright.output.paths import OutputError
-from canwright.project import matrix
+from canwright.project import matrix, spreadsheets
 from canwright.project.handover import build
 from canwright.project.loader import specification
 from canwright.project.words import LABELS
 from click.testing import CliRunner
 
-from ..spec_texts import MINIMAL, ROOT
+from ..spec_texts import MINIMAL, ROOT, SPECS as SPECS_OF_ALL, called
 
 SPECS = [ROOT / "spec/mwd_motor/v2.36-2025-03.yaml", ROOT / "tests/specs/press/v1.yaml"]
 
@@ -56,21 +61,166 @@ def test_every_command_is_in_the_document_and_the_matrix(made: Path) -> None:
     for command in edition.commands:
         assert f'<section id="commands-{command.group}">' in text
         own = [row for row in rows if row["命令"] == command.name]
+        layouts = [message.layout for message in (command.request, command.reply) if message]
         fields = {
-            field.name for message in (command.request, command.reply) if message for field in message.layout.fields
+            field.name
+            for layout in layouts
+            for field in layout.fields
+            if not field.only or set(field.only) & set(command.only.get(layout.parameter or "", field.only))
         }
         assert {re.sub(r"\[.*", "", row["字段"]) for row in own} - {""} == fields - {"index"}
-    torque = next(row for row in rows if (row["命令"], row["方向"], row["字段"]) == ("set_torque", "请求", "iq"))
-    assert (torque["标识符"], torque["位置"], torque["位数"], torque["原始值范围"]) == (
-        "0x140 + node",
-        "DATA[4..5]",
-        "16",
-        "-2048..2048",
-    )
-    assert "MH: 未给出; MF: 16.5/2048 A; MG: 33/2048 A" in torque["分辨率（1 LSB）"]
+    torque = [row for row in rows if (row["命令"], row["方向"], row["字段"]) == ("set_torque", "请求", "iq")]
+    place = {(row["标识符"], row["位置"], row["位数"], row["原始值下限"], row["原始值上限"]) for row in torque}
+    assert place == {("0x140 + node", "DATA[4..5]", "16", "-2048", "2048")}
+    assert [(row["适用于"], row["分辨率（1 LSB）"], row["分辨率（手册写法）"], row["单位"]) for row in torque] == [
+        ("电机系列：MF", "0.008056640625", "16.5/2048", "A"),
+        ("电机系列：MH", "未给出", "", "A"),
+        ("电机系列：MG", "0.01611328125", "33/2048", "A"),
+    ]
     english = re.compile("[a-z]{3}")
-    for column in ("方向", "帧", "含义", "分辨率（1 LSB）"):
+    for column in ("方向", "帧", "含义", "分辨率（1 LSB）", "适用于"):
         assert not [row for row in rows if english.search(row[column])], column
+
+
+MATRIX_SPEC = """\
+canwright: 1
+family: lamp
+edition: v1
+date: 2024-01
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+parameters: {model: {values: [A, B]}, size: {number: {}}}
+types:
+  level: {raw: u16, unit: "%", scale: 0.1, offset: -10, raw_range: 0..1000}
+  third: {raw: u8, scale: 1/3*size}
+  errors: {raw: u8, flags: {low: {bit: 0}, hot: {bit: 3}}}
+layouts:
+  status:
+    fields:
+      level: {at: 2, type: level, only: {model: [A]}}
+      third: {at: 2, type: third, only: {model: [B]}}
+      errors: {at: 1, type: errors}
+commands:
+  dim: {code: 0x10, request: {level: {at: 2, type: level}}, reply: echo}
+  read: {code: 0x11, only: {model: [A]}, request: {}, reply: {layout: status, accept: [0x91]}}
+  stop: {code: 0x12, request: {}, reply: none}
+"""
+
+
+def _cells(spec: Path, language: str) -> list[dict[str, str]]:
+    """The matrix, read back from CSV; columns by the names of the model."""
+    item = specification(spec)
+    text = spreadsheets.csv_text(list(matrix.rows(item.edition, language)), {name: name for name in matrix.Row._fields})
+    return list(csv.DictReader(io.StringIO(text.decode("utf-8-sig"))))
+
+
+@pytest.mark.parametrize("spec", SPECS_OF_ALL, ids=called)
+def test_golden_frames_are_decoded_with_the_matrix_alone(spec: Path) -> None:
+    """Every field once under its parameters, at its place, with its resolution; and nothing that no node has."""
+    item = specification(spec)
+    assert item.frames is not None
+    language = next(iter(item.edition.languages), "en")
+    listed = _cells(spec, "en" if "en" in item.edition.languages else language)
+    titles = {p.title[language]: p.name for p in item.edition.parameters}
+    decoded = 0
+    for frame in item.frames.frames:
+        rows = [r for r in listed if (r["command"], r["direction"]) == (frame.command, frame.direction.value)]
+        known = {name: str(value) for name, value in frame.parameters.items()}
+        assert frame.node is None or str(frame.node) in _expanded(rows[0]["nodes"]), frame
+        for name, raw in frame.raw.items():
+            for index, one in enumerate(raw) if isinstance(raw, list) else [(None, raw)]:
+                elements = [r for r in rows if re.sub(r"\[\d+\]", "", r["field"]) == name]
+                elements = [r for r in elements if _applies(r["only"], titles, known)]
+                places = list(dict.fromkeys(r["position"] for r in elements))
+                own = [r for r in elements if r["position"] == places[index or 0]]
+                assert own and {_raw(frame, r) for r in own} == {one}, (frame, own)
+                value = frame.values.get(name)
+                value = value[index] if isinstance(value, list) and index is not None else value
+                if isinstance(value, Fraction) and len(own) == 1:
+                    decoded += _has_value(own[0], one, value)
+    assert decoded or not any(frame.values for frame in item.frames.frames)
+
+
+def _has_value(row: Mapping[str, str], raw: int, value: Fraction) -> bool:
+    """Checks a value, unless its resolution depends on a number parameter."""
+    try:
+        resolution, offset = float(row["resolution"]), float(row["offset"])
+    except ValueError:
+        return False
+    codes = {"f32": ("<I", "<f"), "f64": ("<Q", "<d")}.get(row["raw"].split()[0])
+    number = struct.unpack(codes[1], struct.pack(codes[0], raw))[0] if codes else raw
+    assert math.isclose(number * resolution + offset, value, rel_tol=1e-9, abs_tol=1e-12), (row, raw, value)
+    return True
+
+
+def _expanded(nodes: str) -> set[str]:
+    runs = (run.partition("..") for run in nodes.split(", "))
+    return {str(node) for low, _, high in runs for node in range(int(low), int(high or low) + 1)}
+
+
+def _applies(only: str, titles: Mapping[str, str], known: Mapping[str, str]) -> bool:
+    conditions = (part.partition(": ") for part in only.split("; ") if part)
+    return all(known.get(titles[title], "") in ("", *values.split(", ")) for title, _, values in conditions)
+
+
+def _raw(frame: GoldenFrame, row: Mapping[str, str]) -> int:
+    """The raw integer at the place of a row."""
+    raw, width = 0, 0
+    encoding = re.match(r"([uif])(\d+)( big-endian)?", row["raw"])
+    assert encoding
+    parts = re.findall(r"DATA\[(\d)(?:\.\.(\d))?\](?: bits? (\d)(?:\.\.(\d))?)?", row["position"])
+    if row["position"].startswith("id"):
+        low, _, high = row["position"].split()[-1].partition("..")
+        raw, width = frame.id >> int(low) & (1 << int(high or low) - int(low) + 1) - 1, int(encoding[2])
+    bytes_ = [
+        (byte, low, high) for first, last, low, high in parts for byte in range(int(first), int(last or first) + 1)
+    ]
+    for byte, low, high in reversed(bytes_) if encoding[3] else bytes_:
+        bits = int(high or low) - int(low) + 1 if low else 8
+        part = frame.data[byte] >> int(low or 0) & (1 << bits) - 1
+        raw |= part << width
+        width += bits
+    assert width == int(encoding[2]) == int(row["bits"])
+    return raw - (1 << width) if encoding[1] == "i" and raw >> width - 1 else raw
+
+
+def test_what_the_matrix_states(tmp_path: Path) -> None:
+    """Flags are bits, replies of some nodes come from these; numbers, other codes, forms of replies, edition and date."""
+    (tmp_path / "lamp.yaml").write_text(MATRIX_SPEC, "utf-8")
+    rows = _cells(tmp_path / "lamp.yaml", "en")
+    assert {(row["edition"], row["date"]) for row in rows} == {("v1", "2024-01")}
+    level, status = (
+        rows[1],
+        {row["field"]: row for row in rows if row["command"] == "read" and row["direction"] == "reply"},
+    )
+    columns = ("raw_minimum", "raw_maximum", "resolution", "offset", "unit", "minimum", "maximum")
+    assert [level[name] for name in columns] == ["0", "1000", "0.1", "-10", "%", "-10", "90"]
+    assert status["errors"]["values"] == "bit 0 (0x01) = low (Low); bit 3 (0x08) = hot (Hot)"
+    assert list(status) == ["", "level", "errors"]
+    assert status[""]["meaning"] == "command code; also accepted: 0x91"
+    forms = {(row["command"], row["direction"]): row["answer"] for row in rows}
+    assert forms == {
+        ("dim", "request"): "",
+        ("dim", "reply"): "the request, unchanged",
+        ("read", "request"): "",
+        ("read", "reply"): "",
+        ("stop", "request"): "no reply",
+    }
+    motor = _cells(ROOT / "spec/mwd_motor/v2.35.yaml", "zh")
+    replies = [row for row in motor if row["command"] == "broadcast_torque" and row["direction"] == "回复"]
+    assert {(row["nodes"], row["answer"]) for row in replies} == {
+        ("1..4", "与 set_torque 的回复相同；节点 1..4 各回复一帧")
+    }
+    speed = next(row for row in motor if row["field"] == "speed" and row["direction"] == "回复")
+    assert (speed["resolution"], speed["offset"], speed["unit"]) == ("1", "0", "°/s")
+
+
+def test_numbers_are_numbers_in_excel(made: Path) -> None:
+    with zipfile.ZipFile(made / "mwd_motor-v2.36-2025-03-en.xlsx") as book:
+        sheet = book.read("xl/worksheets/sheet1.xml").decode()
+        assert b'name="v2.36-2025-03"' in book.read("xl/workbook.xml")
+        assert "mwd_motor v2.36-2025-03 (2025-03): " in book.read("xl/sharedStrings.xml").decode()
+    assert "<v>0.01611328125</v>" in sheet and "<v>-2048</v>" in sheet
 
 
 def test_equal_specs_make_equal_files(made: Path, tmp_path: Path) -> None:
@@ -91,7 +241,7 @@ def test_texts_of_a_spec_are_texts(tmp_path: Path) -> None:
     assert text.count("<script") == 1
     assert text.count("</style>") == 1
     found = list(matrix.rows(item.edition, "en"))
-    assert "'=HYPERLINK" in matrix.csv_text(found, LABELS["en"]).decode("utf-8-sig")
+    assert "'=HYPERLINK" in spreadsheets.csv_text(found, LABELS["en"]).decode("utf-8-sig")
     with zipfile.ZipFile(tmp_path / "out/lamp-v1-en.xlsx") as book:
         assert b"<f>" not in book.read("xl/worksheets/sheet1.xml")
 

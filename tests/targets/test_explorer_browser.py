@@ -152,8 +152,8 @@ def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open)
 def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
     """Without the series, there is a value for each, no input of amperes, and no program; invalid parameters are named."""
     page = opened(page_of_motors, "#frame=141%23A1329B00F4010080&edition=v2.35&series=XX&gear_ratio=0.5")
-    assert "series cannot be XX" in page.locator("#parameter-problem").inner_text()
-    assert "gear_ratio cannot be 0.5" in page.locator("#parameter-problem").inner_text()
+    assert "Motor series cannot be XX" in page.locator("#parameter-problem").inner_text()
+    assert "Gear ratio cannot be 0.5" in page.locator("#parameter-problem").inner_text()
     assert page.locator("#parameters [aria-invalid=true]").count() == 2
     current = page.locator("#fields tr[data-field=iq]")
     assert current.locator(".case").all_inner_texts() == [
@@ -174,7 +174,7 @@ def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
     assert page.get_by_label("Value of iq", exact=True).input_value() == str(310 * 33 / 2048)
     assert (
         "SERIES_MG" in page.locator("#c").inner_text()
-        and "gear_ratio" in page.locator("#parameter-problem").inner_text()
+        and "Gear ratio" in page.locator("#parameter-problem").inner_text()
     )
 
 

@@ -49,7 +49,7 @@ canwright.code = (() => {
     if (fields.length) {
       lines.push(`const ${name}_t message = {${fields.join(", ")}};`);
     }
-    const rest = [decoded.node === null ? [] : `${decoded.node}u`, fields.length ? "&message" : [], takes ? "&parameters" : []];
+    const rest = [message.nodes ? `${decoded.node}u` : [], fields.length ? "&message" : [], takes ? "&parameters" : []];
     lines.push("canwright_frame_t frame;", `const canwright_status_t status = ${name}_encode(${["&frame", ...rest.flat()].join(", ")});`);
     return lines.join("\n");
   }
@@ -64,7 +64,7 @@ canwright.code = (() => {
     const imports = new Set([name]);
     const hasValues = decoded.fields.every((field) => field.reason === null);
     const types = new Map(message.fields.map((field, i) => [field.name, typeOf(bindings, message, i)]));
-    const items = decoded.node === null ? [] : [`node=${decoded.node}`];
+    const items = message.nodes ? [`node=${decoded.node}`] : []; // otherwise a field contains it
     for (const { name: field, raw, value } of decoded.fields) {
       const enumeration = types.get(field);
       const one = hasValues ? pythonValue(value, enumeration, imports) : pythonNumber(raw);

@@ -26,7 +26,8 @@ def handover(specs: Sequence[Path], out: Path, force: bool) -> None:
     """Write documents to hand over: HTML, and the command matrix as CSV and Excel.
 
     Each edition and language has one HTML file. It needs no network, has contents and a search, and prints well. The
-    command matrix has one row for each field. The folder must be new, empty, or that of an earlier run.
+    command matrix has one row for each field, or several if its resolution depends on a parameter. The folder must be
+    new, empty, or that of an earlier run.
     """
     from ..project.handover import HandoverError, build
 

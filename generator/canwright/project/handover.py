@@ -16,7 +16,7 @@ from ..targets.base import Specification
 from ..targets.docs import folders, generate
 from ..templating.environment import environment
 from ..templating.markup import xml
-from . import matrix
+from . import matrix, spreadsheets
 from .words import LABELS
 
 _TARGET = "handover"
@@ -63,12 +63,13 @@ def _files(specifications: Sequence[Specification], pages: Mapping[str, str]) ->
                 continue
             name = f"{edition.family}-{edition.name}-{language}"
             sections = _sections(pages, f"{language}/{folder}", labels)
-            title = f"{edition.family} {edition.name}: {edition.title[language]}"
+            dated = f" ({edition.date})" if edition.date else ""
+            title = f"{edition.family} {edition.name}{dated}: {edition.title[language]}"
             document = template.render(lang=language, title=title, labels=labels, sections=sections)
             yield f"{name}.html", document.encode()
             found = list(matrix.rows(edition, language))
-            yield f"{name}.csv", matrix.csv_text(found, labels)
-            yield f"{name}.xlsx", matrix.excel(found, labels, title)
+            yield f"{name}.csv", spreadsheets.csv_text(found, labels)
+            yield f"{name}.xlsx", spreadsheets.excel(found, labels, title, edition.name)
 
 
 def _sections(pages: Mapping[str, str], folder: str, labels: Mapping[str, str]) -> Sequence[Section]:

@@ -1,49 +1,65 @@
-"""The command matrix of an edition: one row for each field of each command, as a table, CSV and Excel."""
+"""The command matrix of an edition: one row for each field of each command, as the pages list them, with numbers apart."""
 
 from __future__ import annotations
 
-import csv
-import io
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from datetime import datetime
+from fractions import Fraction
 from typing import NamedTuple
 
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Element, Field
-from ..model.message import Command, Direction, Key, KeyRole, Message
-from ..model.types import Encoding
+from ..model.layout import ConstantRole, Field, Layout, NodeRole, ReservedRole
+from ..model.message import Command, Direction, EchoReply, Key, KeyRole, Message, OtherReply
+from ..model.types import Bound, Encoding, Linear, Member, Range, Type
+from ..targets.docs.tables import constant, is_available, values_of
 from .words import LABELS
 
-_FORMULA = ("=", "+", "-", "@", "\t")
-"""Starts of a text that a spreadsheet takes for a formula."""
-_NUMBERS = frozenset({"raw_range", "resolution", "values"})
-"""Columns that can start with a minus sign and contain no text of a spec."""
-_CREATED = datetime(2000, 1, 1)
-"""A fixed date, so that equal rows make an equal file."""
+Cell = str | Fraction
+"""A text, or an exact number; both can be in one column, for a bound that depends on a parameter."""
 
 
 class Row(NamedTuple):
-    """One field of one direction of a command; a key has no name."""
+    """One field of one direction of a command, or one key, which has no name.
 
-    command: str
-    title: str
-    code: str
-    direction: str
-    id: str
-    nodes: str
-    frame: str
-    position: str
-    bits: str
-    field: str
-    meaning: str
-    raw: str
-    raw_range: str
-    resolution: str
-    unit: str
-    values: str
-    only: str
-    manual: str
+    A field whose numbers depend on a parameter has one row for each of them.
+    """
+
+    command: Cell
+    title: Cell
+    code: Cell
+    direction: Cell
+    answer: Cell
+    id: Cell
+    nodes: Cell
+    frame: Cell
+    position: Cell
+    bits: Cell
+    field: Cell
+    meaning: Cell
+    raw: Cell
+    fixed: Cell
+    raw_minimum: Cell
+    raw_maximum: Cell
+    resolution: Cell
+    offset: Cell
+    unit: Cell
+    printed: Cell
+    minimum: Cell
+    maximum: Cell
+    values: Cell
+    only: Cell
+    manual: Cell
+    edition: Cell
+    date: Cell
+
+
+class Numbers(NamedTuple):
+    """The numbers of a field under some parameter values."""
+
+    only: Mapping[str, tuple[str, ...]]
+    linear: Linear | None
+    limits: Range | None
 
 
 def rows(edition: Edition, language: str) -> Iterator[Row]:
@@ -52,109 +68,156 @@ def rows(edition: Edition, language: str) -> Iterator[Row]:
         for direction in Direction:
             message = command.message(direction)
             if message is not None:
-                yield from _of_message(command, direction, message, language)
+                yield from _Rows(edition, command, direction, message, language).all()
 
 
-def _of_message(command: Command, direction: Direction, message: Message, language: str) -> Iterator[Row]:
-    nodes = message.id.nodes
-    labels = LABELS[language]
-    length = labels["remote"] if message.remote else labels["bytes"].format(message.dlc)
-    frame = f"{labels['extended' if message.id.extended else 'standard']}; {length}"
-    start = (
-        command.name,
-        command.title[language],
-        "" if command.code is None else f"0x{command.code:02X}",
-        labels[direction.value],
-        formatting.id_rule(message.id),
-        f"{nodes[0]}..{nodes[-1]}" if nodes else "",
-        frame,
-    )
-    only = formatting.condition(command.only)
-    for key in message.keys:
-        yield Row._make((*start, *_of_key(key, labels), "", "", "", "", only, command.manual))
-    for field in message.layout.fields:
-        for element in field.elements:
-            yield Row._make(
-                (*start, *_of_field(message, field, element, language, only), field.manual or command.manual)
-            )
-    if not message.keys and not message.layout.fields:
-        yield Row._make((*start, "", "", "", "", "", "", "", "", "", only, command.manual))
+class _Rows:
+    """The rows of one direction of a command."""
+
+    def __init__(
+        self, edition: Edition, command: Command, direction: Direction, message: Message, language: str
+    ) -> None:
+        self._edition = edition
+        self._command = command
+        self._message = message
+        self._language = language
+        self._labels = labels = LABELS[language]
+        length = labels["remote"] if message.remote else labels["bytes"].format(message.dlc)
+        answering = command.from_each if direction is Direction.REPLY else ()
+        nodes = [node for node in message.id.nodes or () if not answering or node in answering]
+        self._start = Row(
+            *[""] * len(Row._fields),
+        )._replace(
+            command=command.name,
+            title=command.title[language],
+            code="" if command.code is None else constant(command.code),
+            direction=labels[direction.value],
+            answer=_answer(command, direction, labels),
+            id=formatting.id_rule(message.id),
+            nodes=formatting.numbers(nodes),
+            frame=labels["semicolon"].join((labels["extended" if message.id.extended else "standard"], length)),
+            only=self._condition(command.only),
+            manual=command.manual,
+            edition=edition.name,
+            date=edition.date,
+        )
+
+    def all(self) -> Iterator[Row]:
+        """The rows of the keys, then of the fields that exist where the command does; one row without any."""
+        layout = self._message.layout
+        fields = [field for field in layout.fields if is_available(layout, field, self._command)]
+        for number, key in enumerate(self._message.keys):
+            yield self._of_key(key, self._message.accept if number == 0 else ())
+        for field in fields:
+            yield from self._of_field(layout, field)
+        if not self._message.keys and not fields:
+            yield self._start
+
+    def _of_key(self, key: Key, accepted: Sequence[int]) -> Row:
+        meaning = [self._labels[_ROLES[key.role]]]
+        if accepted:
+            meaning.append(self._labels["accepted"].format(self._labels["comma"].join(map(constant, accepted))))
+        return self._start._replace(
+            position=formatting.place(key.space, key.segments),
+            bits=Fraction(key.width),
+            meaning=self._labels["semicolon"].join(meaning),
+            raw=f"u{key.width}",
+            fixed=constant(key.value),
+        )
+
+    def _of_field(self, layout: Layout, field: Field) -> Iterator[Row]:
+        type_ = field.type
+        meaning = [field.title[self._language], *self._of_role(field)]
+        start = self._start._replace(
+            bits=Fraction(type_.width),
+            meaning=self._labels["semicolon"].join(filter(None, meaning)),
+            fixed="" if field.fixed is None else constant(field.fixed),
+            values=self._labels["semicolon"].join(
+                self._member(type_, member) for member in (*type_.enum, *type_.flags)
+            ),
+            manual=field.manual or self._command.manual,
+        )
+        for name, segments in formatting.elements(field):
+            for numbers in _numbers(self._edition, layout, field, self._command):
+                yield start._replace(
+                    position=formatting.place(field.space, segments),
+                    field=name,
+                    raw=formatting.raw_format(type_, segments),
+                    only=self._condition(numbers.only),
+                    **(self._of_numbers(type_, numbers) if field.fixed is None and type_.is_number else {}),
+                )
+
+    def _of_role(self, field: Field) -> Iterator[str]:
+        roles = {ConstantRole: "constant", ReservedRole: "reserved", NodeRole: "node"}
+        label = roles.get(type(field.role))
+        if label:
+            yield self._labels[label]
+
+    def _of_numbers(self, type_: Type, numbers: Numbers) -> Mapping[str, Cell]:
+        linear, limits = numbers.linear, numbers.limits
+        is_float = type_.encoding is Encoding.FLOAT
+        cells: dict[str, Cell] = {"unit": type_.unit.symbol if type_.unit else ""}
+        if limits and not is_float:
+            cells |= {"raw_minimum": _bound(limits.low), "raw_maximum": _bound(limits.high)}
+        if linear is None:
+            return {**cells, "resolution": self._labels["not_given"]}
+        if limits:
+            values = limits if is_float else formatting.in_unit(limits, linear)
+            cells |= {"minimum": _bound(values.low), "maximum": _bound(values.high)}
+        step = linear.scale if linear.times is None else formatting.step(linear)
+        offset = linear.offset if linear.times is None else formatting.offset(linear)
+        is_printed = isinstance(step, Fraction) and formatting.step(linear) != formatting.exact(step)
+        return {**cells, "resolution": step, "offset": offset, "printed": formatting.step(linear) if is_printed else ""}
+
+    def _member(self, type_: Type, member: Member) -> str:
+        value = self._labels["bit"].format(member.value, 1 << member.value) if type_.flags else str(member.value)
+        title = member.title.get(self._language, "")
+        return self._labels["member"].format(value, member.name, title) if title else f"{value} = {member.name}"
+
+    def _condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
+        """`Model: A, B`, by the titles of the parameters."""
+        labels = self._labels
+        shown = ((self._edition.parameter(name).title[self._language], values) for name, values in only.items())
+        listed = (labels["condition"].format(title, labels["comma"].join(values)) for title, values in shown)
+        return labels["semicolon"].join(listed)
 
 
 _ROLES = {KeyRole.CODE: "selector", KeyRole.INDEX: "index", KeyRole.CONSTANT: "constant"}
 
 
-def _of_key(key: Key, labels: Mapping[str, str]) -> tuple[str, str, str, str, str]:
-    place = formatting.place(key.space, key.segments)
-    return place, str(key.width), "", labels[_ROLES[key.role]], f"u{key.width} = 0x{key.value:02X}"
+def _answer(command: Command, direction: Direction, labels: Mapping[str, str]) -> str:
+    """The form of a reply, or that a request has none."""
+    if direction is Direction.REQUEST:
+        return "" if command.replies else labels["no_reply"]
+    found = [labels["echo"] for reply in command.replies if isinstance(reply, EchoReply)]
+    found += [labels["other"].format(reply.of) for reply in command.replies if isinstance(reply, OtherReply)]
+    if command.from_each:
+        found.append(labels["from_each"].format(formatting.numbers(command.from_each)))
+    return labels["semicolon"].join(found)
 
 
-def _of_field(message: Message, field: Field, element: Element, language: str, only: str) -> tuple[str, ...]:
+def _numbers(edition: Edition, layout: Layout, field: Field, command: Command) -> Iterator[Numbers]:
+    """The numbers of a field, once for each combination of parameter values that makes a difference."""
     type_ = field.type
-    name = field.name if element.index is None else f"{field.name}[{element.index}]"
-    limited = f"{message.layout.parameter} {', '.join(field.only)}" if field.only else ""
-    members = type_.enum or type_.flags
-    is_float = type_.encoding is Encoding.FLOAT
-    not_given = LABELS[language]["not_given"]
-    scales = [(names, not_given if text == "not given" else text) for names, text in formatting.scale(type_)]
-    ranges = _cases(formatting.ranges(type_))
-    raw_range = str(field.fixed) if field.fixed is not None else "" if is_float else ranges
-    return (
-        formatting.place(field.space, element.segments),
-        str(type_.width),
-        name,
-        field.title[language],
-        formatting.raw_format(type_, element.segments),
-        raw_range,
-        _cases(scales) if type_.is_number and not type_.is_plain else "",
-        type_.unit.symbol if type_.unit else "",
-        "; ".join(f"{member.value} {member.name}" for member in members) or (ranges if is_float else ""),
-        "; ".join(filter(None, (only, limited))),
-    )
+    limited = dict.fromkeys([*command.only, *([layout.parameter] if field.only and layout.parameter else [])])
+    only = {name: values_of(name, layout, field, command) for name in limited}
+    names = type_.parameters
+    choices = [only.get(name) or tuple(value.name for value in edition.parameter(name).values) for name in names]
+    groups: dict[tuple[Linear | None, Range | None], list[tuple[str, ...]]] = {}
+    for values in itertools.product(*choices):
+        assignment = dict(zip(names, values, strict=True))
+        key = type_.linear.at(assignment), type_.raw_range.at(assignment)
+        groups.setdefault(key, []).append(values)
+    for (linear, limits), combinations in groups.items():
+        if len(groups) == 1:
+            yield Numbers(only, linear, limits)
+        elif len(names) == 1:
+            yield Numbers({**only, names[0]: tuple(value for (value,) in combinations)}, linear, limits)
+        else:
+            for values in combinations:
+                among = {name: (value,) for name, value in zip(names, values, strict=True)}
+                yield Numbers({**only, **among}, linear, limits)
 
 
-def _cases(pairs: Sequence[tuple[str, str]]) -> str:
-    return "; ".join(f"{names}: {text}" if names else text for names, text in pairs)
-
-
-def csv_text(found: Sequence[Row], headings: Mapping[str, str]) -> bytes:
-    """CSV in UTF-8 with the mark by which spreadsheets recognise it; no cell is a formula."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\r\n")
-    writer.writerow([headings[name] for name in Row._fields])
-    writer.writerows(
-        [cell if name in _NUMBERS else _harmless(cell) for name, cell in zip(Row._fields, row, strict=True)]
-        for row in found
-    )
-    return stream.getvalue().encode("utf-8-sig")
-
-
-def _harmless(cell: str) -> str:
-    return f"'{cell}" if cell.startswith(_FORMULA) else cell
-
-
-def excel(found: Sequence[Row], headings: Mapping[str, str], title: str) -> bytes:
-    """An Excel file with a filter and a fixed heading; equal rows make an equal file. Raises ImportError."""
-    import xlsxwriter
-
-    stream = io.BytesIO()
-    book = xlsxwriter.Workbook(stream, {"in_memory": True})
-    book.set_properties({"title": title, "created": _CREATED})
-    sheet = book.add_worksheet()
-    head = book.add_format({"bold": True, "text_wrap": True, "valign": "top"})
-    body = book.add_format({"text_wrap": True, "valign": "top"})
-    for column, name in enumerate(Row._fields):
-        sheet.write_string(0, column, headings[name], head)
-        longest = max((len(row[column]) for row in found), default=0)
-        sheet.set_column(column, column, min(36, max(6, longest, len(headings[name]))))
-    for at, row in enumerate(found, 1):
-        for column, cell in enumerate(row):
-            sheet.write_string(at, column, cell, body)
-    sheet.freeze_panes(1, 1)
-    sheet.autofilter(0, 0, len(found), len(Row._fields) - 1)
-    sheet.set_landscape()
-    sheet.set_paper(9)
-    sheet.fit_to_pages(1, 0)
-    sheet.repeat_rows(0)
-    book.close()
-    return stream.getvalue()
+def _bound(end: Bound) -> Cell:
+    return end.constant if end.parameter is None else formatting.bound(end)

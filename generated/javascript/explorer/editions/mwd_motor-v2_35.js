@@ -1385,13 +1385,13 @@ canwright.editions.push({
       "request set_power": {
         c: "mwd_motor_v2_35_set_power_request",
         python: "SetPowerRequest",
-        takesParameters: false,
+        takesParameters: true,
         dependsOnParameters: false,
       },
       "request set_torque": {
         c: "mwd_motor_v2_35_set_torque_request",
         python: "SetTorqueRequest",
-        takesParameters: false,
+        takesParameters: true,
         dependsOnParameters: true,
       },
       "request set_speed": {

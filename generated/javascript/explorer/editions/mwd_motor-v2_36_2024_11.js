@@ -1864,13 +1864,13 @@ canwright.editions.push({
       "request set_power": {
         c: "mwd_motor_v2_36_2024_11_set_power_request",
         python: "SetPowerRequest",
-        takesParameters: false,
+        takesParameters: true,
         dependsOnParameters: false,
       },
       "request set_torque": {
         c: "mwd_motor_v2_36_2024_11_set_torque_request",
         python: "SetTorqueRequest",
-        takesParameters: false,
+        takesParameters: true,
         dependsOnParameters: true,
       },
       "request set_speed": {
@@ -2062,7 +2062,7 @@ canwright.editions.push({
       "request read_status_3": {
         c: "mwd_motor_v2_36_2024_11_read_status_3_request",
         python: "ReadStatus3Request",
-        takesParameters: false,
+        takesParameters: true,
         dependsOnParameters: false,
       },
       "reply motor_off": {

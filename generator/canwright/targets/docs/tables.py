@@ -103,7 +103,7 @@ def field_rows(
     """The rows of the fields that a command has, in the order of the spec."""
     layout, holds = message.layout, labels["holds_low_bits" if message.has_low_bits_of_node else "holds_node"]
     for field, places in fields:
-        if _is_available(layout, field, command):
+        if is_available(layout, field, command):
             resolution, raw, values = _numbers(field, layout, command, labels)
             what = (
                 description(field, labels, language)
@@ -117,10 +117,16 @@ def field_rows(
                 yield Row(cells.place, cells.field, formats, resolution, values, _only(layout, field), what)
 
 
-def _is_available(layout: Layout, field: Field, command: Command) -> bool:
+def is_available(layout: Layout, field: Field, command: Command) -> bool:
     """Whether the field exists for a parameter value that has the command."""
-    having = command.only.get(layout.parameter or "", field.only)
-    return not field.only or bool(set(field.only) & set(having))
+    return not field.only or bool(values_of(layout.parameter or "", layout, field, command))
+
+
+def values_of(parameter: str, layout: Layout, field: Field, command: Command) -> tuple[str, ...]:
+    """The values of a parameter under which a command has a field, if it is limited to some; empty for all and for none."""
+    here = field.only if layout.parameter == parameter else ()
+    having = command.only.get(parameter, ())
+    return tuple(value for value in here if value in having) if here and having else here or having
 
 
 def _only(layout: Layout, field: Field) -> str:
@@ -161,8 +167,7 @@ def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> 
             code(constant(field.fixed)),
             labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"],
         )
-    here = field.only if layout.parameter == field.type.linear.parameter else ()
-    among = here or command.only.get(field.type.linear.parameter or "", ())
+    among = values_of(field.type.linear.parameter or "", layout, field, command)
     return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from ...model.edition import Edition
 from ...model.layout import Layout
-from ...model.message import Message
+from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
 from ..c.names import Names, member
 from ..python import text as python
@@ -18,7 +18,7 @@ from .text import Value
 def bindings(edition: Edition) -> Mapping[str, Value]:
     """Names by those of the spec; a field is listed where its name differs."""
     names, tables = Names(edition), EditionTables(edition)
-    messages = {f"{m.direction.value} {m.command}": _message(names, m) for m in edition.all_messages()}
+    messages = {f"{m.direction.value} {m.command}": _message(names, edition, m) for m in edition.all_messages()}
     fields = {field.name for layout in tables.layouts for field in layout.fields}
     return {
         "header": f"{edition.family}/{edition.identifier}.h",
@@ -33,11 +33,11 @@ def bindings(edition: Edition) -> Mapping[str, Value]:
     }
 
 
-def _message(names: Names, message: Message) -> Value:
+def _message(names: Names, edition: Edition, message: Message) -> Value:
     return {
         "c": names.lower(message.name),
         "python": python.class_name(message.name),
-        "takesParameters": _takes_parameters(message.layout),
+        "takesParameters": _takes_parameters(message.layout) or _is_checked(edition, message),
         "dependsOnParameters": depends_on_parameters(message.layout),
     }
 
@@ -47,6 +47,12 @@ def _takes_parameters(layout: Layout) -> bool:
     ranges = [field.type.raw_range for field in layout.fields if field.fixed is None]
     bounds = [b for r in ranges for _, span in r.distinct() if span is not None for b in (span.low, span.high)]
     return layout.parameter is not None or any(r.parameter for r in ranges) or any(b.parameter for b in bounds)
+
+
+def _is_checked(edition: Edition, message: Message) -> bool:
+    """Whether C checks that a node has the command of a message: of a request that some nodes do not have."""
+    only = edition.command(message.command).only if message.direction is Direction.REQUEST else {}
+    return any(value.name not in values for name, values in only.items() for value in edition.parameter(name).values)
 
 
 def _parameter(names: Names, parameter: Parameter) -> Value:

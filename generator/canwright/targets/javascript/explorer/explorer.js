@@ -90,10 +90,11 @@
   /** Marks the parameters that are valid in no edition; they are ignored. */
   function showInvalid() {
     const names = meaning.invalid(Object.fromEntries(Object.entries(state.parameters).filter(([, value]) => value !== "")));
-    for (const { name } of meaning.parameters()) {
+    const problems = meaning.parameters().map(({ name, texts }) => {
       at(`parameter-${name}`).setAttribute("aria-invalid", String(names.includes(name)));
-    }
-    at("parameter-problem").textContent = names.map((name) => say("invalid", name, state.parameters[name])).join(" ");
+      return names.includes(name) ? say("invalid", text(texts?.title, name), state.parameters[name]) : "";
+    });
+    at("parameter-problem").textContent = problems.join(" ").trim();
   }
 
   function showCommands() {
@@ -389,7 +390,7 @@
 
   function showFields() {
     const { edition, message, decoded } = chosen;
-    at("node-box").hidden = decoded.node === null;
+    at("node-box").hidden = message.nodes === null; // then a field contains the node, or none does
     at("node").value = decoded.node ?? "";
     const rows = decoded.fields.map((one) => {
       const position = message.fields.findIndex(({ name }) => name === one.name);

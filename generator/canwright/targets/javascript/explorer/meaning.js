@@ -82,8 +82,8 @@ canwright.meaning = (() => {
     const { parameter, fields } = message;
     const only = limits(edition, message);
     if (parameter === null) {
-      const [condition] = Object.entries(only);
-      return [condition ? { parameter: condition[0], values: condition[1], decides: false } : null];
+      const [name] = Object.keys(only);
+      return [name === undefined ? null : { parameter: name, values: possible(edition, message, parameters, name), decides: false }];
     }
     const groups = new Map();
     for (const value of possible(edition, message, parameters, parameter)) {
