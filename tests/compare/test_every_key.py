@@ -91,6 +91,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "CommandSpec.table": {"commands.store": {"code": 0x13, "reply": "echo"}},
     "CommandSpec.manual": {"commands.dim.manual": "9"},
     "CommandSpec.only": {"commands.dim.only": {"size": ["big"]}},
+    "CommandSpec.reply_within_ms": {"commands.dim.reply_within_ms": 2000},
     "CommandSpec.implemented": {"commands.dim.implemented": False},
     "CommandSpec.request": {"commands.colours.request": "none"},
     "CommandSpec.reply": {"commands.dim.reply": "none"},

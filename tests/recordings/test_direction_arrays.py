@@ -14,6 +14,7 @@ from canwright.recordings.recorded import Mark, Recorded
 from canwright.targets.columns.runtime._columns import Direction as Number, Frames, Kind, frames
 from hypothesis import given, settings, strategies as st
 
+from . import motor_bus
 from .test_directions import ALPHABET, EDITIONS, MOTOR, STEPS, frames as recorded_frames, judge
 from .traffic import MIXES, Loss, Traffic, together, with_clock_jumps
 
@@ -90,11 +91,19 @@ def test_a_frame_of_no_edition_is_unknown() -> None:
     assert [len(block) for block in infer_directions([frames([], [], [])], MOTOR)] == [0]
 
 
-def test_no_block_waits_for_the_end_of_the_log() -> None:
+@pytest.mark.parametrize("mix", motor_bus.MIXES)
+@pytest.mark.parametrize("name", motor_bus.SITUATIONS)
+def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> None:
+    log = [sent.recorded for sent in motor_bus.MotorBus(mix, motor_bus.SITUATIONS[name], 2).frames(600)]
+    assert directions(MOTOR, log, 250) == one_by_one(MOTOR, log)
+
+
+def test_no_block_waits_for_the_end_of_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
     """A repeated echo waits for the next frame of its node; the clock of the bus ends the wait."""
     off = recorded_frames("141#8000000000000000 141#8000000000000000", 900_000)
     others = recorded_frames("142#9A00000000000000 142#9A3200E701000000 " * 10)
     log = [*off, *(one._replace(time=2_000_000 + (one.time or 0)) for one in others)]
+    monkeypatch.setattr("canwright.recordings.direction_arrays.LOOKED_AHEAD", 4)
     consumed = []
 
     def source() -> Iterator[Frames]:

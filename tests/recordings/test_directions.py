@@ -12,12 +12,17 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.recordings.directions import DecidedBy, Directions, Judged
+from canwright.recordings.doubts import doubts
 from canwright.recordings.frame_kinds import WINDOW
 from canwright.recordings.recorded import Mark, Recorded
+from canwright.recordings.rows import Row
+from canwright.recordings.summary import Summary
 from canwright.semantics.frame import CanFrame
 from hypothesis import given, settings, strategies as st
 
 from ..spec_texts import ROOT, SPECS, called
+from . import motor_bus
+from .motor_bus import MotorBus
 from .traffic import MIXES, Loss, Sent, Traffic, together, with_clock_jumps, with_marks
 
 EDITIONS = {called(file): specification(file).edition for file in SPECS}
@@ -268,3 +273,55 @@ def test_a_part_that_begins_with_a_frame_without_time() -> None:
     whole, part = judge(MOTOR, log), judge(MOTOR, log[1:])
     assert whole[0].ends_part
     assert [one.direction for one in whole[1:]] == [one.direction for one in part]
+
+
+@pytest.mark.parametrize("mix", motor_bus.MIXES)
+@pytest.mark.parametrize("name", motor_bus.SITUATIONS)
+def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> None:
+    """Directions are right, or a sentence says why not."""
+    log = MotorBus(mix, motor_bus.SITUATIONS[name], 1).frames(1200)
+    directions, summary = Directions({}, MOTOR), Summary()
+    judged = list(directions.judge(sent.recorded for sent in log))
+    for one in judged:
+        summary.add(Row(one, (), ()))
+    summary.finish()
+    share = sum(one.direction is not sent.direction for one, sent in zip(judged, log, strict=True)) / len(log)
+    doubtful = list(doubts(summary, directions.behaviours or {}))
+    assert bool(doubtful) is ("old" in name or "random" in name)
+    if not doubtful:
+        assert share <= (0.03 if "not recorded" in name or "retries" in name else 0.0005), share
+        replies = sum(sent.direction is Direction.REPLY for sent in log)
+        assert sum(one.request is not None for one in judged) > 0.85 * replies
+        assert sum(one.is_late for one in judged) < 0.01 * replies
+    elif mix != "control":
+        assert share <= 0.01, share
+    copies = sum(one.decided_by is DecidedBy.COPY for one in judged)
+    assert copies == (sum(sent.direction is Direction.REQUEST for sent in log) // 2 if "doubled" in name else 0)
+
+
+def test_a_log_without_the_frames_of_the_host() -> None:
+    """The replies are no requests with old bits."""
+    log = MotorBus("control", motor_bus.SITUATIONS["clean"], 1).frames(500)
+    replies = [sent.recorded for sent in log if sent.direction is Direction.REPLY]
+    directions = Directions({}, MOTOR)
+    assert {one.direction for one in directions.judge(replies)} == {Direction.REPLY}
+
+
+def test_a_late_reply_is_late_for_the_log() -> None:
+    """Not by the time of the spec, in which the time to send the reply is missing."""
+    times = [10_000_000 * number + step for number in range(20) for step in (0, 400_000)]
+    times[-1] += 1_000_000
+    alternately = [CanFrame(0x141, bytes.fromhex(data)) for data in ("9A00000000000000", "9A3200E701000000")]
+    log = [Recorded(time, "can0", alternately[number % 2], None) for number, time in enumerate(times)]
+    assert [one.is_late for one in judge(MOTOR, log)] == [False] * 39 + [True]
+
+
+def test_a_command_with_a_reply_time_of_its_own() -> None:
+    edition = EDITIONS["mwd_motor/v2.36-2025-03"]
+    log = frames("141#1800000000000000 141#9A00000000000000 181#9A32081364000000 181#18D20400E8030001")
+    log[-1] = log[-1]._replace(time=3_500_000_000)
+    judged = judge(edition, log)
+    assert [one.request for one in judged] == [None, None, 1, 0]
+    assert judged[-1].latency == 3_500_000_000 and not judged[-1].is_late
+    late = [*log[:-1], log[-1]._replace(time=10_500_000_000)]
+    assert judge(edition, late)[-1].request is None

@@ -68,7 +68,7 @@ commands:
     limited_by: [limit]
     notes: []
   read: {code: 0x11, request: {fixed: {at: 1, raw: u8, constant: 3}}, reply: status, not_limited_by: [limit]}
-  turn: {code: 0x12, request: {angle: {at: 1, type: angle}, share: {at: 4, type: share}}, reply: {of: read}, implemented: false}
+  turn: {code: 0x12, request: {angle: {at: 1, type: angle}, share: {at: 4, type: share}}, reply: {of: read}, reply_within_ms: 1/2, implemented: false}
   store: {code: 0x13, table: store, request: entry, reply: echo, only: {size: [big]}}
   all: {code: 0x14, address: all, mode: broadcast, reply: {layout: status, address: lamp, from_each: 1..3}}
   colours: {code: 0x15, reply: {colours: {at: 1, array: 1..3, type: colour}}}

@@ -81,6 +81,8 @@ def _facts(command: Command, language: str) -> Iterator[RichText]:
         yield RichText(f"only {formatting.condition(command.only)}")
     if command.deprecated:
         yield RichText(f"deprecated {command.deprecated}", "yellow")
+    if command.reply_within_ms is not None:
+        yield RichText(f"replies within {formatting.exact(command.reply_within_ms)} ms")
     if not command.implemented:
         yield RichText("not implemented according to the manual", "yellow")
     for effect in command.effects:

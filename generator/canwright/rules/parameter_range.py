@@ -19,8 +19,12 @@ def check(subject: Subject) -> Findings:
         for i, name in enumerate(names):
             if name in names[:i]:
                 yield Finding(("parameters", parameter.name, "values", i), f"duplicate value {name}", "remove one")
-    if (within := subject.edition.bus.reply_within_ms) is not None and within <= 0:
-        yield Finding(("bus", "reply_within_ms"), "the time must be above 0", "write a number above 0, or remove it")
+    times = {("bus",): subject.edition.bus.reply_within_ms}
+    times |= {command.path: command.reply_within_ms for command in subject.edition.commands}
+    for path, within in times.items():
+        if within is not None and within <= 0:
+            text = "write a number above 0, or remove it"
+            yield Finding((*path, "reply_within_ms"), "the time must be above 0", text)
     for mode in subject.edition.bus.modes:
         if mode.default_kbps is not None and mode.default_kbps not in mode.bit_rates_kbps:
             text = f"{mode.default_kbps} kbit/s is not a bit rate of `{mode.name}`"

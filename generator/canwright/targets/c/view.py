@@ -356,6 +356,8 @@ def _command_doc(edition: Edition, command: Command) -> list[str]:
     paragraphs = [english(command.about), with_deprecation("", command.deprecated)]
     if not command.implemented:
         paragraphs.append("The manual says that this is not implemented yet.")
+    if command.reply_within_ms is not None:
+        paragraphs.append(f"Maximum time from request to reply: {formatting.exact(command.reply_within_ms)} ms.")
     if command.only:
         paragraphs.append(f"Only {formatting.condition(command.only)}.")
     for level in (Level.DANGER, Level.WARNING, Level.NOTE):

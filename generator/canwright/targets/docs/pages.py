@@ -86,6 +86,9 @@ class Pages:
             texts["WARNING"].append(self._labels["not_implemented"])
         for effect in effects:
             texts[_KINDS[effect.level]].append(self.description(effect))
+        if command is not None and command.reply_within_ms is not None:
+            time = f"{formatting.exact(command.reply_within_ms)} ms"
+            texts["NOTE"].append(f"{self._labels['reply_within']}{self._labels['colon']}{time}")
         texts["NOTE"] += [markdown(note[self._language]) for note in command.notes] if command else []
         return [Admonition(kind, listed) for kind, listed in texts.items() if listed]
 

@@ -49,10 +49,16 @@ def of_message(command: Command, message: Message) -> Docstring:
         title,
         deprecation(command.deprecated),
         _joined(english(command.about), *only, _manual(command.manual)),
+        _reply_time(command),
         "" if command.implemented else "Not implemented according to the manual.",
         f"Effects: {effects}" if effects else "",
         _joined(*(english(note) for note in command.notes)),
     )
+
+
+def _reply_time(command: Command) -> str:
+    within = command.reply_within_ms
+    return "" if within is None else f"Maximum time from request to reply: {formatting.exact(within)} ms."
 
 
 def of_field(field: Field, of_type: str, manual_of_layout: str, nodes: Sequence[int]) -> Docstring:
