@@ -233,7 +233,7 @@ def test_missing_late_and_unexpected_frames() -> None:
         assert f"  {line}\n" in text
     waited = decode(TROUBLE, "--set", "edition=v2.35", "--window", "200").stdout
     assert "  2 late" in waited and "missing" not in waited and "unexpected" not in waited
-    swapped = decode(TROUBLE, "--set", "edition=v2.35", "--recorder", "node", status=0).stdout
+    swapped = decode(TROUBLE, "--set", "edition=v2.35", "--recorder", "node", status=1).stdout
     assert "2 requests, 2 replies" in swapped
 
 
@@ -522,7 +522,9 @@ def test_wrong_arguments(arguments: list[str], message: str) -> None:
     assert not list(Path().glob("*.p*")) and not list(Path().glob(".*part"))
 
 
-@pytest.mark.parametrize("spelling", ["bus.log", "./bus.log", "folder/../bus.log", "symbolic.log", "hard.log", "absolute"])
+@pytest.mark.parametrize(
+    "spelling", ["bus.log", "./bus.log", "folder/../bus.log", "symbolic.log", "hard.log", "absolute"]
+)
 @pytest.mark.parametrize("option", ["--out", "--split", "--plot"])
 def test_an_output_never_replaces_the_log(option: str, spelling: str) -> None:
     suffix = {"--plot": ".svg"}.get(option, ".log")

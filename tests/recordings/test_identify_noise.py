@@ -12,8 +12,8 @@ from canwright.model.edition import Edition
 from canwright.project.loader import spec_files, specification
 from canwright.recordings.grouping import groups
 from canwright.recordings.identify import identify
-from canwright.recordings.results import Identification
 from canwright.recordings.recorded import Recorded
+from canwright.recordings.results import Identification
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner
 

@@ -24,6 +24,7 @@ import operator
 from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from enum import Enum
+from types import MappingProxyType
 from typing import NamedTuple
 
 from ..model.edition import Edition
@@ -79,6 +80,14 @@ class Judged(NamedTuple):
     request: int | None
     latency: int | None
     ends_part: bool
+
+
+class Change(NamedTuple):
+    """Another edition of a node; None if it has none that is known."""
+
+    bus: str
+    node: int | None
+    edition: Edition | None
 
 
 class _Known(NamedTuple):
@@ -173,7 +182,8 @@ class Directions:
 
     `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
     `window` ns. `recorder` is the direction of the frames that are marked as sent. `marked` are the buses with marks;
-    None if the first frames of the log decide. `first` is the number of the first frame.
+    None if the first frames of the log decide. `first` is the number of the first frame. Before the frames with the
+    numbers of `changes`, nodes get other editions, which are among `others`.
     """
 
     def __init__(
@@ -185,10 +195,14 @@ class Directions:
         recorder: Direction = Direction.REQUEST,
         marked: Collection[str] | None = None,
         first: int = 0,
+        others: Iterable[Edition] = (),
+        changes: Mapping[int, Sequence[Change]] = MappingProxyType({}),
     ) -> None:
         self._editions = editions
+        self._changed: dict[tuple[str, int | None], Edition | None] = {}
         self._default = default
-        used = dict.fromkeys([*editions.values(), *([default] if default else [])])
+        self._changes = changes
+        used = dict.fromkeys([*editions.values(), *([default] if default else []), *others])
         self._kinds = [FrameKinds(edition, number) for number, edition in enumerate(used)]
         self._window = window
         other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
@@ -234,6 +248,8 @@ class Directions:
         """The result for the next frame of the log; the frame itself if it has to wait."""
         number = self._number
         self._number = number + 1
+        if number in self._changes:
+            self._change(self._changes[number])
         bus = self._buses.get(one.bus)
         if bus is None:
             bus = self._buses[one.bus] = _Bus(is_marked=one.bus in (self._marked or ()))
@@ -424,6 +440,14 @@ class Directions:
         if bus.open and bus.until < bus.clock:
             bus.open.clear()
 
+    def _change(self, changes: Iterable[Change]) -> None:
+        """Gives nodes other editions, so that frames have other kinds."""
+        for bus, node, edition in changes:
+            self._changed[bus, node] = edition
+            if bus in self._buses:
+                self._buses[bus].lines.clear()
+                self._buses[bus].count = 0
+
     def _forget(self, bus: _Bus) -> None:
         """Forgets the kinds of frames, which a log with random frames has without end."""
         bus.lines.clear()
@@ -461,10 +485,12 @@ class Directions:
     def _is_of(self, bus: str, edition: Edition, node: int | None) -> bool:
         """Whether an edition is that of a node on a bus; for frames without a node, that of any node on the bus."""
         known = self._editions.get((bus, node), self._default if node is not None else None)
+        if self._changed:
+            known = self._changed.get((bus, node), known)
         if known is not None or node is not None:
             return known is edition
         return edition is self._default or any(
-            other is edition and where == bus for (where, _), other in self._editions.items()
+            other is edition and where == bus for (where, _), other in (*self._editions.items(), *self._changed.items())
         )
 
 

@@ -196,7 +196,9 @@ class FrameKinds:
         having = [message for message in self.edition.all_messages() if has_id(message, frame)]
         having = having or [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
         directions = {message.direction for message in having}
-        sources = [(message.id, node_in_id(message, frame)) for message in having if message.direction is Direction.REPLY]
+        sources = [
+            (message.id, node_in_id(message, frame)) for message in having if message.direction is Direction.REPLY
+        ]
         return FrameKind(
             edition=self.edition,
             decoder=self._decoder,

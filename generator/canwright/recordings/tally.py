@@ -29,7 +29,7 @@ Compared = dict[tuple[str, str], tuple[Change, ...]]
 class Seen(NamedTuple):
     """The number of frames of a step, and the first of them."""
 
-    count: int
+    frames: int
     example: CanFrame
 
 

@@ -139,7 +139,19 @@ REQUESTS: dict[str, Callable[[str, random.Random], Exchange]] = {
     "current_ramp": lambda _, rng: _read(0xC0, struct.pack("<xxi", rng.randint(1, 9_000)), b"\x24"),
     "lower_angle": lambda _, rng: _read(0xC0, struct.pack("<xxi", rng.randint(-9_000, 0)), b"\x23"),
 }
-COMMON = ("on", "stop", "status", "feedback", "torque", "speed", "angle", "turn", "encoder", "multi_turn", "single_turn")
+COMMON = (
+    "on",
+    "stop",
+    "status",
+    "feedback",
+    "torque",
+    "speed",
+    "angle",
+    "turn",
+    "encoder",
+    "multi_turn",
+    "single_turn",
+)
 OWN = {
     V235: ("read_pid", "write_pid", "acceleration"),
     V235B: ("brake", "limits", "speed_with_limit", "phases", "clear"),
@@ -151,7 +163,8 @@ OWN = {
 
 def frames(motors: Iterable[Motor], rounds: int, seed: int) -> Iterator[Frame]:
     """The frames of some rounds: in each, the host asks all motors, one after the other."""
-    rng, time, asked = random.Random(seed), START, {}
+    rng, time = random.Random(seed), START
+    asked: dict[Motor, int] = {}
     listed = list(motors)
     for number in range(rounds):
         for motor in listed:
@@ -189,6 +202,4 @@ def damaged(log: Iterable[Frame], share: float, seed: int, *, ids: bool = False)
 
 def text(log: Iterable[Frame], marks: str = "") -> str:
     """A log of candump, without marks, with R at each frame, or with R and T."""
-    return "".join(
-        frame.line({"": "", "R": "R", "RT": "T" if frame.is_request else "R"}[marks]) for frame in log
-    )
+    return "".join(frame.line({"": "", "R": "R", "RT": "T" if frame.is_request else "R"}[marks]) for frame in log)
