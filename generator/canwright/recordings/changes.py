@@ -68,6 +68,8 @@ class NodeFrames:
         """Frames that follow the one before soon, as replies and the requests of a cycle do."""
         self._last: int | None = None
         self._editions = editions
+        self._before: Arrival | None = None
+        """The last frame that is examined."""
         self._noise = 0
         self._points = [0] * len(editions)
         self._divisions = [_Division() for _ in editions]
@@ -91,6 +93,8 @@ class NodeFrames:
         else:
             for arrival in self.recent:
                 self._add_frame(arrival)
+                self._before = arrival
+        self._before = self.recent[-1]
         self.recent.clear()
 
     def _count(self, counts: dict[Step, Seen]) -> None:
@@ -118,8 +122,13 @@ class NodeFrames:
 
     def _add_frame(self, arrival: Arrival) -> None:
         step, number, recorded = arrival
-        counts = {step: Seen(1, recorded.frame)}
-        self._add_block(counts, Place(number, recorded.time))
+        starting = [division for division in self._divisions if division.start is None]
+        self._add_block({step: Seen(1, recorded.frame)}, Place(number, recorded.time))
+        for division in starting:
+            if division.start is not None and self._before is not None and self._before[0].is_request:
+                asked, number, recorded = self._before  # the request belongs to the part of its reply
+                division.start = Place(number, recorded.time)
+                _merge(division.counts, {asked: Seen(1, recorded.frame)})
         divided = min(self._divisions, key=lambda division: division.points)
         if min(self._points) - divided.points > SWITCH * max(1, math.sqrt(self._noise)):
             self._divide(divided)
