@@ -1,204 +1,195 @@
-"""Simulated buses of motors of all four editions, with the true edition of each frame.
+"""A bus of v2.35 motors with its timing, written from the manual as literal bytes, without a spec or an encoder.
 
-Written from the manuals with `struct`, without the code under test, and with values that motors report: 44 to 52 V, 25 to
-60 °C, currents that are not 0. A log has requests and replies, or replies only, as of a recorder that does not see
-its own frames; with the marks of candump, or without.
+The host may leave old bytes in its transmit buffer, its recorder may log each of its frames twice, and motors may be slow.
+A frame occupies the bus for its length; a host that waits repeats or gives up after its time-out.
 """
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import random
-import struct
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-V235, V235B, V236A, V236C = EDITIONS = ("v2.35", "v2.35-2024-02", "v2.36-2024-11", "v2.36-2025-03")
-START = 1_700_000_000_000_000
-"""The time of the first request in microseconds."""
+from canwright.model.message import Direction
+from canwright.recordings.recorded import Recorded
+from canwright.semantics.frame import CanFrame
 
+from .traffic import Sent
 
-@dataclass(frozen=True)
-class Motor:
-    """A motor, and the requests that the host sends it, by name; `since` and `until` are numbers of rounds."""
+MS = 1_000_000
+FRAME = 125_000
+"""The time of a frame of 8 bytes at 1 Mbit/s with some stuff bits, in ns."""
 
-    node: int
-    edition: str
-    mix: Sequence[str] = ("status", "torque", "feedback")
-    first: Sequence[str] = ("on",)
-    """The requests of the first rounds, before the mix is repeated."""
-    bus: str = "can0"
-    since: int = 0
-    until: int = 1 << 60
-    every: int = 1
-    """The host asks in one of so many rounds."""
-
-
-@dataclass(frozen=True)
-class Frame:
-    """A frame with its truth: the motor that sends or receives it, and the voltage that it reports."""
-
-    time: int
-    bus: str
-    id: int
-    data: bytes
-    is_request: bool
-    motor: Motor
-    voltage: float | None = None
-    is_damaged: bool = False
-
-    def line(self, mark: str = "") -> str:
-        data = f"{self.id:03X}#{self.data.hex().upper()}"
-        return f"({self.time // 10**6}.{self.time % 10**6:06}) {self.bus} {data}{mark and ' ' + mark}\n"
-
-
-Exchange = tuple[bytes, bytes, float | None]
-"""The data of a request and of its reply, and the voltage in the reply."""
-
-
-def _same(code: int, *rest: bytes) -> Exchange:
-    data = (bytes([code]) + b"".join(rest)).ljust(8, b"\0")
-    return data, data, None
-
-
-def _read(code: int, reply: bytes, index: bytes = b"") -> Exchange:
-    head = bytes([code]) + index
-    return head.ljust(8, b"\0"), (head + reply).ljust(8, b"\0"), None
-
-
-def _feedback(rng: random.Random) -> bytes:
-    """Temperature, torque current, speed and encoder."""
-    current, speed = rng.choice((-1, 1)) * rng.randint(20, 1500), rng.randint(-900, 900)
-    return struct.pack("<bhhH", rng.randint(25, 60), current, speed, rng.randrange(1 << 14))
-
-
-def _status(edition: str, rng: random.Random) -> tuple[bytes, float]:
-    """The reply to a request for the status: the older edition has 0.1 V and no current."""
-    volts = rng.uniform(44, 52)
-    if edition == V235:
-        raw = round(volts * 10)
-        return struct.pack("<bxHxxB", rng.randint(25, 60), raw, 0), raw / 10
-    raw, current = round(volts * 100), rng.randint(-900, 900)
-    return struct.pack("<bhhBB", rng.randint(25, 60), raw, current, 0, 0), raw / 100
-
-
-def _asked_status(code: int) -> Callable[[str, random.Random], Exchange]:
-    def exchange(edition: str, rng: random.Random) -> Exchange:
-        data, volts = _status(edition, rng)
-        answered = 0x9A if edition == V235 else code  # as that manual prints it
-        return bytes([code]).ljust(8, b"\0"), bytes([answered]) + data, volts
-
-    return exchange
-
-
-def _speed(edition: str, rng: random.Random) -> Exchange:
-    limit = rng.randint(100, 1500) if edition.startswith("v2.36") else 0
-    request = struct.pack("<BxhI", 0xA2, limit, rng.randrange(90_000))
-    return request, b"\xa2" + _feedback(rng), None
-
-
-def _motion(code: int, layout: str, *spans: tuple[int, int]) -> Callable[[str, random.Random], Exchange]:
-    def exchange(_: str, rng: random.Random) -> Exchange:
-        request = struct.pack(layout, code, *(rng.randint(*span) for span in spans))
-        return request, bytes([code]) + _feedback(rng), None
-
-    return exchange
-
-
-def _phases(_: str, rng: random.Random) -> Exchange:
-    phases = [rng.randint(-400, 400) for _ in range(3)]
-    return _read(0x9D, struct.pack("<bhhh", rng.randint(25, 60), *phases))
-
-
-def _gains(rng: random.Random) -> bytes:
-    return struct.pack("<HHH", *(rng.randint(1, 900) for _ in range(3)))
-
-
-REQUESTS: dict[str, Callable[[str, random.Random], Exchange]] = {
-    "on": lambda _, rng: _same(0x88),
-    "off": lambda _, rng: _same(0x80),
-    "stop": lambda _, rng: _same(0x81),
-    "status": _asked_status(0x9A),
-    "clear": _asked_status(0x9B),
-    "feedback": lambda _, rng: _read(0x9C, _feedback(rng)),
-    "phases": _phases,
-    "torque": _motion(0xA1, "<Bxxxhxx", (-1500, 1500)),
-    "speed": _speed,
-    "angle": _motion(0xA4, "<BxHi", (1, 700), (-90_000, 90_000)),
-    "turn": _motion(0xA7, "<Bxxxi", (-9_000, 9_000)),
-    "encoder": lambda _, rng: _read(0x90, struct.pack("<xHHH", *(rng.randrange(1 << 14) for _ in range(3)))),
-    "multi_turn": lambda _, rng: _read(0x92, rng.randint(-(10**6), 10**6).to_bytes(7, "little", signed=True)),
-    "at_zero": lambda _, rng: _read(0x92, bytes(7)),
-    "single_turn": lambda _, rng: _read(0x94, struct.pack("<xxxI", rng.randrange(36_000))),
-    "read_pid": lambda _, rng: _read(0x30, b"\0" + bytes(rng.randint(1, 200) for _ in range(6))),
-    "write_pid": lambda _, rng: _same(0x31, b"\0", bytes(rng.randint(1, 200) for _ in range(6))),
-    "acceleration": lambda _, rng: _read(0x33, struct.pack("<xxxi", rng.randint(1, 9_000))),
-    "brake": lambda _, rng: _read(0x8C, b"", bytes([rng.randint(0, 1)])),
-    "speed_with_limit": _motion(0xAD, "<Bxhi", (1, 1500), (-90_000, 90_000)),
-    "limits": lambda _, rng: _read(0xB0, struct.pack("<xxi", rng.randint(100, 90_000)), b"\x0e"),
-    "gains": lambda _, rng: _read(0xC0, _gains(rng), bytes([rng.choice((0x0A, 0x0B, 0x0C))])),
-    "current_ramp": lambda _, rng: _read(0xC0, struct.pack("<xxi", rng.randint(1, 9_000)), b"\x24"),
-    "lower_angle": lambda _, rng: _read(0xC0, struct.pack("<xxi", rng.randint(-9_000, 0)), b"\x23"),
+# The bytes that a request sets, by code; the others are NULL in the manual.
+REQUESTS: dict[int, tuple[int, ...]] = {
+    **dict.fromkeys((0x80, 0x88, 0x81, 0x30, 0x33, 0x90, 0x92, 0x94, 0x9A, 0x9B, 0x9C, 0x9D), ()),
+    **dict.fromkeys((0xA2, 0xA3, 0xA7, 0x34), (4, 5, 6, 7)),
+    **dict.fromkeys((0xA4, 0xA8), (2, 3, 4, 5, 6, 7)),
+    0xA1: (4, 5),
+    0xA6: (1, 2, 3, 4, 5, 6, 7),
+    0x31: (2, 3, 4, 5, 6, 7),
 }
-COMMON = (
-    "on",
-    "stop",
-    "status",
-    "feedback",
-    "torque",
-    "speed",
-    "angle",
-    "turn",
-    "encoder",
-    "multi_turn",
-    "single_turn",
-)
-OWN = {
-    V235: ("read_pid", "write_pid", "acceleration"),
-    V235B: ("brake", "limits", "speed_with_limit", "phases", "clear"),
-    V236A: ("gains", "current_ramp", "brake", "phases", "clear"),
-    V236C: ("gains", "lower_angle", "brake", "phases", "clear"),
-}
-"""Requests with which a log identifies its edition; with `COMMON` alone, both editions of v2.36 fit."""
+ECHOED = (0x80, 0x88, 0x81, 0x31, 0x34)
+READS = (0x30, 0x33, 0x90, 0x92, 0x94, 0x9A, 0x9C, 0x9D)
+BROADCAST = 0x280
+MIXES = ("control", "polling", "mixed")
+"""Control: 0xA1 to all motors, in cycles. Polling: one read after the other. Mixed: any command, broadcasts too."""
 
 
-def frames(motors: Iterable[Motor], rounds: int, seed: int) -> Iterator[Frame]:
-    """The frames of some rounds: in each, the host asks all motors, one after the other."""
-    rng, time, asked = random.Random(seed), START, {}
-    listed = list(motors)
-    for number in range(rounds):
-        for motor in listed:
-            if not motor.since <= number < motor.until or number % motor.every:
+@dataclass(frozen=True, kw_only=True)
+class Conditions:
+    """What happens on the bus. Times in ns; `lost` and `not_recorded` are shares."""
+
+    buffer: str = "clean"
+    """`clean`, or where old bytes come from: `requests`, `replies` (one buffer for both), or `random` ones."""
+    is_doubled: bool = False
+    latency: tuple[int, int] = (50_000, 250_000)
+    lost: float = 0.0
+    retries: int = 0
+    not_recorded: float = 0.0
+    pause: tuple[int, int] = (10_000, 1 * MS)
+    """Between two exchanges; of the mix control, after the slowest reply of a cycle."""
+
+
+class MotorBus:
+    """Traffic of one host and some motors. Equal seeds give equal traffic."""
+
+    def __init__(self, mix: str, conditions: Conditions, seed: int, *, motors: int = 8, bus: str = "can0") -> None:
+        self._mix, self._conditions, self._motors, self._bus = mix, conditions, motors, bus
+        self._chance = random.Random(seed)
+        self._buffer = bytearray(8 if conditions.buffer == "clean" else self._chance.randbytes(8))
+        self._angles = [self._chance.randrange(36_000) for _ in range(motors)]
+        self._log: list[tuple[int, CanFrame, Direction]] = []
+
+    def frames(self, exchanges: int) -> list[Sent]:
+        """The log of at least some exchanges."""
+        clock = 1_700_000_000 * 1000 * MS
+        while exchanges > 0:
+            requests = self._next()
+            exchanges -= len(requests)
+            for _ in range(1 + self._conditions.retries):
+                clock, answered = self._exchange(requests, clock)
+                requests = [request for request in requests if request.id not in answered]
+                if not requests or requests[0].id == BROADCAST:
+                    break
+                clock += self._conditions.latency[1] + self._chance.randint(MS // 2, 2 * MS)
+            clock += self._chance.randint(*self._conditions.pause)
+        log = sorted(self._log, key=lambda event: event[0])
+        return [self._logged(*event) for event in log if self._chance.random() >= self._conditions.not_recorded]
+
+    def _next(self) -> list[CanFrame]:
+        """The requests that the host sends next, one after the other."""
+        chance = self._chance
+        if self._mix == "control":
+            return [self._request(motor, 0xA1) for motor in range(1, self._motors + 1)]
+        if self._mix == "mixed" and chance.random() < 0.08:
+            numbers = (chance.randint(-2000, 2000) for _ in range(4))
+            data = b"".join(number.to_bytes(2, "little", signed=True) for number in numbers)
+            if self._conditions.buffer != "clean":
+                self._buffer[:] = data
+            return [CanFrame(BROADCAST, data)]
+        code = chance.choice(READS if self._mix == "polling" else [*REQUESTS])
+        return [self._request(chance.randint(1, self._motors), code)]
+
+    def _exchange(self, requests: list[CanFrame], time: int) -> tuple[int, set[int]]:
+        """Sends requests and the replies to them as the bus is free. Returns the end, and the ids that replied."""
+        numbers, answered = itertools.count(), set()
+        wanted = [(time, next(numbers), frame, Direction.REQUEST) for frame in requests]
+        while wanted:
+            since, _, frame, direction = heapq.heappop(wanted)
+            time = max(since, time) + FRAME
+            if direction is Direction.REQUEST and self._conditions.is_doubled:
+                self._log.append((since, frame, direction))  # as it is handed to the driver
+            self._log.append((time, frame, direction))
+            if direction is Direction.REPLY:
+                answered.add(frame.id)
+                if self._conditions.buffer == "replies":
+                    self._buffer[:] = frame.data
                 continue
-            turn = asked[motor] = asked.get(motor, -1) + 1
-            rest = turn - len(motor.first)
-            name = motor.first[turn] if rest < 0 else motor.mix[rest % len(motor.mix)]
-            request, reply, voltage = REQUESTS[name](motor.edition, rng)
-            from_ = 0x180 if motor.edition.startswith("v2.36") else 0x140
-            yield Frame(time, motor.bus, 0x140 + motor.node, request, True, motor)
-            time += rng.randint(130, 250)
-            yield Frame(time, motor.bus, from_ + motor.node, reply, False, motor, voltage)
-            time += rng.randint(130, 900)
+            for motor in range(1, 5) if frame.id == BROADCAST else (frame.id - 0x140,):
+                if self._chance.random() >= self._conditions.lost:
+                    code = 0xA1 if frame.id == BROADCAST else frame.data[0]
+                    reply = CanFrame(0x140 + motor, self._reply(motor, code, frame.data))
+                    since = time + self._chance.randint(*self._conditions.latency)
+                    heapq.heappush(wanted, (since, next(numbers), reply, Direction.REPLY))
+        return time, answered
+
+    def _logged(self, time: int, frame: CanFrame, direction: Direction) -> Sent:
+        return Sent(Recorded(time // 1000 * 1000, self._bus, frame, None), direction)
+
+    def _request(self, motor: int, code: int) -> CanFrame:
+        """The host fills its buffer: all of it if it is clean, else only what the command uses."""
+        buffer, kind = self._buffer, self._conditions.buffer
+        if kind == "clean":
+            buffer[:] = bytes(8)
+        elif kind == "random":
+            buffer[:] = self._chance.randbytes(8)
+        buffer[0] = code
+        for at, value in self._values(code).items():
+            buffer[at] = value
+        return CanFrame(0x140 + motor, bytes(buffer))
+
+    def _values(self, code: int) -> dict[int, int]:
+        chance = self._chance
+        used = REQUESTS[code]
+        number = chance.choice((0, chance.randint(-99, 99), chance.randint(-2048, 2048)))
+        values = dict(zip(used, number.to_bytes(8, "little", signed=True), strict=False))
+        if code in (0xA4, 0xA8, 0xA6):  # a limit of the speed, before the angle
+            values |= dict(zip((2, 3), (360).to_bytes(2, "little"), strict=True))
+            values |= dict(zip((4, 5, 6, 7), chance.randrange(36_000).to_bytes(4, "little"), strict=True))
+        if code == 0xA6:
+            values[1] = chance.randint(0, 1)
+        if code == 0x31:
+            values = dict(zip(used, (100, 100, 50, 40, 50, 50), strict=True))
+        return values
+
+    def _reply(self, motor: int, code: int, request: bytes) -> bytes:
+        chance = self._chance
+        self._angles[motor - 1] = angle = (self._angles[motor - 1] + chance.randint(-50, 50)) % 36_000
+        encoder = angle * 65536 // 36_000
+        temperature = 30 + motor
+        if code in ECHOED:
+            return request
+        if code == 0x30:
+            return bytes((code, 0, 100, 100, 50, 40, 50, 50))
+        if code == 0x33:
+            return bytes((code, 0, 0, 0)) + (1000).to_bytes(4, "little")
+        if code == 0x90:
+            return bytes((code, 0)) + b"".join(n.to_bytes(2, "little") for n in (encoder, encoder, 0))
+        if code == 0x92:
+            return bytes((code,)) + (angle + 36_000).to_bytes(7, "little", signed=True)
+        if code == 0x94:
+            return bytes((code, 0, 0, 0)) + angle.to_bytes(4, "little")
+        if code in (0x9A, 0x9B):
+            return bytes((0x9A, temperature, 0)) + (240).to_bytes(2, "little") + bytes(3)
+        if code == 0x9D:
+            phases = (chance.randint(-60, 60) for _ in range(3))
+            return bytes((code, temperature)) + b"".join(n.to_bytes(2, "little", signed=True) for n in phases)
+        current, speed = chance.randint(-200, 200), chance.choice((0, chance.randint(-300, 300)))
+        numbers = current.to_bytes(2, "little", signed=True) + speed.to_bytes(2, "little", signed=True)
+        return bytes((code, temperature)) + numbers + encoder.to_bytes(2, "little")
 
 
-def replies(log: Iterable[Frame]) -> list[Frame]:
-    """What a recorder has that does not see its own requests."""
-    return [frame for frame in log if not frame.is_request]
-
-
-def damaged(log: Iterable[Frame], share: float, seed: int, *, ids: bool = False) -> list[Frame]:
-    """A log in which a share of the frames has a flipped bit, in the data or in the id."""
-    rng, found = random.Random(seed), []
-    for frame in log:
-        if rng.random() < share:
-            if ids:
-                frame = replace(frame, id=frame.id ^ 1 << rng.randrange(5), is_damaged=True)
-            else:
-                word = int.from_bytes(frame.data, "little") ^ 1 << rng.randrange(64)
-                frame = replace(frame, data=word.to_bytes(8, "little"), is_damaged=True)
-        found.append(frame)
-    return found
-
-
-def text(log: Iterable[Frame], marks: str = "") -> str:
-    """A log of candump, without marks, with R at each frame, or with R and T."""
-    return "".join(frame.line({"": "", "R": "R", "RT": "T" if frame.is_request else "R"}[marks]) for frame in log)
+SLOW = (3 * MS, 5 * MS)
+SITUATIONS: dict[str, Conditions] = {
+    "clean": Conditions(),
+    "clean, 1 % lost": Conditions(lost=0.01),
+    "clean, 10 % lost": Conditions(lost=0.1),
+    "clean, 10 %, retries": Conditions(lost=0.1, retries=3),
+    "10 % not recorded": Conditions(not_recorded=0.1),
+    "old requests": Conditions(buffer="requests"),
+    "old requests, 10 %, retries": Conditions(buffer="requests", lost=0.1, retries=3),
+    "old replies": Conditions(buffer="replies"),
+    "random bytes": Conditions(buffer="random"),
+    "doubled": Conditions(is_doubled=True),
+    "doubled, 10 %, retries": Conditions(is_doubled=True, lost=0.1, retries=3),
+    "doubled, old requests": Conditions(is_doubled=True, buffer="requests"),
+    "slow": Conditions(latency=SLOW),
+    "slow, 1 % lost": Conditions(latency=SLOW, lost=0.01),
+    "slow, 10 %, retries": Conditions(latency=SLOW, lost=0.1, retries=3),
+    "slow, old requests": Conditions(latency=SLOW, buffer="requests"),
+    "slow, doubled": Conditions(latency=SLOW, is_doubled=True),
+    "slow, random bytes": Conditions(latency=SLOW, buffer="random"),
+    "1 ms": Conditions(latency=(300_000, 1 * MS)),
+}

@@ -234,7 +234,7 @@ def test_missing_late_and_unexpected_frames() -> None:
         assert f"  {line}\n" in text
     waited = decode(TROUBLE, "--set", "edition=v2.35", "--window", "200").stdout
     assert "  2 late" in waited and "missing" not in waited and "unexpected" not in waited
-    swapped = decode(TROUBLE, "--set", "edition=v2.35", "--recorder", "node", status=0).stdout
+    swapped = decode(TROUBLE, "--set", "edition=v2.35", "--recorder", "node", status=1).stdout
     assert "2 requests, 2 replies" in swapped
 
 

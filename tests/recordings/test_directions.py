@@ -283,7 +283,7 @@ def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> Non
     directions, summary = Directions({}, MOTOR), Summary()
     judged = list(directions.judge(sent.recorded for sent in log))
     for one in judged:
-        summary.add(Row(one, (), ()))
+        summary.add(Row(one, MOTOR.name))
     summary.finish()
     share = sum(one.direction is not sent.direction for one, sent in zip(judged, log, strict=True)) / len(log)
     doubtful = list(doubts(summary, directions.behaviours or {}))

@@ -18,25 +18,43 @@ from ..model.edition import Edition
 from ..model.layout import Field, Layout, ReservedRole
 from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
 from ..model.metadata import Level
+from ..semantics.dispatch import node_of_id
 from ..targets.base import Specification
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
 
 
 def find(specifications: Sequence[Specification], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
-    """The commands of this name or code in every edition, and a hint if there are none.
+    """The commands of this name, code or fixed CAN id in every edition, and a hint if there are none.
 
     The name of a command with a table finds all its forms.
     """
     try:
-        code = int(wanted, 0)
+        number = int(wanted, 0)
     except ValueError:
-        code = None
+        number = None
     pairs = [(d.edition, c) for d in specifications for c in d.edition.commands]
-    found = [(e, c) for e, c in pairs if wanted in (c.name, c.group) or (code is not None and code == c.code)]
-    return found, nearest(
+    found = [(e, c) for e, c in pairs if wanted in (c.name, c.group) or (number is not None and _has_number(c, number))]
+    return found, (_rules_of(pairs, number) if number is not None else "") or nearest(
         wanted, dict.fromkeys(name for _, c in pairs for name in (c.name, c.group))
     ) or "see `canwright show --help`"
+
+
+def _has_number(command: Command, number: int) -> bool:
+    """Whether a number is the code of a command, or the id of a frame that has the same id for all nodes."""
+    messages = [message for message in (command.request, command.reply) if message]
+    return number == command.code or any(m.id.nodes is None and m.id.base == number & ~m.id_mask for m in messages)
+
+
+def _rules_of(pairs: Sequence[tuple[Edition, Command]], number: int) -> str:
+    """A sentence about the addresses to which an id of one node belongs; empty without one."""
+    messages = [message for _, command in pairs for message in (command.request, command.reply) if message]
+    rules = {
+        f"node {node} ({formatting.id_rule(m.id)})": None
+        for m in messages
+        if (node := node_of_id(m.id, number & ~m.id_mask)) is not None
+    }
+    return f"it is an id of {' or '.join(rules)}, which many commands have; give a code or a name" if rules else ""
 
 
 def command_text(edition: Edition, command: Command, language: str) -> str:

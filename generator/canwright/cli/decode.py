@@ -21,19 +21,20 @@ from ..recordings import candump, plot as pictures, split as split_logs
 from ..recordings.directions import Directions
 from ..recordings.doubts import copies, doubts
 from ..recordings.exports import CsvLines, bus_name, json_line
+from ..recordings.identify import Identifier
 from ..recordings.new_files import is_overwritten, new_file, new_folder, same_path
-from ..recordings.nodes import IDENTIFIED_FROM, Nodes, NodeSetting, family_of, nodes_of
+from ..recordings.nodes import Identifiers, Nodes, NodeSetting, common_edition, follow, nodes_of
 from ..recordings.packages import MissingPackageError
 from ..recordings.parquet import ParquetTables
 from ..recordings.readers import STANDARD_INPUT, Log, LogError, open_log
-from ..recordings.recorded import Counts, Part
+from ..recordings.recorded import Counts, Part, Recorded
 from ..recordings.rows import Row, RowReader
 from ..recordings.summary import Summary
 from ..semantics.frame import CanFrame
 from .common import FINDINGS, FilePath, read, spec_option, stop
 from .decode_view import Table, summary_text
 from .explain_view import explanation, golden_entries
-from .node_settings import node_settings
+from .node_settings import direction_of, node_settings, recorder_option
 from .terminal import print_data, print_text, progress
 
 BLOCK = 500
@@ -128,13 +129,7 @@ class Outputs(NamedTuple):
     metavar="MS",
     help="The time within which a request is answered.  [default: 2, or longer by the spec and the log]",
 )
-@click.option(
-    "--recorder",
-    type=click.Choice(["host", "node"]),
-    default="host",
-    show_default=True,
-    help="Who recorded the log, and so sent the frames that it marks as sent (Tx).",
-)
+@recorder_option
 def decode(
     log: str | CanFrame,
     specs: Sequence[Path],
@@ -152,13 +147,14 @@ def decode(
 
     LOG is a log of candump or of any format that python-can reads, `-` for the standard input, or a frame such as
     141#A100FF. Each row has the direction of the frame and the rule that decided on it, the values of its fields, and
-    the request that it answers. The edition of a node is given by --set, or identified from the first frames.
+    the request that it answers. The edition of a node is given by --set, or identified: from the whole log if it is a
+    file, and while it is read if it is a stream. If several editions fit, a row lists all, and is decoded with the first.
 
-    At the end, a summary lists missing, late, unexpected and rejected frames for each node, and everything that was
-    skipped. With --split or --plot, rows are printed only if --format is given.
+    At the end, a summary lists missing, late, unexpected and rejected frames for each node, implausible values, and
+    everything that was skipped. With --split or --plot, rows are printed only if --format is given.
 
-    Exit status: 0 if all lines and all frames of the nodes are decoded, 1 if not or if their directions are not certain, 2
-    if it could not run.
+    Exit status: 0 if every line and every frame of the nodes is decoded, every edition is known and does not change, every
+    value is plausible, and the directions are certain; 1 if not; 2 if it could not run.
     """
     editions = [one.edition for one in read(specs, packaged=True)]
     set_ = node_settings(editions, settings)
@@ -172,10 +168,9 @@ def decode(
     outputs = Outputs(form or ("none" if split or plot else "text"), out, split, plot, fields)
     _check(outputs)
     _check_paths(log, outputs)
-    direction = Direction.REQUEST if recorder == "host" else Direction.REPLY
     try:
         with open_log(log) as recording:
-            _decode(recording, editions, set_, outputs, window, direction)
+            _decode(recording, editions, set_, outputs, window, direction_of(recorder))
     except (LogError, MissingPackageError, OSError) as error:
         if isinstance(error, BrokenPipeError):  # of the standard output
             raise
@@ -185,7 +180,7 @@ def decode(
 def _explain(frame: CanFrame, editions: Sequence[Edition], settings: Sequence[NodeSetting], *, golden: bool) -> None:
     only = next((setting.value for setting in settings if isinstance(setting.value, Edition)), None)
     chosen = [only] if isinstance(only, Edition) else editions
-    assignment = Nodes({}, None, {}, settings).assignment("", None)
+    assignment = Nodes(editions, settings).assignment("", None)
     if golden:
         text = golden_entries(chosen, frame, assignment)
         print_data(text)
@@ -230,15 +225,24 @@ def _decode(
     window: float | None,
     recorder: Direction,
 ) -> None:
-    frames = iter(log)
-    start = list(itertools.islice(frames, IDENTIFIED_FROM))
-    family = family_of(start, editions)
-    _check_fields(outputs.fields, family)
-    nodes = nodes_of(start, family, settings)
-    given = None if window is None else int(window * 1_000_000)
-    directions = Directions(nodes.editions, nodes.default, window=given, recorder=recorder)
-    rows = RowReader(nodes.assignment).rows(directions.judge(itertools.chain(start, frames)))
-    del start
+    frames: Iterator[Recorded] = iter(log)
+    common = common_edition(editions, settings)
+    if common is not None:
+        nodes = Nodes([common], settings, common)
+    elif log.is_file:
+        nodes = nodes_of(_identified(log.name, editions, recorder), settings)
+    else:
+        nodes, frames = follow(frames, editions, settings, recorder)
+    _check_fields(outputs.fields, nodes.family)
+    directions = Directions(
+        nodes.editions,
+        nodes.default,
+        window=None if window is None else int(window * 1_000_000),
+        recorder=recorder,
+        others=nodes.family,
+        changes=nodes.changes,
+    )
+    rows = RowReader(nodes.assignment, nodes.label).rows(directions.judge(frames))
     summary = Summary()
     remarks = _write(rows, outputs, summary)
     summary.finish()
@@ -247,14 +251,27 @@ def _decode(
     doubtful = [*doubts(summary, behaviours)]
     for remark in [*remarks, *copies(summary, behaviours), *doubtful]:
         print_text(f"{remark}\n", error=outputs.prints_rows and outputs.form != "text")
-    unread = log.counts.skipped[Part.MALFORMED] + log.counts.skipped[Part.TRUNCATED]
-    if (
-        unread
-        or doubtful
-        or summary.has_rejected
-        or any(choice.edition is None for choice in nodes.identified.values())
-    ):
+    if doubtful or not _is_clean(summary, nodes, log.counts):
         sys.exit(FINDINGS)
+
+
+def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> Identifier:
+    """All frames of a log in a file, with the editions that they fit."""
+    identifiers = Identifiers(editions, recorder)
+    with open_log(name) as log, progress("frames", shown=True) as advance:
+        for number, one in enumerate(log):
+            identifiers.add(one)
+            if number % BLOCK == BLOCK - 1:
+                advance(BLOCK)
+    return identifiers.best
+
+
+def _is_clean(summary: Summary, nodes: Nodes, counts: Counts) -> bool:
+    """Whether everything was read, every edition is known, and every value is plausible."""
+    unread = counts.skipped[Part.MALFORMED] + counts.skipped[Part.TRUNCATED]
+    rejecting = [place for place, node in summary.nodes.items() if node.rejected and not nodes.is_stray(*place)]
+    implausible = any(node.implausible for node in summary.nodes.values())
+    return not (unread or rejecting or implausible) and nodes.is_complete
 
 
 def _check_fields(fields: Sequence[str], editions: Iterable[Edition]) -> None:

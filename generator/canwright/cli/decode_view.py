@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from ..diagnostics.unicode_safety import visible
-from ..model.formatting import bus_id, counted, numbers, sent
+from ..model.formatting import bus_id, counted, numbers, sent, span as value_span
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.nodes import Choice, Nodes
 from ..recordings.recorded import Counts, Part
+from ..recordings.results import Place
 from ..recordings.rows import CellValue, Row
 from ..recordings.summary import NodeSummary, Summary
 from .settings import known_values
@@ -45,7 +46,7 @@ def _cells(row: Row) -> Sequence[str]:
         seconds(judged.recorded.time, 6) or "-",
         bus_name(judged.recorded.bus) or "-",
         "-" if judged.node is None else str(judged.node),
-        judged.edition.name if judged.edition else "-",
+        row.edition or "-",
         judged.direction.value if judged.direction else "-",
         judged.decided_by.value,
         judged.message.command if judged.message else "-",
@@ -89,9 +90,9 @@ def summary_text(summary: Summary, nodes: Nodes, counts: Counts) -> str:
 
 def _nodes(summary: Summary, nodes: Nodes) -> Iterator[str]:
     for (bus, node), one in sorted(summary.nodes.items(), key=lambda item: (item[0][0], item[0][1] or -1)):
-        editions = ", ".join(edition.name for edition in one.editions)
+        editions = ", ".join(one.labels)
         place = ", ".join(filter(None, (bus_name(bus), "no node" if node is None else f"node {node}")))
-        how = _origin(nodes.identified.get((bus, node)), node)
+        how = _origin(nodes.identified.get((bus, node), ()), node)
         yield f"{place}, {editions}{how}: {counted(one.requests, 'request')}, {_replies(one)}"
         yield from _findings(one)
 
@@ -105,13 +106,23 @@ def _missing_settings(summary: Summary) -> Iterator[str]:
 
 
 def _unidentified(nodes: Nodes) -> Iterator[str]:
-    unknown = [place for place, choice in nodes.identified.items() if choice.edition is None]
+    unknown = [
+        place
+        for place, choices in nodes.identified.items()
+        if any(choice.edition is None for choice in choices) and not nodes.is_stray(*place)
+    ]
     if unknown:
         scope = next((f"{node}:" for _, node in unknown if node is not None), "")
         yield (
             f"{_places(unknown)}: no edition fits, so these frames count as foreign; `canwright identify` shows why,"
             f" --set {scope}edition=NAME selects one"
         )
+    stray = [place for place in nodes.identified if nodes.is_stray(*place)]
+    if stray:
+        yield f"{_places(stray)}: few frames, far apart, as frames with a damaged id are; they do not affect the exit status"
+    for one in nodes.misread:
+        where = f"{_places([(one.bus, one.node)])}: frames #{one.start} to #{one.end}"
+        yield f"{where} were decoded as {one.label}, but fit {one.edition.name}; decode a file, or use --set"
 
 
 def _places(listed: Iterable[tuple[str, int | None]]) -> str:
@@ -128,15 +139,25 @@ def node_names(listed: Iterable[int | None]) -> str:
     return f"node{'s' if len(own) > 1 else ''} {numbers(own)}" if own else "no node"
 
 
-def _origin(choice: Choice | None, node: int | None) -> str:
-    if choice is None:
+def _origin(choices: Sequence[Choice], node: int | None) -> str:
+    """How the edition of a node is known, and from which frame on it has another."""
+    if not choices:
         return ""
-    if choice.is_assumed:
+    first, *later = choices
+    changes = [f"{one.label or 'no edition'} from {at_frame(one.start)}" for one in later]
+    if changes:
+        return f" ({first.label or 'no edition'}, then {', '.join(changes)})"
+    if first.is_assumed:
         return " (assumed, as of other nodes of the bus, since most requests have no reply)"
-    if not choice.others:
+    if not first.others:
         return " (identified)"
-    fitting = ", ".join(one.name for one in choice.others)
-    return f" ({fitting} fit{'' if len(choice.others) > 1 else 's'} as well; --set {node or ''}:edition=NAME decides)"
+    fitting = ", ".join(one.name for one in first.others)
+    return f" ({fitting} fit{'' if len(first.others) > 1 else 's'} as well; --set {node or ''}:edition=NAME decides)"
+
+
+def at_frame(place: Place) -> str:
+    """`#116, 12.300000 s`."""
+    return f"#{place.number}" + ("" if place.time is None else f", {seconds(place.time, 6)} s")
 
 
 def _replies(one: NodeSummary) -> str:
@@ -155,6 +176,11 @@ def _findings(one: NodeSummary) -> Iterator[str]:
         yield f"  {one.late} late: after twice the time of the spec, and long after most other replies"
     if one.unexpected:
         yield f"  {one.unexpected} unexpected: without a request"
+    for name, values in one.implausible.items():
+        cell, limits = values.example, values.example.column.field.type.plausible
+        value = value_text(cell.value, cell.raw, cell.column.unit)
+        among = f"{value_span(limits)} {cell.column.unit}".rstrip() if limits else ""
+        yield f"  {values.count} implausible: `{name}` is outside {among}, as {value} in {sent(values.frame)}"
     for reason, rejected in one.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
 

@@ -17,7 +17,8 @@ _COLUMNS = ("field", "position", "raw", "value")
 
 
 def explanation(editions: Iterable[Edition], frame: CanFrame, assignment: Assignment) -> tuple[str, bool]:
-    """All meanings of a frame, those of several editions once, and whether there is any."""
+    """All meanings of a frame, those of several editions once, and whether one of them has nothing unusual."""
+    is_usual = False
     named: dict[str, list[Edition]] = {}
     refused: dict[str, list[Edition]] = {}
     for edition in editions:
@@ -26,6 +27,7 @@ def explanation(editions: Iterable[Edition], frame: CanFrame, assignment: Assign
                 refused.setdefault(f"no {meaning.direction.value}: {meaning.rejection.text}", []).append(edition)
             else:
                 named.setdefault(_text(meaning), []).append(edition)
+                is_usual = is_usual or not meaning.unusual
     lines = [f"{sent(frame)}\n"]
     for text, having in named.items():
         head, _, table = text.partition("\n")
@@ -33,7 +35,7 @@ def explanation(editions: Iterable[Edition], frame: CanFrame, assignment: Assign
     if refused:
         lines.append("\n")
     lines += [f"{text}\n  in {_names(having)}\n" for text, having in refused.items()]
-    return "".join(lines), bool(named)
+    return "".join(lines), is_usual
 
 
 def golden_entries(editions: Iterable[Edition], frame: CanFrame, assignment: Assignment) -> str:
@@ -59,8 +61,8 @@ def _text(meaning: Meaning) -> str:
     way = "to" if meaning.direction is Direction.REQUEST else "from"
     node = "" if meaning.node is None else f" {way} node {meaning.node}"
     head = f"{meaning.direction.value} of {meaning.message.command}{node}"
-    if not meaning.is_regular:
-        head += "; unusual: it has reserved bits, names or values that are not sent"
+    if meaning.unusual:
+        head += f"; unusual: {'; '.join(meaning.unusual)}"
     return f"{head}\n{''.join(_table(meaning.fields))}"
 
 

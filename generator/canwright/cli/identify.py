@@ -13,12 +13,13 @@ from ..model.edition import Edition
 from ..model.formatting import bus_id, counted, sent
 from ..recordings.exports import bus_name
 from ..recordings.grouping import groups
-from ..recordings.identify import Identifier
+from ..recordings.nodes import Identifiers
 from ..recordings.readers import LogError, open_log
 from ..recordings.recorded import Counts
 from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
 from .common import FINDINGS, read, spec_option, stop
-from .decode_view import node_names
+from .decode_view import at_frame, node_names
+from .node_settings import direction_of, recorder_option
 from .terminal import print_json, print_text
 
 SHOWN = 4
@@ -29,33 +30,33 @@ SHOWN = 4
 @click.argument("log", type=click.Path(exists=True, dir_okay=False, allow_dash=True))
 @spec_option
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True)
-def identify(log: str, specs: Sequence[Path], form: str) -> None:
+@recorder_option
+def identify(log: str, specs: Sequence[Path], form: str, recorder: str) -> None:
     """Show which editions a recorded exchange fits, and why.
 
     Each node of each bus is identified separately. LOG is a log of candump or of any format that python-can reads, or
     - for the standard input. No frame contains its edition; the result follows from ids, codes, replies, reserved bits
-    and plausible ranges of all frames, and may be undecided. Without --spec and without a folder spec/, the editions
-    in the package are compared.
+    and plausible ranges of all frames, and may be undecided. If a node gets another edition, the result names the frame
+    and the time of the change. Without --spec and without a folder spec/, the editions in the package are compared.
 
-    Exit status: 0 if the edition of every node is identified, 1 if not, 2 if it could not run.
+    Exit status: 0 if the edition of every node is identified and does not change, 1 if not, 2 if it could not run. Nodes
+    with few frames, far apart, are listed last and do not affect it: their ids may be damaged.
     """
     editions = [one.edition for one in read(specs, packaged=True)]
-    families = dict.fromkeys(edition.family for edition in editions)
-    identifiers = [Identifier([e for e in editions if e.family == family]) for family in families]
+    identifiers = Identifiers(editions, direction_of(recorder))
     try:
         with open_log(log) as read_log:
             for one in read_log:
-                for identifier in identifiers:
-                    identifier.add(one)
+                identifiers.add(one)
     except (LogError, OSError) as error:
         stop(str(error))
-    identified = [identifier.result() for identifier in identifiers]
-    family, found = min(zip(families, identified, strict=True), key=lambda item: item[1].foreign)
+    found = identifiers.best.result()
+    family = identifiers.best.editions[0].family
     if form == "json":
         print_json(_facts(family, found, read_log.counts))
     else:
         _text(family, found, read_log.counts)
-    if not found.nodes or any(len(result.editions) != 1 for result in found.nodes):
+    if not found.is_complete:
         sys.exit(FINDINGS)
 
 
@@ -72,7 +73,8 @@ def _text(family: str, found: Identification, counts: Counts) -> None:
     for group in sorted(groups(found.nodes), key=lambda group: _rank(group.result)):
         result = group.result
         where = ", ".join([family, *([bus_name(result.bus)] if has_buses else []), node_names(group.nodes)])
-        print_text(f"{where}, {counted(result.frames, 'frame')}: {_outcome(result)}\n")
+        since = f" from {at_frame(result.start)}" if result.start else ""
+        print_text(f"{where}{since}, {counted(result.frames, 'frame')}: {_outcome(result)}\n")
         if result.unexplained:
             ignored = _some([f"{sent(frame)} ({n})" for frame, n in result.unexplained])
             print_text(f"  {counted(result.frames - result.judged, 'frame')} of no edition, ignored: {ignored}\n")
@@ -96,11 +98,18 @@ def _some(names: Sequence[str]) -> str:
 
 
 def _rank(result: NodeResult) -> int:
-    """The order of results: identified, undecided, fitting no edition, of no edition."""
+    """The order of results: identified, undecided, fitting no edition, of no edition, stray."""
+    if result.is_stray:
+        return 4
     return 0 if len(result.editions) == 1 else 1 if result.editions else 2 if result.is_judged else 3
 
 
 def _outcome(result: NodeResult) -> str:
+    outcome = _fit(result)
+    return f"few frames, far apart, as frames with a damaged id are; {outcome}" if result.is_stray else outcome
+
+
+def _fit(result: NodeResult) -> str:
     if len(result.editions) == 1:
         return f"fits {result.editions[0].name}"
     if result.editions:
@@ -164,6 +173,8 @@ def _facts(family: str, found: Identification, counts: Counts) -> dict[str, obje
             "bus": result.bus,
             "node": result.node,
             "frames": result.frames,
+            "start": result.start and {"number": result.start.number, "time_ns": result.start.time},
+            "stray": result.is_stray,
             "fits": [edition.name for edition in result.editions],
             "of_no_edition": result.frames - result.judged,
             "distinguishing": list(result.distinguishing),

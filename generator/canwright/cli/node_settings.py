@@ -1,13 +1,29 @@
-"""`--set` of `decode`: what is known of the nodes of a log."""
+"""`--set` and `--recorder`: what is known of a log."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+import click
+
 from ..model.edition import Edition
+from ..model.message import Direction
 from ..recordings.nodes import EDITION, NodeSetting
 from .common import stop
 from .settings import check_value
+
+recorder_option = click.option(
+    "--recorder",
+    type=click.Choice(["host", "node"]),
+    default="host",
+    show_default=True,
+    help="Who recorded the log, and so sent the frames that it marks as sent (Tx).",
+)
+
+
+def direction_of(recorder: str) -> Direction:
+    """The direction of the frames that a recorder sends."""
+    return Direction.REQUEST if recorder == "host" else Direction.REPLY
 
 
 def node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list[NodeSetting]:

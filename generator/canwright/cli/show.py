@@ -18,9 +18,11 @@ from .terminal import print_text
 @click.option("--edition", help="The edition to show.  [default: all with this command]")
 @click.option("--lang", type=click.Choice(["en", "zh"]), default="en", show_default=True, help="Language of the texts.")
 def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) -> None:
-    """Show one COMMAND, by name or by code (0x10).
+    """Show one COMMAND, by name, by code (0x10), or by the CAN id of a broadcast.
 
     Its frames in both directions, effects, limits and errata.
+
+    Exit status: 0 if a command is found, 2 if not.
     """
     from .command_view import command_text, find
 

@@ -55,20 +55,29 @@ class _Division:
 class NodeFrames:
     """The frames of a node of a bus: the parts of the log with one edition each, the last one still growing."""
 
-    def __init__(self, editions: Sequence[Edition], state: State, *, has_number: bool) -> None:
+    def __init__(self, bus: str, number: int | None, editions: Sequence[Edition], state: State) -> None:
+        self.bus = bus
+        self.number = number
         self.state = state
-        self.has_number = has_number
         self.recent: list[Arrival] = []
         """Frames that are not examined yet."""
         self.tallies = [Tally(editions)]
         self.frames = 0
+        """The number of frames that are examined."""
         self.near = 0
         """Frames that follow the one before soon, as replies and the requests of a cycle do."""
         self._last: int | None = None
         self._editions = editions
+        self._before: Arrival | None = None
+        """The last frame that is examined."""
         self._noise = 0
         self._points = [0] * len(editions)
         self._divisions = [_Division() for _ in editions]
+
+    @property
+    def total(self) -> int:
+        """The number of all frames."""
+        return self.frames + len(self.recent)
 
     def examine(self) -> None:
         """Counts the recent frames, and divides the log where the edition has changed."""
@@ -84,11 +93,13 @@ class NodeFrames:
         else:
             for arrival in self.recent:
                 self._add_frame(arrival)
+                self._before = arrival
+        self._before = self.recent[-1]
         self.recent.clear()
 
     def _count(self, counts: dict[Step, Seen]) -> None:
         self.frames += len(self.recent)
-        self._noise += sum(seen.count for step, seen in counts.items() if step.is_unexplained)
+        self._noise += sum(seen.frames for step, seen in counts.items() if step.is_unexplained)
         for _, number, _ in self.recent:
             self.near += self._last is not None and number - self._last <= NEAR
             self._last = number
@@ -99,7 +110,7 @@ class NodeFrames:
         added = [0] * len(self._editions)
         for step, seen in counts.items():
             for i, points in enumerate(step.points):
-                added[i] += points * seen.count
+                added[i] += points * seen.frames
         self._points = [points + more for points, more in zip(self._points, added, strict=True)]
         least = min(self._points)
         for division, more in zip(self._divisions, added, strict=True):
@@ -111,8 +122,13 @@ class NodeFrames:
 
     def _add_frame(self, arrival: Arrival) -> None:
         step, number, recorded = arrival
-        counts = {step: Seen(1, recorded.frame)}
-        self._add_block(counts, Place(number, recorded.time))
+        starting = [division for division in self._divisions if division.start is None]
+        self._add_block({step: Seen(1, recorded.frame)}, Place(number, recorded.time))
+        for division in starting:
+            if division.start is not None and self._before is not None and self._before[0].is_request:
+                asked, number, recorded = self._before  # the request belongs to the part of its reply
+                division.start = Place(number, recorded.time)
+                _merge(division.counts, {asked: Seen(1, recorded.frame)})
         divided = min(self._divisions, key=lambda division: division.points)
         if min(self._points) - divided.points > SWITCH * max(1, math.sqrt(self._noise)):
             self._divide(divided)
@@ -147,4 +163,4 @@ def _counted(recent: Sequence[Arrival]) -> dict[Step, Seen]:
 def _merge(counts: dict[Step, Seen], more: dict[Step, Seen]) -> None:
     for step, seen in more.items():
         known = counts.get(step)
-        counts[step] = seen if known is None else Seen(known.count + seen.count, known.example)
+        counts[step] = seen if known is None else Seen(known.frames + seen.frames, known.example)

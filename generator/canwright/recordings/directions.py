@@ -29,6 +29,7 @@ import operator
 from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from enum import Enum
+from types import MappingProxyType
 from typing import NamedTuple
 
 from ..model.edition import Edition
@@ -89,6 +90,14 @@ class Judged(NamedTuple):
     latency: int | None
     is_late: bool
     ends_part: bool
+
+
+class Change(NamedTuple):
+    """Another edition of a node; None if it has none that is known."""
+
+    bus: str
+    node: int | None
+    edition: Edition | None
 
 
 class _Known(NamedTuple):
@@ -200,7 +209,8 @@ class Directions:
     `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
     `window` ns; None for the time that suits the editions and the log. `recorder` is the direction of the frames that are
     marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. `first` is the
-    number of the first frame.
+    number of the first frame. Before the frames with the numbers of `changes`, nodes get other editions, which are among
+    `others`.
     """
 
     def __init__(
@@ -212,10 +222,14 @@ class Directions:
         recorder: Direction = Direction.REQUEST,
         behaviours: Mapping[str, Behaviour] | None = None,
         first: int = 0,
+        others: Iterable[Edition] = (),
+        changes: Mapping[int, Sequence[Change]] = MappingProxyType({}),
     ) -> None:
         self._editions = editions
+        self._changed: dict[tuple[str, int | None], Edition | None] = {}
         self._default = default
-        used = dict.fromkeys([*editions.values(), *([default] if default else [])])
+        self._changes = changes
+        used = dict.fromkeys([*editions.values(), *([default] if default else []), *others])
         self._kinds = [FrameKinds(edition, number, window) for number, edition in enumerate(used)]
         self._window = window
         self._recorder = recorder
@@ -295,6 +309,8 @@ class Directions:
         """The result for the next frame of the log; the frame itself if it has to wait."""
         number = self._number
         self._number = number + 1
+        if number in self._changes:
+            self._change(self._changes[number])
         bus = self._buses.get(one.bus)
         if bus is None:
             behaviour = (self.behaviours or {}).get(one.bus, Behaviour())
@@ -535,6 +551,14 @@ class Directions:
         if bus.open and bus.until < bus.clock:
             bus.open.clear()
 
+    def _change(self, changes: Iterable[Change]) -> None:
+        """Gives nodes other editions, so that frames have other kinds."""
+        for bus, node, edition in changes:
+            self._changed[bus, node] = edition
+            if bus in self._buses:
+                self._buses[bus].lines.clear()
+                self._buses[bus].count = 0
+
     def _forget(self, bus: _Bus) -> None:
         """Forgets the kinds of frames, which a log with random frames has without end."""
         bus.lines.clear()
@@ -572,10 +596,12 @@ class Directions:
     def _is_of(self, bus: str, edition: Edition, node: int | None) -> bool:
         """Whether an edition is that of a node on a bus; for frames without a node, that of any node on the bus."""
         known = self._editions.get((bus, node), self._default if node is not None else None)
+        if self._changed:
+            known = self._changed.get((bus, node), known)
         if known is not None or node is not None:
             return known is edition
         return edition is self._default or any(
-            other is edition and where == bus for (where, _), other in self._editions.items()
+            other is edition and where == bus for (where, _), other in (*self._editions.items(), *self._changed.items())
         )
 
 

@@ -11,9 +11,11 @@ from ..model.layout import Field
 from ..model.message import Direction, Message
 from ..model.types import Assignment
 from ..semantics.decoder import Rejection, rejects_constants
+from ..semantics.encoder import Encoder
 from ..semantics.frame import CanFrame, raw_of
+from .bus_behaviour import Behaviour
 from .frame_kinds import Form, FrameKinds
-from .rows import CellValue, value_reader
+from .rows import CellValue, is_within, plausible_limits, value_reader
 
 
 @dataclass(frozen=True)
@@ -35,27 +37,28 @@ class FieldMeaning:
 class Meaning:
     """What a frame is in one direction of an edition: a message, or the reason why it is none.
 
-    `is_regular` is False if a sender that obeys the spec does not send these reserved bits, names or values.
+    `unusual` names reserved bits, fields and values that a sender that obeys the spec does not send, and implausible
+    values.
     """
 
     direction: Direction
     message: Message | None
     node: int | None
-    is_regular: bool
+    unusual: tuple[str, ...]
     fields: tuple[FieldMeaning, ...]
     rejection: Rejection | None
 
 
 def meanings(edition: Edition, frame: CanFrame, assignment: Assignment) -> Iterator[Meaning]:
     """The messages that a frame can be, replies first, or a rejection for each direction."""
-    kind = FrameKinds(edition, 0).kind(frame)
+    kind = FrameKinds(edition, 0, None).kind(frame, Behaviour())
     forms = {
         Direction.REPLY: kind.replies,
         Direction.REQUEST: (kind.request,) if kind.request else (),
     }
     for direction, those in forms.items():
         if not those:
-            yield Meaning(direction, None, None, False, (), kind.rejection(direction, frame))
+            yield Meaning(direction, None, None, (), (), kind.rejection(direction, frame))
         for form in those:
             yield _meaning(form, frame, assignment, edition.command(form.message.command).only)
 
@@ -68,14 +71,49 @@ def _meaning(form: Form, frame: CanFrame, assignment: Assignment, only: Only) ->
     message = form.message
     rejection = rejects_constants(message, frame, assignment)
     if rejection is not None:
-        return Meaning(message.direction, None, None, False, (), rejection)
+        return Meaning(message.direction, None, None, (), (), rejection)
     variant = message.layout.variant(assignment)
     fields = variant.fields if variant else message.layout.fields
     parameter = None if variant else message.layout.parameter
     varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.fixed is None]
     found = [one for f, limits in varying for one in _fields(f, frame, assignment, only, limits)]
-    is_regular = form.is_regular(int.from_bytes(frame.data, "little"))
-    return Meaning(message.direction, message, form.node, is_regular, tuple(found), None)
+    unusual = [*_reserved(form, frame)]
+    for field, limits in varying:
+        unusual += _unusual(field, frame, assignment, {**only, **limits})
+    return Meaning(message.direction, message, form.node, tuple(unusual), tuple(found), None)
+
+
+def _reserved(form: Form, frame: CanFrame) -> Iterator[str]:
+    """The bytes with reserved bits that are not sent."""
+    wrong = (int.from_bytes(frame.data, "little") & form.reserved.mask) ^ form.reserved.value
+    bytes_ = [f"DATA[{at}]" for at, byte in enumerate(wrong.to_bytes(len(frame.data), "little")) if byte]
+    if bytes_:
+        yield f"{', '.join(bytes_)} {'have' if len(bytes_) > 1 else 'has'} reserved bits that are not sent"
+
+
+def _unusual(field: Field, frame: CanFrame, assignment: Assignment, only: Only) -> Iterator[str]:
+    """The elements of a field whose values are not sent under any possible value of a parameter, or are implausible."""
+    raw, type_ = raw_of(field, frame), field.type
+    limits, plausible = type_.raw_range, plausible_limits(type_)
+    cases: list[Assignment] = [assignment]
+    if limits.parameter is not None and limits.parameter not in assignment:
+        names = [case for case in limits.cases if case in only.get(limits.parameter, limits.cases)]
+        cases = [{**assignment, limits.parameter: case} for case in names] or cases
+    for (name, _), one in zip(formatting.elements(field), raw if isinstance(raw, list) else [raw], strict=True):
+        if all(Encoder(case).rejects_raw(field, one) for case in cases):
+            if type_.enum or type_.flags:
+                yield f"`{name}` has {'bits' if type_.flags else 'a value'} without a name"
+                continue
+            spans = dict.fromkeys(formatting.span(span) for case in cases if (span := limits.at(case)))
+            yield f"`{name}` is {one}" + (
+                f", outside the raw range {' or '.join(spans)}" if spans else ", no valid number"
+            )
+        elif plausible is not None and not any(
+            is_within(value, plausible) for _, value in _values(field, one, assignment, only)
+        ):
+            unit = f" {type_.unit.symbol}" if type_.unit else ""
+            range_ = formatting.span(type_.plausible) if type_.plausible else ""
+            yield f"`{name}` is outside the plausible range {range_}{unit}"
 
 
 def _fields(field: Field, frame: CanFrame, assignment: Assignment, command: Only, only: Only) -> Iterator[FieldMeaning]:

@@ -22,7 +22,8 @@ def groups(results: Iterable[NodeResult]) -> list[Group]:
     """The nodes of each bus that fit the same editions, in the order of their first nodes."""
     found: dict[tuple[object, ...], list[NodeResult]] = {}
     for one in results:
-        outcome = (one.bus, one.node is None, one.editions, one.distinguishing, one.is_judged)
+        changed = (one.node, one.start) if one.start else None
+        outcome = (one.bus, one.node is None, one.editions, one.distinguishing, one.is_judged, one.is_stray, changed)
         found.setdefault(outcome, []).append(one)
     return [Group(tuple(one.node for one in own), _merged(own)) for own in found.values()]
 

@@ -96,8 +96,13 @@ class Identifier:
         self._foreign: Counter[tuple[int, bool, bool]] = Counter()
         self._foreign_count = 0
 
-    def add(self, recorded: Recorded) -> None:
-        """The next frame of the log."""
+    @property
+    def foreign(self) -> int:
+        """The number of frames whose id belongs to no edition."""
+        return self._foreign_count
+
+    def add(self, recorded: Recorded) -> NodeFrames | None:
+        """The next frame of the log; returns the frames of its node, None if its id belongs to no edition."""
         _, bus, frame, mark = recorded
         id_, content, extended, remote = frame
         number = self._number
@@ -108,7 +113,7 @@ class Identifier:
             foreign = id_, extended, remote
             if foreign in self._foreign or len(self._foreign) < MAX_FOREIGN:
                 self._foreign[foreign] += 1
-            return
+            return None
         node = line.node or self._node(line, recorded)
         code = line.codes.get(content[line.first])
         kind = code and (code.kind or code.kinds.get(int.from_bytes(content, "little") & code.key_bits))
@@ -120,22 +125,34 @@ class Identifier:
         node.recent.append((step, number, recorded))
         if len(node.recent) >= BLOCK:
             node.examine()
+        return node
+
+    def results_of(self, node: NodeFrames) -> list[NodeResult]:
+        """The result of each part of the frames of a node so far."""
+        node.examine()
+        busiest = max(other.frames for other in self._nodes.values() if other.bus == node.bus)
+        return self._results(node, busiest, {})
 
     def result(self) -> Identification:
         """The identification of the frames so far."""
         compared: Compared = {}
-        results: list[NodeResult] = []
         busiest: Counter[str] = Counter()
-        for (bus, _), node in self._nodes.items():
+        for node in self._nodes.values():
             node.examine()
-            busiest[bus] = max(busiest[bus], node.frames)
-        for (bus, number), node in sorted(self._nodes.items(), key=lambda one: (one[0][0], one[0][1] or -1)):
-            is_stray = STRAY * node.frames <= busiest[bus] and 2 * node.near < node.frames
-            results += (
-                dataclasses.replace(result, is_stray=is_stray) for result in _parts(bus, number, node, compared)
-            )
+            busiest[node.bus] = max(busiest[node.bus], node.frames)
+        listed = sorted(self._nodes.values(), key=lambda node: (node.bus, node.number or -1))
+        results = [result for node in listed for result in self._results(node, busiest[node.bus], compared)]
         nodes = tuple(_with_broadcasts(results))
         return Identification(self._number, self._foreign_count, dict(self._foreign.most_common()), nodes)
+
+    def _results(self, node: NodeFrames, busiest: int, compared: Compared) -> list[NodeResult]:
+        is_stray = STRAY * node.frames <= busiest and 2 * node.near < node.frames
+        nothing: tuple[Waiting, ...] = ((),) * len(self.editions)
+        waiting = [*(nothing for _ in node.tallies[1:]), node.state.waiting]
+        return [
+            dataclasses.replace(tally.result(node.bus, node.number, open_, compared), is_stray=is_stray)
+            for tally, open_ in zip(node.tallies, waiting, strict=True)
+        ]
 
     def _direction(self, bus: str, mark: Mark) -> Direction | None:
         """The direction that a mark of a family's frame states; None if the bus has no frame so far that is marked as sent."""
@@ -180,7 +197,7 @@ class Identifier:
         node = self._nodes.get((bus, number))
         if node is None:
             state = self._state(((),) * len(self.editions))
-            node = self._nodes[bus, number] = NodeFrames(self.editions, state, has_number=number is not None)
+            node = self._nodes[bus, number] = NodeFrames(bus, number, self.editions, state)
         return node
 
     def _kind(self, line: _Line, frame: CanFrame) -> Kind:
@@ -211,7 +228,7 @@ class Identifier:
             self._steps = 0
         state = self._state(node.state.waiting)
         meanings = [
-            meaning(edition, waiting, interpretations, direction, has_number=node.has_number)
+            meaning(edition, waiting, interpretations, direction, has_number=node.number is not None)
             for edition, waiting, interpretations in zip(
                 self.editions, state.waiting, observation.by_edition, strict=True
             )
@@ -221,14 +238,6 @@ class Identifier:
         state.steps[observation if direction is None else (observation, direction)] = step
         self._steps += 1
         return step
-
-
-def _parts(bus: str, number: int | None, node: NodeFrames, compared: Compared) -> Iterator[NodeResult]:
-    """The result of each part of the frames of a node."""
-    nothing: tuple[Waiting, ...] = ((),) * len(node.state.waiting)
-    for tally in node.tallies:
-        waiting = node.state.waiting if tally is node.tallies[-1] else nothing
-        yield tally.result(bus, number, waiting, compared)
 
 
 def _with_broadcasts(results: Sequence[NodeResult]) -> Iterator[NodeResult]:

@@ -1,21 +1,30 @@
-"""The edition and the parameters of each node of a log: given by the user, or identified from the first frames."""
+"""The edition and the parameters of each node of a log: given by the user, or identified from the frames.
+
+A log in a file is read twice: once to identify the editions, once to decode. Of a stream, frames of a node wait until its
+edition is identified, at most LOOKAHEAD frames; the edition can change later.
+"""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+import itertools
+from bisect import bisect_right
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from ..model.edition import Edition
+from ..model.message import Direction
 from ..model.types import Assignment
-from ..semantics.frame import CanFrame, has_id
-from .identify import identify
+from .changes import BLOCK, NodeFrames
+from .directions import Change, Judged
+from .identify import Identifier
 from .recorded import Recorded
-from .results import NodeResult
+from .results import Identification, NodeResult, Place
 
-IDENTIFIED_FROM = 20_000
-"""The number of frames at the start of a log from which editions are identified."""
+LOOKAHEAD = 2048
+"""The maximum number of frames of a stream that wait until editions are identified."""
+Key = tuple[str, int | None]
+"""A bus and a node."""
 
 
 class NodeSetting(NamedTuple):
@@ -35,24 +44,51 @@ EDITION = "edition"
 
 
 class Choice(NamedTuple):
-    """The edition of a node, None if none fits, and the others that fit equally well.
+    """The edition of a node from a frame on, None if none fits, and the others that fit equally well.
 
     It is assumed if most requests to the node have no reply: then it is an edition of other nodes of the bus.
     """
 
+    start: Place
     edition: Edition | None
     others: tuple[Edition, ...] = ()
     is_assumed: bool = False
+    is_stray: bool = False
+
+    @property
+    def label(self) -> str:
+        """The names of all editions that fit: `v1`, `v1|v2`."""
+        return "|".join(edition.name for edition in (self.edition, *self.others) if edition)
 
 
-@dataclass(frozen=True)
+class Misread(NamedTuple):
+    """Frames of a stream, from a number to another, that were read with another edition than fits all frames."""
+
+    bus: str
+    node: int | None
+    start: int
+    end: int
+    label: str
+    edition: Edition
+
+
 class Nodes:
-    """The editions and parameters of the nodes of a log. `default` is the edition of nodes without an entry."""
+    """The editions and parameters of the nodes of a log. `default` is the edition of nodes without an entry.
 
-    editions: Mapping[tuple[str, int | None], Edition]
-    default: Edition | None
-    identified: Mapping[tuple[str, int | None], Choice]
-    settings: Sequence[NodeSetting]
+    `editions` are those at the start of the log, and `changes` the later ones by number of a frame. `identified` has
+    all choices that were not given by the user.
+    """
+
+    def __init__(
+        self, family: Sequence[Edition], settings: Sequence[NodeSetting], default: Edition | None = None
+    ) -> None:
+        self.family = family
+        self.settings = settings
+        self.default = default
+        self.editions: dict[Key, Edition] = {}
+        self.changes: dict[int, list[Change]] = {}
+        self.identified: dict[Key, list[Choice]] = {}
+        self.misread: list[Misread] = []
 
     def assignment(self, bus: str, node: int | None) -> Assignment:
         """The parameters of a node. A setting of the node replaces one of all nodes."""
@@ -62,62 +98,202 @@ class Nodes:
                 found[setting.name] = setting.value
         return found
 
+    def label(self, judged: Judged) -> str:
+        """The names of the editions that fit the node of a frame; exactly one if it is identified or given."""
+        if judged.edition is None:
+            return ""
+        choices = self.identified.get((judged.recorded.bus, judged.node))
+        if choices is None:
+            return judged.edition.name
+        if len(choices) == 1:
+            return choices[0].label or judged.edition.name
+        number = bisect_right([choice.start.number for choice in choices], judged.number)
+        return choices[max(0, number - 1)].label or judged.edition.name
 
-def nodes_of(start: Sequence[Recorded], editions: Sequence[Edition], settings: Sequence[NodeSetting]) -> Nodes:
-    """The nodes of a log that starts with some frames. All editions are of one family."""
+    def choose(self, bus: str, node: int | None, choice: Choice) -> None:
+        """Adds a choice, unless the user has given the edition of the node."""
+        key = bus, node
+        given = self._given(bus, node)
+        if given is not None:
+            self.editions[key] = given
+            return
+        choices = self.identified.setdefault(key, [])
+        choices.append(choice)
+        if len(choices) > 1 or choice.start.number:
+            self.changes.setdefault(choice.start.number, []).append(Change(bus, node, choice.edition))
+        elif choice.edition is not None:
+            self.editions[key] = choice.edition
+
+    def _given(self, bus: str, node: int | None) -> Edition | None:
+        given = sorted(self.settings, key=lambda one: (one.node is None, one.bus is None))
+        return next((one.value for one in given if isinstance(one.value, Edition) and one.applies(bus, node)), None)
+
+    def is_stray(self, bus: str, node: int | None) -> bool:
+        """Whether a node has few frames that are far apart, as frames with a damaged id are."""
+        choices = self.identified.get((bus, node), ())
+        return bool(choices) and all(choice.is_stray for choice in choices)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the edition of every node, apart from stray ones, is known and does not change."""
+        listed = [choices for key, choices in self.identified.items() if not self.is_stray(*key)]
+        is_known = all(len(own) == 1 and own[0].edition and not own[0].others for own in listed)
+        return is_known and not self.misread
+
+
+def common_edition(editions: Sequence[Edition], settings: Sequence[NodeSetting]) -> Edition | None:
+    """The edition that all nodes have: given by the user, or the only one; None if nodes can have different ones."""
     given = [setting for setting in settings if isinstance(setting.value, Edition)]
-    default = next((one.value for one in given if one.bus is None and one.node is None), None)
-    if default is None and len(editions) == 1:
-        default = editions[0]
-    assert default is None or isinstance(default, Edition)
-    identified = {} if default else _identified(start, editions)
-    chosen = {key: choice.edition for key, choice in identified.items() if choice.edition}
-    if len({*chosen.values()}) == 1 and len(chosen) == len(identified):
-        default = next(iter(chosen.values()))
-    buses = dict.fromkeys(one.bus for one in start)
-    for setting in sorted(given, key=lambda one: one.bus is not None):
-        if setting.node is not None and isinstance(setting.value, Edition):
-            for bus in buses if setting.bus is None else (setting.bus,):
-                chosen[bus, setting.node] = setting.value
-                identified.pop((bus, setting.node), None)
-    return Nodes(chosen, default, identified, settings)
+    if any(setting.bus is not None or setting.node is not None for setting in given):
+        return None
+    return next(
+        (one.value for one in given if isinstance(one.value, Edition)), editions[0] if len(editions) == 1 else None
+    )
 
 
-def family_of(start: Iterable[Recorded], editions: Sequence[Edition]) -> list[Edition]:
-    """The editions of the family that has the ids of most frames."""
-    families: dict[str, list[Edition]] = {}
-    for edition in editions:
-        families.setdefault(edition.family, []).append(edition)
-    if len(families) == 1:
-        return list(editions)
-    ids = Counter((one.frame.id, one.frame.extended, one.frame.remote) for one in start)
+class Identifiers:
+    """Identifies the editions of a log whose family is unknown: the one with the ids of most frames."""
 
-    def explained(family: list[Edition]) -> int:
-        messages = [message for edition in family for message in edition.all_messages()]
-        return sum(
-            count
-            for (id_, extended, remote), count in ids.items()
-            if any(has_id(message, CanFrame(id_, b"", extended, remote)) for message in messages)
-        )
+    def __init__(self, editions: Sequence[Edition], recorder: Direction) -> None:
+        families = dict.fromkeys(edition.family for edition in editions)
+        self._all = [Identifier([e for e in editions if e.family == name], recorder) for name in families]
 
-    return max(families.values(), key=explained)
+    def add(self, recorded: Recorded) -> None:
+        """The next frame of the log."""
+        for identifier in self._all:
+            identifier.add(recorded)
+
+    @property
+    def best(self) -> Identifier:
+        """The identifier of the family."""
+        return min(self._all, key=lambda identifier: identifier.foreign)
 
 
-def _identified(start: Sequence[Recorded], editions: Sequence[Edition]) -> dict[tuple[str, int | None], Choice]:
-    """The edition of each node on each bus; of frames without a node only where no frames have one."""
-    results = identify(start, editions).nodes
-    having = {result.bus for result in results if result.node is not None}
-    found = [result for result in results if result.node is not None or result.bus not in having]
-    certain = [(result.bus, result.editions[0]) for result in found if len(result.editions) == 1]
-    return {(result.bus, result.node): _choice(result, certain) for result in found}
+def nodes_of(identifier: Identifier, settings: Sequence[NodeSetting]) -> Nodes:
+    """The nodes of a log that has been identified."""
+    nodes = Nodes(identifier.editions, settings)
+    found = identifier.result()
+    for result in _with_nodes(found):
+        nodes.choose(result.bus, result.node, _choice(result, found))
+    return nodes
 
 
-def _choice(result: NodeResult, certain: Sequence[tuple[str, Edition]]) -> Choice:
+def follow(
+    frames: Iterator[Recorded], editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
+) -> tuple[Nodes, Iterator[Recorded]]:
+    """The nodes of a stream, and its frames; later choices are added to the nodes before the frame is yielded."""
+    identifiers = Identifiers(editions, recorder)
+    start: list[Recorded] = []
+    for one in itertools.islice(frames, LOOKAHEAD):
+        start.append(one)
+        identifiers.add(one)
+        if len(start) % (4 * BLOCK) == 0 and _is_decided(identifiers.best):
+            break
+    identifier = identifiers.best
+    nodes = nodes_of(identifier, settings)
+    return nodes, itertools.chain(start, _Following(identifier, nodes, len(start)).frames(frames))
+
+
+def _is_decided(identifier: Identifier) -> bool:
+    """Whether each node has enough frames, and exactly one edition fits it."""
+    nodes = [result for result in _with_nodes(identifier.result()) if not result.is_stray]
+    return bool(nodes) and all(result.frames >= BLOCK and len(result.editions) == 1 for result in nodes)
+
+
+class _Following:
+    """Identifies the editions of a stream while it is decoded."""
+
+    def __init__(self, identifier: Identifier, nodes: Nodes, number: int) -> None:
+        self._identifier = identifier
+        self._nodes = nodes
+        self._number = number
+        self._held: deque[tuple[int, Recorded, NodeFrames | None]] = deque()
+        self._waiting: set[NodeFrames] = set()
+        """New nodes whose edition is not chosen yet."""
+        self._next: dict[NodeFrames, int] = {}
+        """The number of frames of a node at which it is examined again."""
+
+    def frames(self, frames: Iterable[Recorded]) -> Iterator[Recorded]:
+        """The frames of a stream; those of a new node wait."""
+        for one in frames:
+            node = self._identifier.add(one)
+            self._held.append((self._number, one, node))
+            if node is not None:
+                self._examine(node)
+            self._number += 1
+            while self._held and (self._held[0][2] not in self._waiting or len(self._held) > LOOKAHEAD):
+                yield self._released()
+        while self._held:
+            yield self._released()
+        self._finish()
+
+    def _examine(self, node: NodeFrames) -> None:
+        key = node.bus, node.number
+        if node not in self._next:
+            self._next[node] = BLOCK
+            if key not in self._nodes.identified and key not in self._nodes.editions:
+                self._waiting.add(node)
+        if node.total >= self._next[node]:
+            self._next[node] = node.total + max(BLOCK, node.total // 8)
+            results = self._identifier.results_of(node)
+            if node not in self._waiting or len(results[-1].editions) == 1:
+                self._choose(node, results[-1])
+
+    def _released(self) -> Recorded:
+        _, one, node = self._held[0]
+        if node is not None and node in self._waiting:
+            self._choose(node, self._identifier.results_of(node)[-1])
+        self._held.popleft()
+        return one
+
+    def _choose(self, node: NodeFrames, result: NodeResult) -> None:
+        """Chooses the edition of a node for its first frame that is held, or the next one."""
+        self._waiting.discard(node)
+        number, time = next(((n, one.time) for n, one, of in self._held if of is node), (self._number, None))
+        choice = _choice(result, None)._replace(start=Place(number, time))
+        choices = self._nodes.identified.get((node.bus, node.number))
+        if not choices or choices[-1][1:3] != choice[1:3]:
+            self._nodes.choose(node.bus, node.number, choice)
+
+    def _finish(self) -> None:
+        """Lists the frames that were read with another edition than fits the whole stream."""
+        results = [*_with_nodes(self._identifier.result())]
+        for key, choices in self._nodes.identified.items():
+            parts = [result for result in results if (result.bus, result.node) == key]
+            for part, end in zip(parts, [*(after.start for after in parts[1:]), None], strict=False):
+                if len(part.editions) == 1:
+                    last = end.number if end else self._number
+                    first = part.start.number if part.start else 0
+                    self._nodes.misread += _misread(key, choices, first, last, part.editions[0])
+
+
+def _misread(key: Key, choices: Sequence[Choice], first: int, last: int, edition: Edition) -> Iterator[Misread]:
+    """The frames from a number to another for which another edition was chosen."""
+    ends = [*(choice.start.number for choice in choices[1:]), last]
+    for choice, end in zip(choices, ends, strict=True):
+        start, end = max(choice.start.number, first), min(end, last)
+        if start < end and choice.edition is not edition:
+            yield Misread(*key, start, end - 1, choice.label or "foreign", edition)
+
+
+def _with_nodes(found: Identification) -> Iterator[NodeResult]:
+    """The results with a node; of frames without a node only where no frames have one."""
+    having = {result.bus for result in found.nodes if result.node is not None}
+    return (result for result in found.nodes if result.node is not None or result.bus not in having)
+
+
+def _choice(result: NodeResult, found: Identification | None) -> Choice:
     """Of several editions that fit, that of another node, if any."""
+    start = result.start or Place(0, None)
+    others = [other for other in _with_nodes(found) if not other.is_stray] if found else []
+    certain = [(other.bus, other.editions[0]) for other in others if len(other.editions) == 1]
     fitting = result.editions
+    if result.is_stray and len(fitting) > 1:
+        fitting = tuple(one for one in fitting if (result.bus, one) in certain)
     if fitting:
         edition = next((one for _, one in certain if one in fitting), fitting[0])
-        return Choice(edition, tuple(one for one in fitting if one is not edition))
+        rest = tuple(one for one in fitting if one is not edition)
+        return Choice(start, edition, rest, is_stray=result.is_stray)
     explained = [s.edition for s in result.scores if s.is_explained(result.judged)] if result.is_judged else []
     assumed = next((one for bus, one in certain if bus == result.bus and one in explained), None)
-    return Choice(assumed, is_assumed=assumed is not None)
+    return Choice(start, assumed, is_assumed=assumed is not None, is_stray=result.is_stray)

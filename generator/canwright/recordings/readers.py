@@ -39,7 +39,13 @@ class Log:
 
     def __init__(self, source: BinaryIO, name: str) -> None:
         self.counts = Counts()
-        self._source, self._name = source, name
+        self.name = name
+        self._source = source
+
+    @property
+    def is_file(self) -> bool:
+        """Whether the log is a regular file, so that it can be read again by its name."""
+        return Path(self.name).is_file()
 
     def __iter__(self) -> Iterator[Recorded]:
         """Raises LogError and OSError."""
@@ -58,7 +64,7 @@ class Log:
             self.counts.frames = frames
         if not self.counts.frames:
             raise LogError(
-                f"{self._name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
+                f"{self.name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
                 "ASC, BLF, TRC, MF4 or CSV"
             )
 

@@ -39,11 +39,16 @@ class Cell(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A frame with the values of its fields. Some are missing without the parameters `missing`."""
+    """A frame with the values of its fields. Some are missing without the parameters `missing`.
+
+    `edition` has the names of all editions that fit. `implausible` are values outside the plausible range of their type.
+    """
 
     judged: Judged
-    cells: tuple[Cell, ...]
-    missing: tuple[str, ...]
+    edition: str
+    cells: tuple[Cell, ...] = ()
+    missing: tuple[str, ...] = ()
+    implausible: tuple[Cell, ...] = ()
 
 
 class _Reader(NamedTuple):
@@ -53,6 +58,7 @@ class _Reader(NamedTuple):
     in_id: bool
     raw: Callable[[int], int]
     value: Callable[[int], CellValue]
+    plausible: tuple[float, float] | None
 
 
 class _Plan(NamedTuple):
@@ -65,18 +71,26 @@ class _Plan(NamedTuple):
 _MAX_PLANS = 1 << 14
 
 
-class RowReader:
-    """Reads the fields of frames; `assignment` are the parameters of a node on a bus."""
+def _edition_name(judged: Judged) -> str:
+    return judged.edition.name if judged.edition else ""
 
-    def __init__(self, assignment: Callable[[str, int | None], Assignment]) -> None:
+
+class RowReader:
+    """Reads the fields of frames; `assignment` are the parameters of a node on a bus, `label` names the editions that fit."""
+
+    def __init__(
+        self, assignment: Callable[[str, int | None], Assignment], label: Callable[[Judged], str] = _edition_name
+    ) -> None:
         self._assignment = assignment
+        self._label = label
         self._plans: dict[tuple[Message, str, int | None], _Plan] = {}
 
     def rows(self, judged: Iterable[Judged]) -> Iterator[Row]:
         """A row for each frame."""
         for one in judged:
+            edition = self._label(one)
             if one.message is None:
-                yield Row(one, (), ())
+                yield Row(one, edition)
                 continue
             known = (one.message, one.recorded.bus, one.node)
             plan = self._plans.get(known)
@@ -84,21 +98,37 @@ class RowReader:
                 if len(self._plans) >= _MAX_PLANS:
                     self._plans.clear()
                 plan = self._plans[known] = _plan(one.message, self._assignment(one.recorded.bus, one.node))
-            yield Row(one, _read(plan, one.recorded.frame), plan.missing)
+            yield Row(one, edition, *_read(plan, one.recorded.frame))
 
 
 def cells(message: Message, frame: CanFrame, assignment: Assignment) -> tuple[Cell, ...]:
     """The values of a frame that is known to be a message."""
-    return _read(_plan(message, assignment), frame)
+    found, _, _ = _read(_plan(message, assignment), frame)
+    return found
 
 
-def _read(plan: _Plan, frame: CanFrame) -> tuple[Cell, ...]:
+def _read(plan: _Plan, frame: CanFrame) -> tuple[tuple[Cell, ...], tuple[str, ...], tuple[Cell, ...]]:
+    """The values, the parameters that are missing, and the values that are not plausible."""
     id_, data = frame.id, int.from_bytes(frame.data, "little")
-    found = []
-    for column, in_id, raw_of, value in plan.readers:
+    found, implausible = [], []
+    for column, in_id, raw_of, value, plausible in plan.readers:
         raw = raw_of(id_ if in_id else data)
-        found.append(Cell(column, raw, value(raw)))
-    return tuple(found)
+        cell = Cell(column, raw, value(raw))
+        found.append(cell)
+        if plausible is not None and not is_within(cell.value, plausible):
+            implausible.append(cell)
+    return tuple(found), plan.missing, tuple(implausible)
+
+
+def is_within(value: CellValue, limits: tuple[float, float]) -> bool:
+    """Whether a value is within limits; True if it is no number."""
+    return not isinstance(value, (int, float)) or limits[0] <= value <= limits[1]
+
+
+def plausible_limits(type_: Type) -> tuple[float, float] | None:
+    """The plausible values of a type, in its unit; None if all are."""
+    span = type_.plausible
+    return None if span is None else (float(span.low.constant), float(span.high.constant))
 
 
 def _plan(message: Message, assignment: Assignment) -> _Plan:
@@ -110,9 +140,10 @@ def _plan(message: Message, assignment: Assignment) -> _Plan:
     for field in fields:
         if field.fixed is None:
             missing += [name for name in needed(field.type, assignment) if name not in assignment]
-            value = value_reader(field.type, assignment)
+            value, plausible = value_reader(field.type, assignment), plausible_limits(field.type)
             for column, element in zip(columns(field), field.elements, strict=True):
-                readers.append(_Reader(column, field.space is Space.ID, _raw_reader(field.type, element), value))
+                raw = _raw_reader(field.type, element)
+                readers.append(_Reader(column, field.space is Space.ID, raw, value, plausible))
     return _Plan(tuple(readers), tuple(dict.fromkeys(missing)))
 
 

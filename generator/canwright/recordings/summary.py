@@ -11,7 +11,7 @@ from ..model.refusal import Refusal
 from ..semantics.decoder import Rejection
 from ..semantics.frame import CanFrame
 from .directions import DecidedBy, Judged
-from .rows import Row
+from .rows import Cell, Row
 
 _MAX_WAITING = 1 << 16
 """The maximum number of requests that wait for their replies; more than ever have an open exchange."""
@@ -29,14 +29,25 @@ class RejectedFrames:
 
 
 @dataclass
+class ImplausibleValues:
+    """The values of a field outside its plausible range, with the first of them."""
+
+    example: Cell
+    frame: CanFrame
+    count: int = 0
+
+
+@dataclass
 class NodeSummary:
     """The frames of a node on a bus.
 
-    `missing` are requests that were not answered, `late` replies long after most others, `unexpected`
-    replies without a request, `copies` frames that were recorded again, `rejected` frames that are no message of their direction. Latencies are in ns.
+    `missing` are requests that were not answered, `late` replies long after most others, `unexpected` replies without a
+    request, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
+    `implausible` values by field. Latencies are in ns. `labels` name the editions that fit.
     """
 
     editions: dict[Edition, None] = field(default_factory=dict)
+    labels: dict[str, None] = field(default_factory=dict)
     requests: int = 0
     replies: int = 0
     missing: int = 0
@@ -44,6 +55,7 @@ class NodeSummary:
     unexpected: int = 0
     copies: int = 0
     rejected: dict[Refusal, RejectedFrames] = field(default_factory=dict)
+    implausible: dict[str, ImplausibleValues] = field(default_factory=dict)
     decided: Counter[DecidedBy] = field(default_factory=Counter)
     without: dict[str, None] = field(default_factory=dict)
     """Parameters that are not given, so that values are missing."""
@@ -83,9 +95,9 @@ class Summary:
         self._waiting: dict[int, _Waiting] = {}
 
     @property
-    def has_rejected(self) -> bool:
-        """Whether frames of some node are no message."""
-        return any(node.rejected for node in self.nodes.values())
+    def has_implausible(self) -> bool:
+        """Whether values are outside the plausible ranges."""
+        return any(node.implausible for node in self.nodes.values())
 
     def add(self, row: Row) -> None:
         """Counts a row."""
@@ -100,12 +112,16 @@ class Summary:
             return
         node = self._node(judged.recorded.bus, judged.node)
         node.editions[judged.edition] = None
+        node.labels[row.edition] = None
         node.decided[judged.decided_by] += 1
         for name in row.missing:
             node.without[name] = None
         if judged.decided_by is DecidedBy.COPY:
             node.copies += 1
             return
+        for cell in row.implausible:
+            known_values = node.implausible.setdefault(cell.column.name, ImplausibleValues(cell, frame))
+            known_values.count += 1
         node.requests += judged.direction is Direction.REQUEST
         node.replies += judged.direction is Direction.REPLY
         if judged.rejection is not None:

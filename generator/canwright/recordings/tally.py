@@ -29,7 +29,7 @@ Compared = dict[tuple[str, str], tuple[Change, ...]]
 class Seen(NamedTuple):
     """The number of frames of a step, and the first of them."""
 
-    count: int
+    frames: int
     example: CanFrame
 
 
@@ -145,7 +145,7 @@ class Tally:
         by_command: Counter[str] = Counter()
         for (command, is_certain), count in unanswered.items():
             by_command[command] += count * (is_certain or not replies_only)
-        return opened.total() - uncertain, +by_command
+        return max(opened.total() - uncertain, by_command.total()), +by_command
 
     def _evidence(self, edition: int, rare: float) -> tuple[Evidence, ...]:
         """All evidence against an edition, the strongest first."""

@@ -10,7 +10,8 @@
  * Numbers in brackets are sections of: Motor CAN bus protocol V2.35 of Shanghai Lingkong Technology, also of Shanghai
  * Muweidu Technology, in Chinese.
  *
- * A message is a struct of raw integers, as they are on the wire; the functions of a type convert them to values.
+ * A message is a struct of raw integers, as they are on the wire; the functions of a type convert them to values. Initialize
+ * it with `= CANWRIGHT_ZERO`, so that a member that is not assigned is 0.
  * The host encodes requests and decodes replies, a node decodes requests and encodes replies. A function that depends
  * on the parameters of a node takes them as its last argument. No pointer may be NULL. Functions that can fail return a
  * status; unless it is CANWRIGHT_OK, the outputs are unspecified.
@@ -173,7 +174,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_reply_filter(canwright_fi
     return mwd_motor_v2_35_motor_reply_id(&filter->id, node);
 }
 
-/** Checks id, length and code of a request. */
+/** Checks id, length and code of a request; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_request_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code)
@@ -187,7 +188,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_request_match(
     return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a request, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a request, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_request_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code)
@@ -201,7 +202,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_request_stamp(
     return CANWRIGHT_OK;
 }
 
-/** Checks id, length and code of a reply. */
+/** Checks id, length and code of a reply; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_reply_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code)
@@ -215,7 +216,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_reply_match(
     return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a reply, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motor_reply_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code)
@@ -242,7 +243,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_reply_stamp(
 #define MWD_MOTOR_V2_35_BROADCAST_REQUEST_FILTER_ID   0x00000280u /**< Id of the filter for the requests. */
 #define MWD_MOTOR_V2_35_BROADCAST_REQUEST_FILTER_MASK 0xC00007FFu /**< Mask of the filter for the requests. */
 
-/** Checks id, length and code of a request. */
+/** Checks id, length and code of a request; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_broadcast_request_match(const canwright_frame_t *frame, uint8_t dlc)
 {
@@ -255,7 +256,7 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_request_match(const c
     return CANWRIGHT_OK;
 }
 
-/** Writes id, length and code of a request, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a request, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_broadcast_request_stamp(canwright_frame_t *frame, uint8_t dlc)
 {
@@ -981,23 +982,30 @@ static inline const char *mwd_motor_v2_35_field_name(mwd_motor_v2_35_field_t fie
  */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
-    /** Output power, DATA[2..3]. Type power, a plain number. Raw -850..850. Only series MS; 0 otherwise. */
+    /**
+     * Output power, DATA[2..3]. Raw integer, type power, a plain number. Raw -850..850. Only series MS; 0 otherwise.
+     */
     int16_t power;
     /**
-     * Torque current, DATA[2..3]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MH. Raw
+     * Torque current, DATA[2..3]. Raw integer, type torque_current: torque_current_to_*, torque_current_from_*, with
+     * the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MH. Raw
      * -2048..2048. Only series MF, MH, MG; 0 otherwise.
      */
     int16_t iq;
-    /** Motor speed, DATA[4..5]. Type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1 deg/s. */
+    /**
+     * Motor speed, DATA[4..5]. Raw integer, type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1
+     * deg/s.
+     */
     int16_t speed;
     /**
-     * Encoder position, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 18).
+     * Encoder position, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 18).
      */
     uint16_t encoder;
 } mwd_motor_v2_35_motion_feedback_t;
@@ -1042,7 +1050,7 @@ static inline canwright_status_t mwd_motor_v2_35_motion_feedback_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_motion_feedback_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_motion_feedback_t *message,
@@ -1098,21 +1106,21 @@ static inline canwright_status_t mwd_motor_v2_35_motion_feedback_unpack(
 
 /** Controller gains (2.13 - 2.15). */
 typedef struct {
-    /** Position loop, P, DATA[2]. Type gain, a plain number. */
+    /** Position loop, P, DATA[2]. Raw integer, type gain, a plain number. */
     uint8_t angle_kp;
-    /** Position loop, I, DATA[3]. Type gain, a plain number. */
+    /** Position loop, I, DATA[3]. Raw integer, type gain, a plain number. */
     uint8_t angle_ki;
-    /** Speed loop, P, DATA[4]. Type gain, a plain number. */
+    /** Speed loop, P, DATA[4]. Raw integer, type gain, a plain number. */
     uint8_t speed_kp;
-    /** Speed loop, I, DATA[5]. Type gain, a plain number. */
+    /** Speed loop, I, DATA[5]. Raw integer, type gain, a plain number. */
     uint8_t speed_ki;
-    /** Torque loop, P, DATA[6]. Type gain, a plain number. */
+    /** Torque loop, P, DATA[6]. Raw integer, type gain, a plain number. */
     uint8_t iq_kp;
-    /** Torque loop, I, DATA[7]. Type gain, a plain number. */
+    /** Torque loop, I, DATA[7]. Raw integer, type gain, a plain number. */
     uint8_t iq_ki;
 } mwd_motor_v2_35_pid_gains_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_pid_gains_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_pid_gains_t *message)
@@ -1148,12 +1156,15 @@ static inline void mwd_motor_v2_35_pid_gains_unpack(
  */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
-    /** Supply voltage, DATA[3..4]. Type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.1 V. */
+    /**
+     * Supply voltage, DATA[3..4]. Raw integer, type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.1 V.
+     */
     uint16_t voltage;
-    /** Errors, DATA[7]. Type error_flags: ERROR_FLAGS_*. */
+    /** Errors, DATA[7]. Raw integer, type error_flags: ERROR_FLAGS_*. */
     uint8_t errors;
 } mwd_motor_v2_35_status_1_t;
 
@@ -1170,7 +1181,7 @@ static inline canwright_status_t mwd_motor_v2_35_status_1_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_status_1_pack(canwright_frame_t *frame, const mwd_motor_v2_35_status_1_t *message)
 {
@@ -1349,7 +1360,7 @@ static inline canwright_status_t mwd_motor_v2_35_motor_stop_reply_decode(
 
 /** The request of set_power. */
 typedef struct {
-    /** Open-loop control value, DATA[4..5]. Type power, a plain number. Raw -850..850. */
+    /** Open-loop control value, DATA[4..5]. Raw integer, type power, a plain number. Raw -850..850. */
     int16_t power;
 } mwd_motor_v2_35_set_power_request_t;
 
@@ -1366,7 +1377,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_power_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_set_power_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_power_request_t *message)
@@ -1472,9 +1483,9 @@ static inline canwright_status_t mwd_motor_v2_35_set_power_reply_decode(
 /** The request of set_torque. */
 typedef struct {
     /**
-     * Target torque current, DATA[4..5]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Target torque current, DATA[4..5]. Raw integer, type torque_current: torque_current_to_*,
+     * torque_current_from_*, with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series
+     * MG). None is known for MS, MH. Raw -2048..2048.
      */
     int16_t iq;
 } mwd_motor_v2_35_set_torque_request_t;
@@ -1492,7 +1503,7 @@ static inline canwright_status_t mwd_motor_v2_35_set_torque_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_set_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_torque_request_t *message)
@@ -1596,13 +1607,13 @@ static inline canwright_status_t mwd_motor_v2_35_set_torque_reply_decode(
 /** The request of set_speed. */
 typedef struct {
     /**
-     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
-     * 0.01 deg/s.
+     * Target speed, DATA[4..7]. Raw integer, type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*.
+     * Resolution (1 LSB): 0.01 deg/s.
      */
     int32_t speed;
 } mwd_motor_v2_35_set_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_set_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_set_speed_request_t *message)
@@ -1699,13 +1710,13 @@ static inline canwright_status_t mwd_motor_v2_35_set_speed_reply_decode(
 /** The request of move_to_angle. */
 typedef struct {
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     int32_t angle;
 } mwd_motor_v2_35_move_to_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_move_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_to_angle_request_t *message)
@@ -1803,18 +1814,18 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_reply_decode(
 /** The request of move_to_angle_at_speed. */
 typedef struct {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     int32_t angle;
 } mwd_motor_v2_35_move_to_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_move_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_to_angle_at_speed_request_t *message)
@@ -1916,11 +1927,11 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_at_speed_reply_de
 
 /** The request of turn_to_angle. */
 typedef struct {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     uint8_t spin_direction;
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     uint32_t angle;
 } mwd_motor_v2_35_turn_to_angle_request_t;
@@ -1938,7 +1949,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_turn_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_turn_to_angle_request_t *message)
@@ -2047,16 +2058,16 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_reply_decode(
 
 /** The request of turn_to_angle_at_speed. */
 typedef struct {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     uint8_t spin_direction;
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     uint32_t angle;
 } mwd_motor_v2_35_turn_to_angle_at_speed_request_t;
@@ -2074,7 +2085,7 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_request_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_turn_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *message)
@@ -2191,12 +2202,13 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_at_speed_reply_de
 /** The request of move_by_angle. */
 typedef struct {
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     int32_t increment;
 } mwd_motor_v2_35_move_by_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_move_by_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_by_angle_request_t *message)
@@ -2304,17 +2316,18 @@ static inline canwright_status_t mwd_motor_v2_35_move_by_angle_reply_decode(
 /** The request of move_by_angle_at_speed. */
 typedef struct {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     int32_t increment;
 } mwd_motor_v2_35_move_by_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_move_by_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_move_by_angle_at_speed_request_t *message)
@@ -2625,13 +2638,13 @@ static inline canwright_status_t mwd_motor_v2_35_read_acceleration_request_decod
 /** The reply of read_acceleration. */
 typedef struct {
     /**
-     * Acceleration, DATA[4..7]. Type acceleration: acceleration_to_*, acceleration_from_*. Resolution (1 LSB): 1
-     * deg/s^2.
+     * Acceleration, DATA[4..7]. Raw integer, type acceleration: acceleration_to_*, acceleration_from_*. Resolution (1
+     * LSB): 1 deg/s^2.
      */
     int32_t acceleration;
 } mwd_motor_v2_35_read_acceleration_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_acceleration_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_acceleration_reply_t *message)
@@ -2693,13 +2706,13 @@ static inline canwright_status_t mwd_motor_v2_35_read_acceleration_reply_decode(
 /** Request and reply of write_acceleration_ram. */
 typedef struct {
     /**
-     * Acceleration, DATA[4..7]. Type acceleration: acceleration_to_*, acceleration_from_*. Resolution (1 LSB): 1
-     * deg/s^2.
+     * Acceleration, DATA[4..7]. Raw integer, type acceleration: acceleration_to_*, acceleration_from_*. Resolution (1
+     * LSB): 1 deg/s^2.
      */
     int32_t acceleration;
 } mwd_motor_v2_35_write_acceleration_ram_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_write_acceleration_ram_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_acceleration_ram_t *message)
@@ -2804,22 +2817,24 @@ static inline canwright_status_t mwd_motor_v2_35_read_encoder_request_decode(
 /** The reply of read_encoder. */
 typedef struct {
     /**
-     * Encoder position, DATA[2..3]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 18).
+     * Encoder position, DATA[2..3]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 18).
      */
     uint16_t encoder;
     /**
-     * Raw encoder position, DATA[4..5]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 18).
+     * Raw encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 18).
      */
     uint16_t encoder_measured;
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 18).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 18).
      */
     uint16_t encoder_offset;
 } mwd_motor_v2_35_read_encoder_reply_t;
@@ -2846,7 +2861,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_encoder_reply_t *message)
@@ -2923,9 +2938,10 @@ static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_decode(
 /** Request and reply of write_encoder_offset_rom. */
 typedef struct {
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 18).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 18).
      */
     uint16_t encoder_offset;
 } mwd_motor_v2_35_write_encoder_offset_rom_t;
@@ -2944,7 +2960,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_encoder_offset_rom_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_write_encoder_offset_rom_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_encoder_offset_rom_t *message)
@@ -3063,10 +3079,10 @@ static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_requ
 /** The reply of write_position_as_zero_rom. */
 typedef struct {
     /**
-     * Written encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 18).
+     * Written encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 18).
      */
     uint16_t encoder_offset;
 } mwd_motor_v2_35_write_position_as_zero_rom_reply_t;
@@ -3085,7 +3101,7 @@ static inline canwright_status_t mwd_motor_v2_35_write_position_as_zero_rom_repl
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_write_position_as_zero_rom_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *message)
@@ -3163,8 +3179,8 @@ static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_request_d
 /** The reply of read_multi_turn_angle. */
 typedef struct {
     /**
-     * Multi-turn angle, DATA[1..7]. Type multi_turn_angle: multi_turn_angle_to_*, multi_turn_angle_from_*. Resolution
-     * (1 LSB): 0.01 deg.
+     * Multi-turn angle, DATA[1..7]. Raw integer, type multi_turn_angle: multi_turn_angle_to_*,
+     * multi_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     int64_t angle;
 } mwd_motor_v2_35_read_multi_turn_angle_reply_t;
@@ -3182,7 +3198,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_multi_turn_angle_reply_che
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_multi_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_multi_turn_angle_reply_t *message)
@@ -3266,7 +3282,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_request_
 /** The reply of read_single_turn_angle. */
 typedef struct {
     /**
-     * Single-turn angle, DATA[4..7]. Type single_turn_position: single_turn_position_to_*,
+     * Single-turn angle, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
      * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
      */
     uint32_t angle;
@@ -3286,7 +3302,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_single_turn_angle_reply_ch
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_single_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_single_turn_angle_reply_t *message)
@@ -3613,27 +3629,28 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_3_request_decode(
 /** The reply of read_status_3. */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
     /**
-     * Phase A current, DATA[2..3]. Type phase_current: phase_current_to_*, phase_current_from_*. Resolution (1 LSB):
-     * 1/64 A.
+     * Phase A current, DATA[2..3]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*.
+     * Resolution (1 LSB): 1/64 A.
      */
     int16_t phase_a;
     /**
-     * Phase B current, DATA[4..5]. Type phase_current: phase_current_to_*, phase_current_from_*. Resolution (1 LSB):
-     * 1/64 A.
+     * Phase B current, DATA[4..5]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*.
+     * Resolution (1 LSB): 1/64 A.
      */
     int16_t phase_b;
     /**
-     * Phase C current, DATA[6..7]. Type phase_current: phase_current_to_*, phase_current_from_*. Resolution (1 LSB):
-     * 1/64 A.
+     * Phase C current, DATA[6..7]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*.
+     * Resolution (1 LSB): 1/64 A.
      */
     int16_t phase_c;
 } mwd_motor_v2_35_read_status_3_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_read_status_3_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_read_status_3_reply_t *message)
@@ -3710,9 +3727,9 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_3_reply_decode(
 /** The request of broadcast_torque. */
 typedef struct {
     /**
-     * Torque current of each motor, DATA[0..1] to DATA[6..7]. Type broadcast_current: broadcast_current_to_*,
-     * broadcast_current_from_*. Element 0 is number 1, the last one number 4. Resolution (1 LSB): 32/2000 A. Raw
-     * -2000..2000.
+     * Torque current of each motor, DATA[0..1] to DATA[6..7]. Raw integer, type broadcast_current:
+     * broadcast_current_to_*, broadcast_current_from_*. Element 0 is number 1, the last one number 4. Resolution (1
+     * LSB): 32/2000 A. Raw -2000..2000.
      */
     int16_t iq[4];
 } mwd_motor_v2_35_broadcast_torque_request_t;
@@ -3733,7 +3750,7 @@ static inline canwright_status_t mwd_motor_v2_35_broadcast_torque_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_broadcast_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_broadcast_torque_request_t *message)

@@ -229,7 +229,7 @@ struct temperature {
     };
 };
 
-/** power: Power (open-loop drive level). */
+/** power: Open-loop control value. */
 struct power {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_35::parameters;
@@ -912,7 +912,7 @@ struct multi_turn_angle {
     };
 };
 
-/** single_turn_position: Single-turn angle of the output, deg. */
+/** single_turn_position: Single-turn angle, deg. */
 struct single_turn_position {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_35::parameters;
@@ -1323,7 +1323,7 @@ constexpr bool same(const status_1 &one, const status_1 &other) noexcept
 
 /** The fields of ::mwd_motor_v2_35_set_power_request_t. */
 struct set_power_request : ::canwright::message {
-    /** Target power, DATA[4..5]. Raw integer, type power, a plain number. Raw -850..850. */
+    /** Open-loop control value, DATA[4..5]. Raw integer, type power, a plain number. Raw -850..850. */
     ::canwright::raw<::std::int16_t> power{};
 };
 
@@ -1878,7 +1878,7 @@ struct read_encoder_reply : ::canwright::message {
      */
     ::canwright::raw<::std::uint16_t> encoder{};
     /**
-     * Measured encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
+     * Raw encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
      * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
      * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 18). Raw 0..16383 (encoder_bits 14), 0..32767
      * (encoder_bits 15), 0..65535 (encoder_bits 18).
@@ -2020,7 +2020,7 @@ constexpr bool same(const read_multi_turn_angle_reply &one, const read_multi_tur
 /** The fields of ::mwd_motor_v2_35_read_single_turn_angle_reply_t. */
 struct read_single_turn_angle_reply : ::canwright::message {
     /**
-     * Single-turn angle of the output, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
+     * Single-turn angle, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
      * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
      */
     ::canwright::raw<::std::uint32_t> angle{};

@@ -9,7 +9,8 @@
  * Numbers in brackets are sections of: Motor CAN bus protocol V2.35 of Shanghai Lingkong Technology, 2024-02, in
  * Chinese.
  *
- * A message is a struct of raw integers, as they are on the wire; the functions of a type convert them to values.
+ * A message is a struct of raw integers, as they are on the wire; the functions of a type convert them to values. Initialize
+ * it with `= CANWRIGHT_ZERO`, so that a member that is not assigned is 0.
  * The host encodes requests and decodes replies, a node decodes requests and encodes replies. A function that depends
  * on the parameters of a node takes them as its last argument. No pointer may be NULL. Functions that can fail return a
  * status; unless it is CANWRIGHT_OK, the outputs are unspecified.
@@ -172,7 +173,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_filter(canw
     return mwd_motor_v2_35_2024_02_motor_reply_id(&filter->id, node);
 }
 
-/** Checks id, length and code of a request. */
+/** Checks id, length and code of a request; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code)
@@ -186,7 +187,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_match(
     return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a request, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a request, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code)
@@ -200,7 +201,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_stamp(
     return CANWRIGHT_OK;
 }
 
-/** Checks id, length and code of a request. */
+/** Checks id, length and code of a request; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_2_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code, uint32_t code_2)
@@ -214,7 +215,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_2_match(
     return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a request, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a request, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_2_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code, uint32_t code_2)
@@ -229,7 +230,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_request_2_stamp(
     return CANWRIGHT_OK;
 }
 
-/** Checks id, length and code of a reply. */
+/** Checks id, length and code of a reply; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code)
@@ -243,7 +244,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_match(
     return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a reply, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code)
@@ -257,7 +258,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_stamp(
     return CANWRIGHT_OK;
 }
 
-/** Checks id, length and code of a reply. */
+/** Checks id, length and code of a reply; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_2_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code, uint32_t code_2)
@@ -271,7 +272,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_2_match(
     return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a reply, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_reply_2_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code, uint32_t code_2)
@@ -1191,23 +1192,31 @@ static inline const char *mwd_motor_v2_35_2024_02_field_name(mwd_motor_v2_35_202
  */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
-    /** Output power, DATA[2..3]. Type output_power, a plain number. Raw -1000..1000. Only series MS; 0 otherwise. */
+    /**
+     * Output power, DATA[2..3]. Raw integer, type output_power, a plain number. Raw -1000..1000. Only series MS; 0
+     * otherwise.
+     */
     int16_t power;
     /**
-     * Torque current, DATA[2..3]. Type measured_torque_current: measured_torque_current_to_*,
+     * Torque current, DATA[2..3]. Raw integer, type measured_torque_current: measured_torque_current_to_*,
      * measured_torque_current_from_*, with the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A
      * (series MG). None is known for MH. Only series MF, MH, MG; 0 otherwise.
      */
     int16_t iq;
-    /** Motor speed, DATA[4..5]. Type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1 deg/s. */
+    /**
+     * Motor speed, DATA[4..5]. Raw integer, type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1
+     * deg/s.
+     */
     int16_t speed;
     /**
-     * Encoder position, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder position, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     uint16_t encoder;
 } mwd_motor_v2_35_2024_02_motion_feedback_t;
@@ -1248,7 +1257,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_motion_feedback_t *message,
@@ -1312,18 +1321,23 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motion_feedback_unpack(
  */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
-    /** Supply voltage, DATA[2..3]. Type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01 V. */
+    /**
+     * Supply voltage, DATA[2..3]. Raw integer, type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01
+     * V.
+     */
     int16_t voltage;
     /**
-     * Supply current, DATA[4..5]. Type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1 LSB): 0.01 A.
+     * Supply current, DATA[4..5]. Raw integer, type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1
+     * LSB): 0.01 A.
      */
     int16_t current;
-    /** Motor state, DATA[6]. Type motor_state: MOTOR_STATE_*. */
+    /** Motor state, DATA[6]. Raw integer, type motor_state: MOTOR_STATE_*. */
     uint8_t motor_state;
-    /** Errors, DATA[7]. Type error_flags: ERROR_FLAGS_*. */
+    /** Errors, DATA[7]. Raw integer, type error_flags: ERROR_FLAGS_*. */
     uint8_t errors;
 } mwd_motor_v2_35_2024_02_status_1_t;
 
@@ -1344,7 +1358,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_status_1_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_status_1_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_status_1_t *message)
@@ -1372,11 +1386,11 @@ static inline void mwd_motor_v2_35_2024_02_status_1_unpack(
 
 /** Torque limit (2.19). */
 typedef struct {
-    /** Torque limit, DATA[4..5]. Type i16, a plain number. */
+    /** Torque limit, DATA[4..5]. Raw integer, type i16, a plain number. */
     int16_t torque_limit;
 } mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_control_parameters_torque_limit_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *message)
@@ -1396,11 +1410,11 @@ static inline void mwd_motor_v2_35_2024_02_control_parameters_torque_limit_unpac
 
 /** Acceleration limit (2.19). */
 typedef struct {
-    /** Acceleration limit, DATA[4..7]. Type i32, a plain number. */
+    /** Acceleration limit, DATA[4..7]. Raw integer, type i32, a plain number. */
     int32_t acceleration_limit;
 } mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *message)
@@ -1422,11 +1436,11 @@ static inline void mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit
 
 /** Speed limit (2.19). */
 typedef struct {
-    /** Speed limit, DATA[4..7]. Type i32, a plain number. */
+    /** Speed limit, DATA[4..7]. Raw integer, type i32, a plain number. */
     int32_t speed_limit;
 } mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_control_parameters_speed_limit_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *message)
@@ -1612,7 +1626,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_motor_stop_reply_decode
 
 /** The request of brake. */
 typedef struct {
-    /** Brake action, DATA[1]. Type brake_action: BRAKE_ACTION_*. */
+    /** Brake action, DATA[1]. Raw integer, type brake_action: BRAKE_ACTION_*. */
     uint8_t action;
 } mwd_motor_v2_35_2024_02_brake_request_t;
 
@@ -1629,7 +1643,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_brake_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_brake_request_t *message)
@@ -1678,7 +1692,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_request_decode(
 
 /** The reply of brake. */
 typedef struct {
-    /** Brake state, DATA[1]. Type brake_state: BRAKE_STATE_*. */
+    /** Brake state, DATA[1]. Raw integer, type brake_state: BRAKE_STATE_*. */
     uint8_t state;
 } mwd_motor_v2_35_2024_02_brake_reply_t;
 
@@ -1695,7 +1709,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_reply_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_brake_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_brake_reply_t *message)
@@ -1760,7 +1774,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_brake_reply_decode(
 
 /** The request of set_power. */
 typedef struct {
-    /** Open-loop control value, DATA[4..5]. Type power_i16, a plain number. Raw -850..850. */
+    /** Open-loop control value, DATA[4..5]. Raw integer, type power_i16, a plain number. Raw -850..850. */
     int16_t power;
 } mwd_motor_v2_35_2024_02_set_power_request_t;
 
@@ -1777,7 +1791,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_power_request_check
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_power_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_power_request_t *message)
@@ -1884,9 +1898,9 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_power_reply_decode(
 /** The request of set_torque. */
 typedef struct {
     /**
-     * Target torque current, DATA[4..5]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Target torque current, DATA[4..5]. Raw integer, type torque_current: torque_current_to_*,
+     * torque_current_from_*, with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series
+     * MG). None is known for MS, MH. Raw -2048..2048.
      */
     int16_t iq;
 } mwd_motor_v2_35_2024_02_set_torque_request_t;
@@ -1904,7 +1918,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_torque_request_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_torque_request_t *message)
@@ -2010,13 +2024,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_torque_reply_decode
 /** The request of set_speed. */
 typedef struct {
     /**
-     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
-     * 0.01 deg/s.
+     * Target speed, DATA[4..7]. Raw integer, type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*.
+     * Resolution (1 LSB): 0.01 deg/s.
      */
     int32_t speed;
 } mwd_motor_v2_35_2024_02_set_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_speed_request_t *message)
@@ -2119,14 +2133,14 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_reply_decode(
 /** The request of set_speed_limited. */
 typedef struct {
     /**
-     * Torque current limit, DATA[2..3]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Torque current limit, DATA[2..3]. Raw integer, type torque_current: torque_current_to_*, torque_current_from_*,
+     * with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for
+     * MS, MH. Raw -2048..2048.
      */
     int16_t iq_limit;
     /**
-     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
-     * 0.01 deg/s.
+     * Target speed, DATA[4..7]. Raw integer, type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*.
+     * Resolution (1 LSB): 0.01 deg/s.
      */
     int32_t speed;
 } mwd_motor_v2_35_2024_02_set_speed_limited_request_t;
@@ -2144,7 +2158,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_limited_reque
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_speed_limited_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *message)
@@ -2250,13 +2264,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_set_speed_limited_reply
 /** The request of move_to_angle. */
 typedef struct {
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     int32_t angle;
 } mwd_motor_v2_35_2024_02_move_to_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_move_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_move_to_angle_request_t *message)
@@ -2354,18 +2368,18 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_reply_dec
 /** The request of move_to_angle_at_speed. */
 typedef struct {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
-     * Resolution (1 LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit_u16: speed_limit_u16_to_*,
+     * speed_limit_u16_from_*. Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     int32_t angle;
 } mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *message)
@@ -2464,11 +2478,11 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_at_speed_
 
 /** The request of turn_to_angle. */
 typedef struct {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     uint8_t spin_direction;
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     uint32_t angle;
 } mwd_motor_v2_35_2024_02_turn_to_angle_request_t;
@@ -2486,7 +2500,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_request_c
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_turn_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *message)
@@ -2589,16 +2603,16 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_reply_dec
 
 /** The request of turn_to_angle_at_speed. */
 typedef struct {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     uint8_t spin_direction;
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
-     * Resolution (1 LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit_u16: speed_limit_u16_to_*,
+     * speed_limit_u16_from_*. Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     uint32_t angle;
 } mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t;
@@ -2616,7 +2630,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *message)
@@ -2730,12 +2744,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_
 /** The request of move_by_angle. */
 typedef struct {
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     int32_t increment;
 } mwd_motor_v2_35_2024_02_move_by_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_move_by_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_move_by_angle_request_t *message)
@@ -2840,17 +2855,18 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_by_angle_reply_dec
 /** The request of move_by_angle_at_speed. */
 typedef struct {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit_u16: speed_limit_u16_to_*, speed_limit_u16_from_*.
-     * Resolution (1 LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit_u16: speed_limit_u16_to_*,
+     * speed_limit_u16_from_*. Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     int32_t increment;
 } mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *message)
@@ -3382,22 +3398,24 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_encoder_request_de
 /** The reply of read_encoder. */
 typedef struct {
     /**
-     * Encoder position, DATA[2..3]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder position, DATA[2..3]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     uint16_t encoder;
     /**
-     * Raw encoder position, DATA[4..5]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 16).
+     * Raw encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     uint16_t encoder_measured;
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 16).
      */
     uint16_t encoder_offset;
 } mwd_motor_v2_35_2024_02_read_encoder_reply_t;
@@ -3424,7 +3442,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_encoder_reply_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_read_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_read_encoder_reply_t *message)
@@ -3501,9 +3519,10 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_encoder_reply_deco
 /** Request and reply of write_encoder_offset_rom. */
 typedef struct {
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 16).
      */
     uint16_t encoder_offset;
 } mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t;
@@ -3522,7 +3541,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_encoder_offset_ro
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_write_encoder_offset_rom_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *message)
@@ -3643,10 +3662,10 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_position_as_zero_
 /** The reply of write_position_as_zero_rom. */
 typedef struct {
     /**
-     * Written encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 16).
+     * Written encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     uint16_t encoder_offset;
 } mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t;
@@ -3665,7 +3684,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_write_position_as_zero_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *message)
@@ -3745,8 +3764,8 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_multi_turn_angle_r
 /** The reply of read_multi_turn_angle. */
 typedef struct {
     /**
-     * Multi-turn angle, DATA[1..7]. Type multi_turn_angle: multi_turn_angle_to_*, multi_turn_angle_from_*. Resolution
-     * (1 LSB): 0.01 deg.
+     * Multi-turn angle, DATA[1..7]. Raw integer, type multi_turn_angle: multi_turn_angle_to_*,
+     * multi_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     int64_t angle;
 } mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t;
@@ -3764,7 +3783,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_multi_turn_angle_r
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *message)
@@ -3848,7 +3867,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_single_turn_angle_
 /** The reply of read_single_turn_angle. */
 typedef struct {
     /**
-     * Single-turn angle, DATA[4..7]. Type single_turn_position: single_turn_position_to_*,
+     * Single-turn angle, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
      * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
      */
     uint32_t angle;
@@ -3868,7 +3887,7 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_single_turn_angle_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *message)
@@ -3946,13 +3965,13 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_single_turn_angle_
 /** Request and reply of set_angle. */
 typedef struct {
     /**
-     * Multi-turn angle of the present position, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Multi-turn angle of the present position, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*,
+     * angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
      */
     int32_t angle;
 } mwd_motor_v2_35_2024_02_set_angle_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_set_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_set_angle_t *message)
@@ -4250,27 +4269,28 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_read_status_3_request_d
 /** The reply of read_status_3. */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
     /**
-     * Phase A current, DATA[2..3]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase A current, DATA[2..3]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     int16_t phase_a;
     /**
-     * Phase B current, DATA[4..5]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase B current, DATA[4..5]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     int16_t phase_b;
     /**
-     * Phase C current, DATA[6..7]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase C current, DATA[6..7]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     int16_t phase_c;
 } mwd_motor_v2_35_2024_02_read_status_3_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_35_2024_02_read_status_3_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_35_2024_02_read_status_3_reply_t *message)

@@ -9,7 +9,8 @@
  * Numbers in brackets are sections of: Motor CAN bus protocol V2.36 of Shanghai Lingkong Technology, 2024-11, in
  * Chinese.
  *
- * A message is a struct of raw integers, as they are on the wire; the functions of a type convert them to values.
+ * A message is a struct of raw integers, as they are on the wire; the functions of a type convert them to values. Initialize
+ * it with `= CANWRIGHT_ZERO`, so that a member that is not assigned is 0.
  * The host encodes requests and decodes replies, a node decodes requests and encodes replies. A function that depends
  * on the parameters of a node takes them as its last argument. No pointer may be NULL. Functions that can fail return a
  * status; unless it is CANWRIGHT_OK, the outputs are unspecified.
@@ -172,7 +173,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_filter(canw
     return mwd_motor_v2_36_2024_11_motor_reply_id(&filter->id, node);
 }
 
-/** Checks id, length and code of a request. */
+/** Checks id, length and code of a request; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code)
@@ -186,7 +187,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_match(
     return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a request, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a request, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code)
@@ -200,7 +201,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_stamp(
     return CANWRIGHT_OK;
 }
 
-/** Checks id, length and code of a request. */
+/** Checks id, length and code of a request; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_2_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code, uint32_t code_2)
@@ -214,7 +215,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_2_match(
     return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a request, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a request, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_2_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code, uint32_t code_2)
@@ -229,7 +230,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_request_2_stamp(
     return CANWRIGHT_OK;
 }
 
-/** Checks id, length and code of a reply. */
+/** Checks id, length and code of a reply; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code)
@@ -243,7 +244,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_match(
     return (frame->data[0] == code) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a reply, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code)
@@ -257,7 +258,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_stamp(
     return CANWRIGHT_OK;
 }
 
-/** Checks id, length and code of a reply. */
+/** Checks id, length and code of a reply; these are those of a message below. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_2_match(
     uint32_t *node, const canwright_frame_t *frame, uint8_t dlc, uint32_t code, uint32_t code_2)
@@ -271,7 +272,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_2_match(
     return ((frame->data[0] == code) && (frame->data[1] == code_2)) ? CANWRIGHT_OK : CANWRIGHT_UNKNOWN_CODE;
 }
 
-/** Writes id, length and code of a reply, and sets all other bits of the data to 0. */
+/** Writes id, length and code of a reply, those of a message below, and sets all other bits of the data to 0. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_reply_2_stamp(
     canwright_frame_t *frame, uint32_t node, uint8_t dlc, uint32_t code, uint32_t code_2)
@@ -1214,23 +1215,31 @@ static inline const char *mwd_motor_v2_36_2024_11_field_name(mwd_motor_v2_36_202
  */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
-    /** Output power, DATA[2..3]. Type output_power, a plain number. Raw -1000..1000. Only series MS; 0 otherwise. */
+    /**
+     * Output power, DATA[2..3]. Raw integer, type output_power, a plain number. Raw -1000..1000. Only series MS; 0
+     * otherwise.
+     */
     int16_t power;
     /**
-     * Torque current, DATA[2..3]. Type measured_torque_current: measured_torque_current_to_*,
+     * Torque current, DATA[2..3]. Raw integer, type measured_torque_current: measured_torque_current_to_*,
      * measured_torque_current_from_*, with the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A
      * (series MG). None is known for MH. Only series MF, MH, MG; 0 otherwise.
      */
     int16_t iq;
-    /** Motor speed, DATA[4..5]. Type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1 deg/s. */
+    /**
+     * Motor speed, DATA[4..5]. Raw integer, type speed_i16: speed_i16_to_*, speed_i16_from_*. Resolution (1 LSB): 1
+     * deg/s.
+     */
     int16_t speed;
     /**
-     * Encoder position, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder position, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     uint16_t encoder;
 } mwd_motor_v2_36_2024_11_motion_feedback_t;
@@ -1271,7 +1280,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_motion_feedback_t *message,
@@ -1333,15 +1342,15 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motion_feedback_unpack(
  * 1. Units taken from other commands could be wrong by a factor of 100. Read a parameter before writing it.
  */
 typedef struct {
-    /** Kp, DATA[2..3]. Type gain, a plain number. */
+    /** Kp, DATA[2..3]. Raw integer, type gain, a plain number. */
     uint16_t kp;
-    /** Ki, DATA[4..5]. Type gain, a plain number. */
+    /** Ki, DATA[4..5]. Raw integer, type gain, a plain number. */
     uint16_t ki;
-    /** Kd, DATA[6..7]. Type gain, a plain number. */
+    /** Kd, DATA[6..7]. Raw integer, type gain, a plain number. */
     uint16_t kd;
 } mwd_motor_v2_36_2024_11_pid_gains_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_pid_gains_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_pid_gains_t *message)
@@ -1373,18 +1382,23 @@ static inline void mwd_motor_v2_36_2024_11_pid_gains_unpack(
  */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
-    /** Supply voltage, DATA[2..3]. Type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01 V. */
+    /**
+     * Supply voltage, DATA[2..3]. Raw integer, type voltage: voltage_to_*, voltage_from_*. Resolution (1 LSB): 0.01
+     * V.
+     */
     int16_t voltage;
     /**
-     * Supply current, DATA[4..5]. Type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1 LSB): 0.01 A.
+     * Supply current, DATA[4..5]. Raw integer, type bus_current: bus_current_to_*, bus_current_from_*. Resolution (1
+     * LSB): 0.01 A.
      */
     int16_t current;
-    /** Motor state, DATA[6]. Type motor_state: MOTOR_STATE_*. */
+    /** Motor state, DATA[6]. Raw integer, type motor_state: MOTOR_STATE_*. */
     uint8_t motor_state;
-    /** Errors, DATA[7]. Type error_flags: ERROR_FLAGS_*. */
+    /** Errors, DATA[7]. Raw integer, type error_flags: ERROR_FLAGS_*. */
     uint8_t errors;
 } mwd_motor_v2_36_2024_11_status_1_t;
 
@@ -1401,7 +1415,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_status_1_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_status_1_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_status_1_t *message)
@@ -1439,11 +1453,11 @@ static inline void mwd_motor_v2_36_2024_11_status_1_unpack(
  * The position of the values does not depend on the other bytes.
  */
 typedef struct {
-    /** Torque current limit, DATA[4..5]. Type i16, a plain number. */
+    /** Torque current limit, DATA[4..5]. Raw integer, type i16, a plain number. */
     int16_t max_torque_current;
 } mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *message)
@@ -1473,11 +1487,11 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_max_torque_current
  * The position of the values does not depend on the other bytes.
  */
 typedef struct {
-    /** Speed limit, DATA[4..7]. Type i32, a plain number. */
+    /** Speed limit, DATA[4..7]. Raw integer, type i32, a plain number. */
     int32_t max_speed;
 } mwd_motor_v2_36_2024_11_control_parameters_max_speed_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_max_speed_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *message)
@@ -1512,11 +1526,11 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_max_speed_unpack(
  * Used here: One number at 0x22. v2.36-2025-03 uses 0x22 for the upper limit and 0x23 for the lower limit.
  */
 typedef struct {
-    /** Angle limit, DATA[4..7]. Type i32, a plain number. */
+    /** Angle limit, DATA[4..7]. Raw integer, type i32, a plain number. */
     int32_t max_angle;
 } mwd_motor_v2_36_2024_11_control_parameters_max_angle_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_max_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *message)
@@ -1548,11 +1562,11 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_max_angle_unpack(
  * The position of the values does not depend on the other bytes.
  */
 typedef struct {
-    /** Current ramp, DATA[4..7]. Type i32, a plain number. */
+    /** Current ramp, DATA[4..7]. Raw integer, type i32, a plain number. */
     int32_t current_ramp;
 } mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_current_ramp_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *message)
@@ -1584,11 +1598,11 @@ static inline void mwd_motor_v2_36_2024_11_control_parameters_current_ramp_unpac
  * The position of the values does not depend on the other bytes.
  */
 typedef struct {
-    /** Speed ramp, DATA[4..7]. Type i32, a plain number. */
+    /** Speed ramp, DATA[4..7]. Raw integer, type i32, a plain number. */
     int32_t speed_ramp;
 } mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *message)
@@ -1774,7 +1788,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_motor_stop_reply_decode
 
 /** The request of brake. */
 typedef struct {
-    /** Brake action, DATA[1]. Type brake_action: BRAKE_ACTION_*. */
+    /** Brake action, DATA[1]. Raw integer, type brake_action: BRAKE_ACTION_*. */
     uint8_t action;
 } mwd_motor_v2_36_2024_11_brake_request_t;
 
@@ -1791,7 +1805,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_request_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_brake_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_brake_request_t *message)
@@ -1840,7 +1854,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_request_decode(
 
 /** The reply of brake. */
 typedef struct {
-    /** Brake state, DATA[1]. Type brake_state: BRAKE_STATE_*. */
+    /** Brake state, DATA[1]. Raw integer, type brake_state: BRAKE_STATE_*. */
     uint8_t state;
 } mwd_motor_v2_36_2024_11_brake_reply_t;
 
@@ -1857,7 +1871,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_reply_check(
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_brake_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_brake_reply_t *message)
@@ -1922,7 +1936,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_brake_reply_decode(
 
 /** The request of set_power. */
 typedef struct {
-    /** Open-loop control value, DATA[4..5]. Type power_i16, a plain number. Raw -850..850. */
+    /** Open-loop control value, DATA[4..5]. Raw integer, type power_i16, a plain number. Raw -850..850. */
     int16_t power;
 } mwd_motor_v2_36_2024_11_set_power_request_t;
 
@@ -1939,7 +1953,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_power_request_check
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_set_power_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_set_power_request_t *message)
@@ -2046,9 +2060,9 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_power_reply_decode(
 /** The request of set_torque. */
 typedef struct {
     /**
-     * Target torque current, DATA[4..5]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Target torque current, DATA[4..5]. Raw integer, type torque_current: torque_current_to_*,
+     * torque_current_from_*, with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series
+     * MG). None is known for MS, MH. Raw -2048..2048.
      */
     int16_t iq;
 } mwd_motor_v2_36_2024_11_set_torque_request_t;
@@ -2066,7 +2080,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_torque_request_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_set_torque_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_set_torque_request_t *message)
@@ -2182,14 +2196,14 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_torque_reply_decode
 /** The request of set_speed. */
 typedef struct {
     /**
-     * Torque current limit, DATA[2..3]. Type torque_current: torque_current_to_*, torque_current_from_*, with the
-     * parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for MS, MH. Raw
-     * -2048..2048.
+     * Torque current limit, DATA[2..3]. Raw integer, type torque_current: torque_current_to_*, torque_current_from_*,
+     * with the parameters. Resolution (1 LSB): 16.5/2048 A (series MF) or 33/2048 A (series MG). None is known for
+     * MS, MH. Raw -2048..2048.
      */
     int16_t iq_limit;
     /**
-     * Target speed, DATA[4..7]. Type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*. Resolution (1 LSB):
-     * 0.01 deg/s.
+     * Target speed, DATA[4..7]. Raw integer, type speed_setpoint: speed_setpoint_to_*, speed_setpoint_from_*.
+     * Resolution (1 LSB): 0.01 deg/s.
      */
     int32_t speed;
 } mwd_motor_v2_36_2024_11_set_speed_request_t;
@@ -2207,7 +2221,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_speed_request_check
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_set_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_set_speed_request_t *message)
@@ -2317,13 +2331,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_set_speed_reply_decode(
 /** The request of move_to_angle. */
 typedef struct {
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     int32_t angle;
 } mwd_motor_v2_36_2024_11_move_to_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_move_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_move_to_angle_request_t *message)
@@ -2421,18 +2435,18 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_reply_dec
 /** The request of move_to_angle_at_speed. */
 typedef struct {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Target multi-turn angle, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01
-     * deg.
+     * Target multi-turn angle, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution
+     * (1 LSB): 0.01 deg.
      */
     int32_t angle;
 } mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *message)
@@ -2531,11 +2545,11 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_at_speed_
 
 /** The request of turn_to_angle. */
 typedef struct {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     uint8_t spin_direction;
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     uint32_t angle;
 } mwd_motor_v2_36_2024_11_turn_to_angle_request_t;
@@ -2553,7 +2567,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_request_c
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_turn_to_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *message)
@@ -2656,16 +2670,16 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_reply_dec
 
 /** The request of turn_to_angle_at_speed. */
 typedef struct {
-    /** Direction of rotation, DATA[1]. Type spin_direction: SPIN_DIRECTION_*. */
+    /** Direction of rotation, DATA[1]. Raw integer, type spin_direction: SPIN_DIRECTION_*. */
     uint8_t spin_direction;
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Target single-turn angle, DATA[4..7]. Type single_turn_angle: single_turn_angle_to_*, single_turn_angle_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Target single-turn angle, DATA[4..7]. Raw integer, type single_turn_angle: single_turn_angle_to_*,
+     * single_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     uint32_t angle;
 } mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t;
@@ -2683,7 +2697,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *message)
@@ -2797,12 +2811,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_
 /** The request of move_by_angle. */
 typedef struct {
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     int32_t increment;
 } mwd_motor_v2_36_2024_11_move_by_angle_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_move_by_angle_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_move_by_angle_request_t *message)
@@ -2907,17 +2922,18 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_by_angle_reply_dec
 /** The request of move_by_angle_at_speed. */
 typedef struct {
     /**
-     * Speed limit of the movement, DATA[2..3]. Type speed_limit: speed_limit_to_*, speed_limit_from_*. Resolution (1
-     * LSB): 1 deg/s.
+     * Speed limit of the movement, DATA[2..3]. Raw integer, type speed_limit: speed_limit_to_*, speed_limit_from_*.
+     * Resolution (1 LSB): 1 deg/s.
      */
     uint16_t max_speed;
     /**
-     * Angle increment, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
+     * Angle increment, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*, angle_i32_from_*. Resolution (1 LSB):
+     * 0.01 deg.
      */
     int32_t increment;
 } mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *message)
@@ -4027,22 +4043,24 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_encoder_request_de
 /** The reply of read_encoder. */
 typedef struct {
     /**
-     * Encoder position, DATA[2..3]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder position, DATA[2..3]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     uint16_t encoder;
     /**
-     * Raw encoder position, DATA[4..5]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 16).
+     * Raw encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     uint16_t encoder_measured;
     /**
-     * Encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with the
-     * parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or 360/65536
-     * deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535 (encoder_bits 16).
+     * Encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*, encoder_position_from_*,
+     * with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
+     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
+     * (encoder_bits 16).
      */
     uint16_t encoder_offset;
 } mwd_motor_v2_36_2024_11_read_encoder_reply_t;
@@ -4069,7 +4087,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_encoder_reply_chec
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_read_encoder_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_read_encoder_reply_t *message)
@@ -4157,10 +4175,10 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_position_as_zero_
 /** The reply of write_position_as_zero_rom. */
 typedef struct {
     /**
-     * Written encoder offset, DATA[6..7]. Type encoder_position: encoder_position_to_*, encoder_position_from_*, with
-     * the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768 deg (encoder_bits 15) or
-     * 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767 (encoder_bits 15), 0..65535
-     * (encoder_bits 16).
+     * Written encoder offset, DATA[6..7]. Raw integer, type encoder_position: encoder_position_to_*,
+     * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
+     * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
+     * (encoder_bits 15), 0..65535 (encoder_bits 16).
      */
     uint16_t encoder_offset;
 } mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t;
@@ -4179,7 +4197,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_write_position_as_zero_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *message)
@@ -4259,8 +4277,8 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_multi_turn_angle_r
 /** The reply of read_multi_turn_angle. */
 typedef struct {
     /**
-     * Multi-turn angle, DATA[1..7]. Type multi_turn_angle: multi_turn_angle_to_*, multi_turn_angle_from_*. Resolution
-     * (1 LSB): 0.01 deg.
+     * Multi-turn angle, DATA[1..7]. Raw integer, type multi_turn_angle: multi_turn_angle_to_*,
+     * multi_turn_angle_from_*. Resolution (1 LSB): 0.01 deg.
      */
     int64_t angle;
 } mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t;
@@ -4278,7 +4296,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_multi_turn_angle_r
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *message)
@@ -4362,7 +4380,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_single_turn_angle_
 /** The reply of read_single_turn_angle. */
 typedef struct {
     /**
-     * Single-turn angle, DATA[4..7]. Type single_turn_position: single_turn_position_to_*,
+     * Single-turn angle, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
      * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
      */
     uint32_t angle;
@@ -4382,7 +4400,7 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_single_turn_angle_
     return CANWRIGHT_OK;
 }
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *message)
@@ -4460,13 +4478,13 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_single_turn_angle_
 /** Request and reply of set_angle. */
 typedef struct {
     /**
-     * Multi-turn angle of the present position, DATA[4..7]. Type angle_i32: angle_i32_to_*, angle_i32_from_*.
-     * Resolution (1 LSB): 0.01 deg.
+     * Multi-turn angle of the present position, DATA[4..7]. Raw integer, type angle_i32: angle_i32_to_*,
+     * angle_i32_from_*. Resolution (1 LSB): 0.01 deg.
      */
     int32_t angle;
 } mwd_motor_v2_36_2024_11_set_angle_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_set_angle_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_set_angle_t *message)
@@ -4764,27 +4782,28 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_read_status_3_request_d
 /** The reply of read_status_3. */
 typedef struct {
     /**
-     * Motor temperature, DATA[1]. Type temperature: temperature_to_*, temperature_from_*. Resolution (1 LSB): 1 degC.
+     * Motor temperature, DATA[1]. Raw integer, type temperature: temperature_to_*, temperature_from_*. Resolution (1
+     * LSB): 1 degC.
      */
     int8_t temperature;
     /**
-     * Phase A current, DATA[2..3]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase A current, DATA[2..3]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     int16_t phase_a;
     /**
-     * Phase B current, DATA[4..5]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase B current, DATA[4..5]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     int16_t phase_b;
     /**
-     * Phase C current, DATA[6..7]. Type phase_current: phase_current_to_*, phase_current_from_*, with the parameters.
-     * Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
+     * Phase C current, DATA[6..7]. Raw integer, type phase_current: phase_current_to_*, phase_current_from_*, with
+     * the parameters. Resolution (1 LSB): 33/4096 A (series MF) or 66/4096 A (series MG). None is known for MS, MH.
      */
     int16_t phase_c;
 } mwd_motor_v2_36_2024_11_read_status_3_reply_t;
 
-/** Writes the fields into a frame that already has its id, length and code, without a check. */
+/** Writes the fields, without a check, into a frame that has its id, length and code, and 0 in all other bits. */
 CANWRIGHT_NONNULL
 static inline void mwd_motor_v2_36_2024_11_read_status_3_reply_pack(
     canwright_frame_t *frame, const mwd_motor_v2_36_2024_11_read_status_3_reply_t *message)

@@ -815,7 +815,7 @@ struct brake_action {
     };
 };
 
-/** power_i16: Power (open-loop drive level). */
+/** power_i16: Open-loop control value. */
 struct power_i16 {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
@@ -1260,7 +1260,7 @@ struct multi_turn_angle {
     };
 };
 
-/** single_turn_position: Single-turn angle of the output, deg. */
+/** single_turn_position: Single-turn angle, deg. */
 struct single_turn_position {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
@@ -1522,11 +1522,11 @@ constexpr bool same(const motion_feedback &one, const motion_feedback &other) no
 
 /** The fields of ::mwd_motor_v2_36_2024_11_pid_gains_t. */
 struct pid_gains : ::canwright::message {
-    /** P, DATA[2..3]. Raw integer, type gain, a plain number. */
+    /** Kp, DATA[2..3]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint16_t> kp{};
-    /** I, DATA[4..5]. Raw integer, type gain, a plain number. */
+    /** Ki, DATA[4..5]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint16_t> ki{};
-    /** D, DATA[6..7]. Raw integer, type gain, a plain number. */
+    /** Kd, DATA[6..7]. Raw integer, type gain, a plain number. */
     ::canwright::raw<::std::uint16_t> kd{};
 };
 
@@ -1870,7 +1870,7 @@ constexpr bool same(const brake_request &one, const brake_request &other) noexce
 
 /** The fields of ::mwd_motor_v2_36_2024_11_set_power_request_t. */
 struct set_power_request : ::canwright::message {
-    /** Target power, DATA[4..5]. Raw integer, type power_i16, a plain number. Raw -850..850. */
+    /** Open-loop control value, DATA[4..5]. Raw integer, type power_i16, a plain number. Raw -850..850. */
     ::canwright::raw<::std::int16_t> power{};
 };
 
@@ -2359,7 +2359,7 @@ struct read_encoder_reply : ::canwright::message {
      */
     ::canwright::raw<::std::uint16_t> encoder{};
     /**
-     * Measured encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
+     * Raw encoder position, DATA[4..5]. Raw integer, type encoder_position: encoder_position_to_*,
      * encoder_position_from_*, with the parameters. Resolution (1 LSB): 360/16384 deg (encoder_bits 14) or 360/32768
      * deg (encoder_bits 15) or 360/65536 deg (encoder_bits 16). Raw 0..16383 (encoder_bits 14), 0..32767
      * (encoder_bits 15), 0..65535 (encoder_bits 16).
@@ -2504,7 +2504,7 @@ constexpr bool same(const read_multi_turn_angle_reply &one, const read_multi_tur
 /** The fields of ::mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t. */
 struct read_single_turn_angle_reply : ::canwright::message {
     /**
-     * Single-turn angle of the output, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
+     * Single-turn angle, DATA[4..7]. Raw integer, type single_turn_position: single_turn_position_to_*,
      * single_turn_position_from_*, with the parameters. Resolution (1 LSB): 0.01 deg. Raw 0..36000*gear_ratio-1.
      */
     ::canwright::raw<::std::uint32_t> angle{};
