@@ -4,6 +4,9 @@ Each edit gives a new edition. The Python bindings of the old and of the new edi
 a new node (`behaviour.py`): an edit is silent where a frame is accepted with another meaning, loud where it is rejected or
 not answered, and safe otherwise, on each side. The findings of the comparison must say the same.
 
+Each printed frame is decoded with both bindings and compared with its sentence (`witnesses.py`). Each new edition is also
+compared with its keys in another order, which must give the same findings.
+
 Not decided here, and accepted either way: values outside a range, which generated code checks only before it sends;
 replies to requests that a new node rejects or takes for other requests, or that only a new host on the same bus can have
 sent; frames from nodes that an old host does not know.

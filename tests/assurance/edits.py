@@ -42,6 +42,8 @@ def edits(data: Data) -> Iterator[Edit]:
     yield from _other_constants(data)
     yield from _exchanged_names(data)
     yield from _removed_keys(data)
+    yield from _arrays(data)
+    yield from _shared_replies(data)
     yield from _same(data)
 
 
@@ -667,6 +669,28 @@ def _exchanged_names(data: Data) -> Iterator[Edit]:
         yield Edit(f"names of types {a} and {b} swapped", _swap_keys(("types",), a, b))
     for a, b in _pairs(list(data.get("layouts", {}))):
         yield Edit(f"names of layouts {a} and {b} swapped", _swap_keys(("layouts",), a, b))
+
+
+def _arrays(data: Data) -> Iterator[Edit]:
+    """Arrays that become single fields, and fields that become arrays."""
+    for path, fields, _ in _all_fields(data):
+        for name, one in fields.items():
+            here = (*path, name)
+            if "array" in one:
+                yield Edit(f"{_dotted(here)} is no array", drop((*here, "array")))
+            elif not {"holds", "constant", "reserved"} & set(one) and _raw_of(data, one) == "u16":
+                halves = {**{k: v for k, v in one.items() if k != "type"}, "raw": "u8", "array": "1..2"}
+                yield Edit(f"{_dotted(here)} is an array", put(here, halves))
+
+
+def _shared_replies(data: Data) -> Iterator[Edit]:
+    """Replies that become those of other commands."""
+    for name, command in data["commands"].items():
+        reply = command.get("reply")
+        if isinstance(reply, dict) and isinstance(reply.get("of"), str):
+            for other in data["commands"]:
+                if other not in (name, reply["of"]):
+                    yield Edit(f"{name} replies as {other} does", put(("commands", name, "reply"), {"of": other}))
 
 
 _NEEDED = ("canwright", "family", "edition", "at", "code", "id", "title", "manual")

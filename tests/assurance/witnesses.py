@@ -40,21 +40,19 @@ def _text(fact: Fact | None) -> str:
 def _wrong(witness: Witness, old: Binding, new: Binding, names: Names) -> Iterator[str]:
     assert witness.frame is not None
     sent, read = _text(witness.facts.get("sent")), _text(witness.facts.get("read"))
-    if witness.sentence.endswith("-unset"):  # only the read value is that of a field
-        sent, read = read.partition(": ")[0], read.partition(": ")[2]
     is_request = witness.sentence.startswith("sent-")
     direction = Direction.REQUEST if is_request else Direction.REPLY
     sender, receiver = (old, new) if is_request else (new, old)
     frame = Frame(witness.frame.id, witness.frame.data, witness.frame.extended, witness.frame.remote)
-    command = _COMMAND.match(sent)
+    command = _COMMAND.match(sent or read)
     if command is None:
         yield f"no command in {witness.says()}"
         return
     known = [_parameters(b, witness.assignment, names, is_old=b is old) for b in (sender, receiver)]
     written = _as(sender, direction, command[1], frame, known[0], is_sender=True)
-    if written is None:
+    if sent and written is None:
         yield f"{command[1]} is not sent so: {witness.says()}"
-    else:
+    elif written is not None:
         yield from (f"{text}, sent: {witness.says()}" for text in _differences(sent, written))
     if read:
         whole = _COMMAND.match(read)

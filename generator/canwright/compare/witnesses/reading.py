@@ -259,7 +259,7 @@ class _Pair:
         frame = self._accepted(self._encoder, made)
         text = shown(target, raw_of(target, frame), self._encoder.assignment)
         sentence = "sent-unset" if self._transfer.side is Side.SENDING else "received-unset"
-        facts: dict[str, Fact] = {"name": target.name, "read": self._named(text)}
+        facts: dict[str, Fact] = {"name": target.name, "read": (f"`{self._transfer.read.command}`: ", text)}
         yield self._made(
             Aspect.RAW, Impact.SILENT, self._assignment, frame, sentence, facts, (source or target, target)
         )
