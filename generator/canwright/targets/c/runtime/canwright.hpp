@@ -408,9 +408,13 @@ CANWRIGHT_CHECKED constexpr bool has(const Message &from, tag<Field>, const Rest
                     }
                     const integer raw = access::at(from, index);
                     return (raw & static_cast<integer>(flag)) != 0;
+                } else {
+                    return false;
                 }
             },
             arguments...);
+    } else {
+        return false;
     }
 }
 
