@@ -198,21 +198,22 @@ def test_a_rejection_for_another_reason_fails(claimed: str, complaint: str, tmp_
 
 
 def _check_rejection(mutant: str, error: SpecError, document: Document) -> None:
-    """Every finding has a rule that can reject such a change; it names the changed item, or is at an affected line."""
+    """Every finding has a rule that can reject such a change, and is at an affected line; further off, it names the item."""
     changed = tuple(mutant.partition(" ")[0].split("."))
     names = {f"`{step}`" for step in changed if step not in KEYS}
-    lines = _affected_lines(document, changed)
-    assert error.diagnostics
-    for finding in error.diagnostics:
-        assert finding.severity is Severity.ERROR
+    part = changed[:2] if changed[0] == "commands" else changed[:-1]
+    near, far = (_affected_lines(document, changed, whole) for whole in (part, changed[:2]))
+    errors = [finding for finding in error.diagnostics if finding.severity is Severity.ERROR]
+    assert errors
+    for finding in errors:
         assert finding.rule in _rejections(mutant), f"{mutant} is rejected by another rule: {finding}"
         named = any(name in finding.message for name in names)
         about = {finding.position.line, *(related.position.line for related in finding.related)}
-        assert named or about & lines, f"{mutant} is rejected elsewhere: {finding}"
+        assert about & (far if named else near), f"{mutant} is rejected elsewhere: {finding}"
 
 
-def _affected_lines(document: Document, changed: tuple[str, ...]) -> set[int]:
-    """The lines of the item with a changed key, of those that refer to it by name, and of those that it refers to."""
+def _affected_lines(document: Document, changed: tuple[str, ...], part: DocumentPath) -> set[int]:
+    """The lines of a changed part, of the items that refer to it by name, and of those that it refers to."""
     items = list(_items(document.data))
     if changed[0] in OF_ALL_FRAMES:
         parts: set[DocumentPath] = {()}
@@ -221,8 +222,7 @@ def _affected_lines(document: Document, changed: tuple[str, ...]) -> set[int]:
         layouts = {path[1] for path in users if path[0] == "layouts"}
         users |= {path[:-1] for path, value in items if str(value) in layouts and path[0] == "commands"}
         used = {value for path, value in items if path[:2] == changed[:2] and isinstance(value, str)}
-        whole = changed[:2] if changed[0] == "commands" else changed[:-1]
-        parts = {whole, *users, *(path for path, _ in items if len(path) == 2 and path[1] in used)}
+        parts = {part, *users, *(path for path, _ in items if len(path) == 2 and path[1] in used)}
     affected = (path for path, _ in items if any(path[: len(part)] == part for part in parts))
     return {document.position(path, key=True).line for path in affected}
 
