@@ -156,9 +156,9 @@ def test_editions_that_fit_equally_well_are_all_named() -> None:
     decode(frames, *specs, "--set", "edition=v2.36-2024-11")
 
 
-def stream(log: str, status: int) -> Result:
+def stream(log: str) -> Result:
     result = CliRunner().invoke(main, ["decode", "-", "--format", "jsonl"], input=log.encode())
-    assert result.exit_code == status, result.output
+    assert result.exit_code == 0, result.stderr
     return result
 
 
@@ -169,7 +169,7 @@ TORQUE = "(1.{0:06}) can0 141#A10000009B000000\n(1.{0:06}) can0 141#A1329B00F401
 def test_a_node_that_appears_late() -> None:
     new = "".join(f"(3.{i:06}) can0 143#9A00000000000000\n(3.{i:06}) can0 183#9A32081364000000\n" for i in range(20))
     log = "".join((STATUS + TORQUE).format(i) for i in range(1200)) + new
-    for result in (decode(log, "--format", "jsonl", status=1), stream(log, 1)):  # node 1 only sends its torque
+    for result in (decode(log, "--format", "jsonl"), stream(log)):
         found = [(row["edition"], row["fields"]) for row in json_rows(result.stdout) if row["node"] == 3]
         assert {edition for edition, _ in found} == {"v2.36-2025-03"}
         assert found[-1][1]["voltage"]["value"] == 48.72  # type: ignore[index,call-overload]
@@ -179,7 +179,9 @@ def test_frames_of_a_stream_that_were_read_with_another_edition() -> None:
     """Two editions fit until the stream has a reply in which they differ."""
     specs = ["--spec", str(V2_35), "--spec", str(V2_35.with_name("v2.35-2024-02.yaml"))]
     torque = "".join(TORQUE.format(i) for i in range(2000))
-    status = "".join(f"(3.{i:06}) can0 141#9A00000000000000\n(3.{i:06}) can0 141#9A32081364000000\n" for i in range(500))
+    status = "".join(
+        f"(3.{i:06}) can0 141#9A00000000000000\n(3.{i:06}) can0 141#9A32081364000000\n" for i in range(500)
+    )
     Path("bus.log").write_text(torque + status, "utf-8")
     result = run("bus.log", *specs, "--format", "jsonl", status=0)
     assert {row["edition"] for row in json_rows(result.stdout)} == {"v2.35-2024-02"}
@@ -420,7 +422,12 @@ def test_a_single_frame_in_every_edition_and_direction() -> None:
         ("141#9C0000000000FFFF", [], "reply of read_status_2 from node 1\n", 0),
         ("141#9C00FF0F00000000", ["series=MG"], "`iq` is 4095, outside the raw range -2048..2048", 1),
         ("141#9A32000000000000", [], "`voltage` is outside the plausible range 6..100 V", 1),
-        ("141#A1000100000000FF", [], "request of set_torque to node 1; unusual: DATA[2], DATA[7] have reserved bits", 0),
+        (
+            "141#A1000100000000FF",
+            [],
+            "request of set_torque to node 1; unusual: DATA[2], DATA[7] have reserved bits",
+            0,
+        ),
         ("141#A100000000100000", [], "request of set_torque to node 1; unusual: `iq` is 4096", 0),
     ],
 )

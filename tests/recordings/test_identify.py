@@ -124,7 +124,9 @@ def test_a_node_with_a_damaged_id_is_listed_apart(tmp_path: Path) -> None:
     result = run(tmp_path, lines)
     assert result.exit_code == 0
     last = result.output.split("\n\n")[-2]
-    assert last.startswith("mwd_motor, node 18, 1 frame: few frames, far apart, as frames with a damaged id are; fits v2.35")
+    assert last.startswith(
+        "mwd_motor, node 18, 1 frame: few frames, far apart, as frames with a damaged id are; fits v2.35"
+    )
     assert "mwd_motor, node 2, 159 frames: fits v2.35\n" in result.output
 
 
