@@ -172,7 +172,7 @@ def test_a_node_that_appears_late() -> None:
     for result in (decode(log, "--format", "jsonl"), stream(log)):
         found = [(row["edition"], row["fields"]) for row in json_rows(result.stdout) if row["node"] == 3]
         assert {edition for edition, _ in found} == {"v2.36-2025-03"}
-        assert found[-1][1]["voltage"]["value"] == 48.72  # type: ignore[index,call-overload]
+        assert found[-1][1]["voltage"]["value"] == 48.72  # type: ignore[index]
 
 
 def test_frames_of_a_stream_that_were_read_with_another_edition() -> None:
