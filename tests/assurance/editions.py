@@ -82,7 +82,11 @@ def _logs(rounds: int, rng: random.Random, seed: int) -> Iterator[tuple[str, Seq
     late = made(Motor(1, first, ONLY_TORQUE, until=half), Motor(1, first, ("status",), since=half, first=()))
     yield f"late status {first}", late, False, False
     own = {edition: (*COMMON[2:], *OWN[edition]) for edition in EDITIONS}
-    changed = (Motor(1, first, own[first], until=half), Motor(1, second, own[second], since=half), Motor(2, first))
+    changed = (
+        Motor(1, first, own[first], until=half),
+        Motor(1, second, own[second], since=half, first=()),
+        Motor(2, first),
+    )
     yield f"{first} to {second}", made(*changed), True, False
     yield "damaged data", buses.damaged(mixed, 0.02, seed), False, True
     yield "damaged ids", buses.damaged(mixed, 0.01, seed, ids=True), False, True

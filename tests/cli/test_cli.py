@@ -209,3 +209,11 @@ def test_a_setting_affects_only_dbc_files(tmp_path: Path) -> None:
     assert run("check", "--spec", ARM, *settings, "--out", str(tmp_path / "out")).exit_code == 0
     header = (tmp_path / "out/c/include/arm/v1.h").read_text("utf-8")
     assert "canwright_ratio_t p_max;" in header
+
+
+def test_a_command_is_found_by_the_id_of_a_broadcast() -> None:
+    spec = ("--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml"))
+    assert run("show", "0x280", *spec).stdout.startswith("broadcast_torque")
+    node = run("show", "0x141", *spec)
+    assert node.exit_code == 2
+    assert "it is an id of node 1 (0x140 + node), which many commands have; give a code or a name" in node.stderr

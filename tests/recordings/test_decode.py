@@ -148,6 +148,58 @@ def test_the_edition_is_identified_for_each_node() -> None:
     assert "can0, nodes 1..3, 5: no edition fits" in text and "--set 1:edition=NAME" in text
 
 
+def test_editions_that_fit_equally_well_are_all_named() -> None:
+    frames = "(1.0) can0 143#9C00000000000000\n(1.0002) can0 183#9C32010002000A00\n"
+    specs = ("--spec", str(V2_36), "--spec", str(V2_36.with_name("v2.36-2024-11.yaml")))
+    result = decode(frames, *specs, "--format", "jsonl", status=1)
+    assert {row["edition"] for row in json_rows(result.stdout)} == {"v2.36-2024-11|v2.36-2025-03"}
+    assert "fits as well; --set 3:edition=NAME decides" in result.stderr
+    decode(frames, *specs, "--set", "edition=v2.36-2024-11")
+
+
+def stream(log: str) -> Result:
+    result = CliRunner().invoke(main, ["decode", "-", "--format", "jsonl"], input=log.encode())
+    assert result.exit_code == 0, result.stderr
+    return result
+
+
+STATUS = "(2.{0:06}) can0 142#9A00000000000000\n(2.{0:06}) can0 142#9A3200E701000000\n"
+TORQUE = "(1.{0:06}) can0 141#A10000009B000000\n(1.{0:06}) can0 141#A1329B00F4010080\n"
+
+
+def test_a_node_that_appears_late() -> None:
+    new = "".join(f"(3.{i:06}) can0 143#9A00000000000000\n(3.{i:06}) can0 183#9A32081364000000\n" for i in range(20))
+    log = "".join((STATUS + TORQUE).format(i) for i in range(1200)) + new
+    for result in (decode(log, "--format", "jsonl"), stream(log)):
+        found = [(row["edition"], row["fields"]) for row in json_rows(result.stdout) if row["node"] == 3]
+        assert {edition for edition, _ in found} == {"v2.36-2025-03"}
+        assert found[-1][1]["voltage"]["value"] == 48.72  # type: ignore[index]
+
+
+def test_frames_of_a_stream_that_were_read_with_another_edition() -> None:
+    """Two editions fit until the stream has a reply in which they differ."""
+    specs = ["--spec", str(V2_35), "--spec", str(V2_35.with_name("v2.35-2024-02.yaml"))]
+    torque = "".join(TORQUE.format(i) for i in range(2000))
+    status = "".join(
+        f"(3.{i:06}) can0 141#9A00000000000000\n(3.{i:06}) can0 141#9A32081364000000\n" for i in range(500)
+    )
+    Path("bus.log").write_text(torque + status, "utf-8")
+    result = run("bus.log", *specs, "--format", "jsonl", status=0)
+    assert {row["edition"] for row in json_rows(result.stdout)} == {"v2.35-2024-02"}
+    arguments = ["decode", "-", *specs, "--format", "jsonl"]
+    result = CliRunner().invoke(main, arguments, input=(torque + status).encode())
+    assert result.exit_code == 1
+    rows_ = json_rows(result.stdout)
+    assert {str(row["edition"]) for row in rows_[:4000]} == {"v2.35|v2.35-2024-02"}
+    assert rows_[-1]["edition"] == "v2.35-2024-02"
+
+
+def test_implausible_values_are_counted() -> None:
+    log = MIXED + "(1.1) can0 142#9A00000000000000\n(1.1002) can0 142#9A32003200000000\n"
+    text = decode(log, *SETTINGS, status=1).stdout
+    assert "  1 implausible: `voltage` is outside 6..100 V, as 5.0 V in 142#9A32003200000000" in text
+
+
 def test_a_node_that_does_not_reply_has_the_edition_of_others_of_its_bus() -> None:
     silent = "".join(f"({second}.000000) {bus} 145#9A00000000000000\n" for second in (1, 2) for bus in ("can0", "can1"))
     text = decode(MIXED + silent).stdout
@@ -361,6 +413,28 @@ def test_a_single_frame_in_every_edition_and_direction() -> None:
     chosen = run("141#A1329B00F4010080", "--set", "series=MF", "--set", "edition=v2.35").stdout
     assert "155    1.248779296875 A\n" in chosen and "v2.36" not in chosen
     assert "no request" in run("141#EE", status=1).stdout
+
+
+@pytest.mark.parametrize(
+    ("frame", "settings", "text", "status"),
+    [
+        ("141#9C0000000000FFFF", ["encoder_bits=14"], "`encoder` is 65535, outside the raw range 0..16383", 1),
+        ("141#9C0000000000FFFF", ["encoder_bits=18"], "reply of read_status_2 from node 1\n", 0),
+        ("141#9C0000000000FFFF", [], "reply of read_status_2 from node 1\n", 0),
+        ("141#9C00FF0F00000000", ["series=MG"], "`iq` is 4095, outside the raw range -2048..2048", 1),
+        ("141#9A32000000000000", [], "`voltage` is outside the plausible range 6..100 V", 1),
+        (
+            "141#A1000100000000FF",
+            [],
+            "request of set_torque to node 1; unusual: DATA[2], DATA[7] have reserved bits",
+            0,
+        ),
+        ("141#A100000000100000", [], "request of set_torque to node 1; unusual: `iq` is 4096", 0),
+    ],
+)
+def test_what_is_unusual_in_a_frame(frame: str, settings: list[str], text: str, status: int) -> None:
+    chosen = [part for setting in (*settings, "edition=v2.35") for part in ("--set", setting)]
+    assert text in run(frame, *chosen, status=status).stdout
 
 
 def test_a_single_frame_as_a_golden_frame() -> None:

@@ -90,6 +90,52 @@ def test_when_it_cannot_tell_it_says_what_would(tmp_path: Path) -> None:
     assert run(tmp_path, ["7FF#00"]).exit_code == 1
 
 
+def test_a_low_voltage_weakens_a_fit_but_does_not_exclude_it() -> None:
+    # 5.00 V as 0.01 V in DATA[2..3], and the flag of a low voltage
+    low = ["141#9A00000000000000", "141#9A1EF40100000001"]
+    assert names(identified(low).nodes[0]) == ["v2.35-2024-02"]
+    assert names(identified([f"{line[:1]}8{line[2:]}" if i % 2 else line for i, line in enumerate(low)]).nodes[0]) == [
+        "v2.36-2024-11",
+        "v2.36-2025-03",
+    ]
+
+
+@pytest.mark.parametrize("mark", ["", " R"])
+@pytest.mark.parametrize("lines", [V2_35, V2_35_2024_02], ids=["v2.35", "v2.35-2024-02"])
+def test_replies_without_requests(lines: list[str], mark: str) -> None:
+    """A recorder that does not see its own requests; an echo that has none is no unanswered request."""
+    echo = f"{lines[0][:3]}#8800000000000000"
+    found = identified([f"{line}{mark}" for line in [echo, *lines[1::2] * 5]])
+    assert names(found.nodes[0]) == names(identified(lines).nodes[0])
+    assert found.nodes[0].scores[0].requests == 0
+
+
+def test_marks_decide_between_a_request_and_a_reply() -> None:
+    """All-zero frames are requests; as replies they would be implausible, or a motor at an angle of 0."""
+    zero = "141#9200000000000000"
+    sent, received = f"{zero} T", f"{zero} R"
+    assert names(identified([sent, received] * 3).nodes[0]) == ["v2.35", "v2.35-2024-02"]
+    assert names(identified([sent] * 6).nodes[0]) == []
+
+
+def test_a_node_with_a_damaged_id_is_listed_apart(tmp_path: Path) -> None:
+    lines = V2_35 * 40
+    lines[81] = lines[81].replace("142#", "152#")  # one reply
+    result = run(tmp_path, lines)
+    assert result.exit_code == 0
+    last = result.output.split("\n\n")[-2]
+    assert last.startswith(
+        "mwd_motor, node 18, 1 frame: few frames, far apart, as frames with a damaged id are; fits v2.35"
+    )
+    assert "mwd_motor, node 2, 159 frames: fits v2.35\n" in result.output
+
+
+def test_a_node_in_the_data() -> None:
+    valves = specification(ROOT / "tests/specs/valve/v1.yaml").edition
+    lines = ["7E5#1000006F00000000", "46F#100000000DF0AD8B", "7E6#1125000000000000", "7E4#1150000002010000"]
+    assert [(one.node, one.frames) for one in identified(lines, [valves]).nodes] == [(5, 1), (37, 1), (111, 2)]
+
+
 def test_json(tmp_path: Path) -> None:
     found = json.loads(run(tmp_path, V2_35, "--format", "json").output)
     (node,) = found["nodes"]

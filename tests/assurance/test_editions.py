@@ -1,0 +1,47 @@
+"""A sample of the logs of `python -m tests.assurance.editions`, and all of several seeds on request."""
+
+from __future__ import annotations
+
+import sys
+from itertools import islice
+from pathlib import Path
+
+import pytest
+from canwright.project.loader import spec_files, specification
+from canwright.recordings.identify import Identifier
+from canwright.recordings.recorded import Recorded
+from canwright.semantics.frame import CanFrame
+
+from ..recordings import mixed_buses as buses
+from ..recordings.mixed_buses import V235, V235B, Frame, Motor
+from ..spec_texts import ROOT
+from . import editions
+
+
+@pytest.mark.parametrize("first", range(6))
+def test_a_sample_of_simulated_buses(first: int, tmp_path: Path) -> None:
+    listed = islice(editions.cases((4, 60)[first % 2], first), 2 * first, None, 23)
+    assert not [problem for case in listed for problem in editions.problems(case, tmp_path)]
+
+
+@pytest.mark.exhaustive
+def test_simulated_buses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", ["editions", "--seeds", "3"])
+    assert editions.main() == 0
+
+
+def test_the_frame_from_which_another_edition_fits() -> None:
+    identifier = Identifier([specification(file).edition for file in spec_files(ROOT / "spec")])
+    motors = (Motor(1, V235, until=100), Motor(1, V235B, since=100, first=()), Motor(2, V235B))
+    log = list(buses.frames(motors, 200, 1))
+    for frame in log:
+        identifier.add(recorded(frame))
+    first, second, other = identifier.result().nodes
+    assert ([one.name for one in first.editions], [one.name for one in second.editions]) == ([V235], [V235B])
+    changed = next(number for number, frame in enumerate(log) if frame.motor is motors[1])
+    assert second.start == (changed, log[changed].time * 1000)
+    assert (first.start, other.start) == (None, None)
+
+
+def recorded(frame: Frame) -> Recorded:
+    return Recorded(frame.time * 1000, frame.bus, CanFrame(frame.id, frame.data), None)
