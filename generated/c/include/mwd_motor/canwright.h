@@ -45,10 +45,11 @@
 #endif
 #endif
 
-/** Initializes a message or parameters: `= CANWRIGHT_ZERO`. A member that is not assigned is 0 then. */
 #ifdef __cplusplus
+/** Initializes a message or parameters: `= CANWRIGHT_ZERO`. A member that is not assigned is 0 then. */
 #define CANWRIGHT_ZERO {}
 #else
+/** Initializes a message or parameters: `= CANWRIGHT_ZERO`. A member that is not assigned is 0 then. */
 #define CANWRIGHT_ZERO {0}
 #endif
 
