@@ -12,6 +12,7 @@ from ..model.message import Direction, Message
 from ..model.types import Assignment
 from ..semantics.decoder import Rejection, rejects_constants
 from ..semantics.frame import CanFrame, raw_of
+from .bus_behaviour import Behaviour
 from .frame_kinds import Form, FrameKinds
 from .rows import CellValue, value_reader
 
@@ -48,7 +49,7 @@ class Meaning:
 
 def meanings(edition: Edition, frame: CanFrame, assignment: Assignment) -> Iterator[Meaning]:
     """The messages that a frame can be, replies first, or a rejection for each direction."""
-    kind = FrameKinds(edition, 0).kind(frame)
+    kind = FrameKinds(edition, 0, None).kind(frame, Behaviour())
     forms = {
         Direction.REPLY: kind.replies,
         Direction.REQUEST: (kind.request,) if kind.request else (),
