@@ -111,13 +111,14 @@ class EditionTables:
 
     def _answer(self, command: Command, request: Message) -> Table:
         reply = command.reply
+        own = command.reply_within_ms
         distinct = reply is not None and bool(_reserved_mask(request) & ~_reserved_mask(reply))
         return {
             "reply": self._reference(reply) if reply is not None else None,
             "nodes": list(command.from_each),
             "echo": command.is_echoed,
             "distinct": distinct,
-            "slow": True if command.name in self._edition.slow_replies else None,
+            "reply_within": None if own is None else text.number(own * 1_000_000),
         }
 
     def _routes(self, direction: Direction) -> Iterator[Table]:

@@ -232,13 +232,19 @@ function codec.has_constants(message, frame, choice)
     return true
 end
 
--- Whether a sender that obeys the spec can send a frame of this message: its reserved bits, named values and ranges.
-function codec.is_regular(message, frame)
-    for _, bits in ipairs(message.reserved) do
-        if math.floor((frame[bits[1]] or 0) / bits[2]) % bits[3] ~= bits[4] then
-            return false
-        end
+-- The reserved bits of a frame as a text, and whether they are as the spec demands.
+function codec.reserved_bits(message, frame)
+    local found, is_regular = {}, true
+    for number, bits in ipairs(message.reserved) do
+        local value = math.floor((frame[bits[1]] or 0) / bits[2]) % bits[3]
+        found[number] = value
+        is_regular = is_regular and value == bits[4]
     end
+    return table.concat(found, " "), is_regular
+end
+
+-- Whether the fields of a frame of this message have named values, and values in their ranges.
+function codec.is_in_range(message, frame)
     for _, field in ipairs(message.layout.fields) do
         local type_ = field.type
         if type_.limited and not field.only and not field.fixed then

@@ -298,6 +298,7 @@ local function judge(frame, pinfo, known)
         trusts_marks = prefs.marks == 1,
         sent = prefs.sent == 0 and "request" or "reply",
         number = pinfo.number,
+        is_first_pass = not pinfo.visited,
     })
 end
 
@@ -416,7 +417,7 @@ local function add_exchange(tree, result, pinfo)
     end
     local opened = result.opened
     if opened then
-        for _, number in ipairs(opened.replies or {}) do
+        for _, number in ipairs(opened.replies) do
             tree:add(meta.reply_in, number):set_generated()
         end
         if pinfo.visited and result.is_first_pass and opened.missing > 0 then
@@ -475,13 +476,7 @@ local function result_of(frame, occurrence, pinfo, known)
     local result = of_packet[occurrence]
     if not result then
         result = judge(frame, pinfo, known)
-        result.is_first_pass = not pinfo.visited
         of_packet[occurrence] = result
-        local request = result.exchange
-        if request then
-            request.replies = request.replies or {}
-            request.replies[#request.replies + 1] = pinfo.number
-        end
     end
     return result
 end
