@@ -239,13 +239,19 @@ function codec.has_constants(message, frame, choice)
     return true
 end
 
--- Whether a sender that obeys the spec can send a frame of this message: its reserved bits, named values and ranges.
-function codec.is_regular(message, frame)
-    for _, bits in ipairs(message.reserved) do
-        if math.floor((frame[bits[1]] or 0) / bits[2]) % bits[3] ~= bits[4] then
-            return false
-        end
+-- The reserved bits of a frame as a text, and whether they are as the spec demands.
+function codec.reserved_bits(message, frame)
+    local found, is_regular = {}, true
+    for number, bits in ipairs(message.reserved) do
+        local value = math.floor((frame[bits[1]] or 0) / bits[2]) % bits[3]
+        found[number] = value
+        is_regular = is_regular and value == bits[4]
     end
+    return table.concat(found, " "), is_regular
+end
+
+-- Whether the fields of a frame of this message have named values, and values in their ranges.
+function codec.is_in_range(message, frame)
     for _, field in ipairs(message.layout.fields) do
         local type_ = field.type
         if type_.limited and not field.only and not field.fixed then
@@ -367,22 +373,45 @@ local directions = (function(...)
 --
 -- The rules, in this order: a mark of the recorder; the id or the content, if only one direction has it; pairing: a reply
 -- within a time closes the exchange that a request opened; retry: the bytes of an open request again.
+--
+-- The first frames of a bus show how it behaves: whether each request is captured twice, whether the host leaves old bytes
+-- in reserved bits of a request, and how long replies take. Each time that something is learned, they are decided again.
 
 local codec = ...
 
 local directions = {}
 
 local MAX_OPEN = 64
+local LEARNED_FROM = 4096
+-- Times in ns: of a copy after its frame, and the longest time in which a late reply is searched for.
+local COPIED_WITHIN, LONGEST = 3000000, 200000000
+-- Shares are taken from so many cases. Old bits count if one frame in so many shows them.
+local LEAST, RARE = 8, 32
+local LATENCIES = 64
+-- So many times, at most, the first frames are decided again.
+local MAX_ROUNDS = 32
 
 -- The state of all buses. `window` is the maximum time in ns in which a request is answered.
 function directions.new(window)
     return { window = window, buses = {} }
 end
 
+local function new_bus(learned)
+    return { open = {}, clock = 0, marks = {}, latest = {}, learned = learned }
+end
+
+-- What is known of a bus, and what it is learned from.
+local function new_learned()
+    return {
+        history = {}, old = {}, runs = {}, replies = {}, latencies = {}, count = 0, certain = 0, unexpected = 0, rounds = 0,
+        request_runs = 0, request_pairs = 0, all_runs = 0, all_pairs = 0,
+    }
+end
+
 local function bus_of(state, name)
     local bus = state.buses[name]
     if not bus then
-        bus = { open = {}, clock = 0, marks = {} }
+        bus = new_bus(new_learned())
         state.buses[name] = bus
     end
     return bus
@@ -442,10 +471,17 @@ local function is_same(one, other)
     return true
 end
 
--- The oldest open exchange that a frame closes, its number, and the node that replies.
-local function answered(bus, edition, frame)
+-- The time in which a request is answered, at most: that of the user, of the command, or longer if replies take longer.
+local function window_of(state, bus, request)
+    local window = math.max(state.window, 2 * (bus.learned.reply_time or 0))
+    return math.max(window, request and request.reply_within or 0)
+end
+
+-- The oldest open exchange that a frame closes, its number, and the node that replies. Older ones than `longest` have ended.
+local function answered(state, bus, edition, frame, longest)
     for number, exchange in ipairs(bus.open) do
-        if exchange.edition == edition then
+        local window = longest or window_of(state, bus, exchange.request)
+        if exchange.edition == edition and exchange.since + window >= bus.clock then
             local fits, node = codec.answers(exchange.request, exchange.node, exchange.frame, frame)
             if fits and not (node and exchange.answered[node]) then
                 return exchange, number, node
@@ -455,12 +491,22 @@ local function answered(bus, edition, frame)
     return nil
 end
 
+-- Whether a program can send a request. Its reserved bits are those of the spec, or the old ones of its host.
+local function is_regular(bus, request, frame)
+    local old = bus.learned.old[request]
+    local bits, is_zero = codec.reserved_bits(request, frame)
+    if old then
+        is_zero = old.value == nil or old.value == bits
+    end
+    return is_zero and codec.is_in_range(request, frame)
+end
+
 -- The direction by content; nil if both directions are possible.
-local function by_content(found, frame)
+local function by_content(bus, found, frame)
     local is_request = found.request ~= nil and codec.has_constants(found.request, frame)
     local is_reply = has_constants(found.replies, frame)
     if is_request and is_reply then
-        if not codec.is_regular(found.request, frame) then
+        if not is_regular(bus, found.request, frame) then
             return "reply", "content"
         end
         return nil
@@ -479,21 +525,31 @@ local function replies_differ(request)
     return not request.echo and #request.layout.fields > 0 and request.layout ~= request.reply.layout
 end
 
--- The direction of a frame that can be both. A reply comes within the time of the spec, and as much again to send it.
+-- The time in which a reply is expected: of the command; or twice that of the spec, and half as long again as most replies.
+local function within(state, bus, edition, request)
+    if request.reply_within then
+        return request.reply_within
+    end
+    local time = edition.reply_within and 2 * edition.reply_within or 0
+    if bus.learned.reply_time then
+        time = math.max(time, bus.learned.reply_time * 1.5)
+    end
+    return time > 0 and math.min(time, window_of(state, bus, request)) or state.window / 4
+end
+
+-- The direction of a frame that can be both.
 local function by_exchange(state, bus, edition, found, exchange, frame)
     if not exchange then
         return "request", "pairing"
     end
-    local repeated, distinct = is_same(exchange.frame, frame), found.request.distinct
-    local within = state.window / 4
-    if edition.reply_within and not exchange.request.slow then
-        within = 2 * edition.reply_within
-    end
-    local soon = bus.clock - exchange.since <= within
+    local old = bus.learned.old[found.request]
+    local has_old = old ~= nil and old.value == nil
+    local repeated, distinct = is_same(exchange.frame, frame), found.request.distinct and not has_old
+    local soon = bus.clock - exchange.since <= within(state, bus, edition, exchange.request)
     if repeated and (not soon or distinct and replies_differ(exchange.request)) then
         return "request", "retry"
     end
-    return (soon or not distinct) and "reply" or "request", "pairing"
+    return (soon or not distinct and not has_old) and "reply" or "request", "pairing"
 end
 
 -- Opens an exchange. It replaces earlier ones of the same request, except echoes of other bytes.
@@ -513,20 +569,140 @@ local function open(bus, exchange)
     bus.open[#bus.open + 1] = exchange
 end
 
--- The result for a frame: `direction` ("request", "reply" or "unknown"), `rule`, `message`, `node`, `reason` without a
--- message, and for a reply the `exchange` that it closes with the `latency` in ns. `mark` is "sent", "received" or nil.
--- Marks count if `trusts_marks`, or once a bus has both. `sent` is the direction of sent frames.
--- `only` is the direction of all frames with this id, or nil.
-function directions.judge(state, edition, only, frame, one)
-    local bus = bus_of(state, one.bus)
+local function is_share(count, of, numerator, denominator)
+    return of >= LEAST and count * denominator >= of * numerator
+end
+
+-- The reply time in which nine of ten replies come.
+local function learn_latency(learned, latency)
+    learned.latencies[learned.count % LATENCIES + 1] = latency
+    learned.count = learned.count + 1
+    if learned.count % LEAST == 0 then
+        local sorted = {}
+        for number, time in ipairs(learned.latencies) do
+            sorted[number] = time
+        end
+        table.sort(sorted)
+        learned.reply_time = sorted[math.floor(#sorted * 9 / 10) + 1]
+    end
+end
+
+-- Counts runs of equal frames of a node, and those with two frames for each.
+local function learn_copies(bus, key, found, frame, result)
+    local learned, run = bus.learned, bus.learned.runs[key]
+    if run and is_same(run.frame, frame) and bus.clock - run.clock <= COPIED_WITHIN then
+        run.length, run.clock = run.length + 1, bus.clock
+        return false
+    end
+    if run then
+        local pair = run.length % 2 == 0 and 1 or 0
+        learned.all_runs, learned.all_pairs = learned.all_runs + 1, learned.all_pairs + pair
+        if run.direction == "request" then
+            learned.request_runs, learned.request_pairs = learned.request_runs + 1, learned.request_pairs + pair
+        end
+    end
+    local is_echo = found.request ~= nil and found.request.echo
+    learned.runs[key] = result.message and not is_echo
+        and { frame = frame, clock = bus.clock, length = 1, direction = result.direction } or nil
+    if not learned.copied and (is_share(learned.request_pairs, learned.request_runs, 1, 2)
+        or is_share(learned.all_pairs, learned.all_runs, 1, 4)) then
+        learned.copied = true
+        return true
+    end
+    return false
+end
+
+-- The most frequent reserved bits of replies without a request, if they are those of the request: half of them have these,
+-- and others follow.
+local function constant_bits(request, replies)
+    local value, count, second = nil, 0, 0
+    for bits, number in pairs(replies.bits) do
+        if number > count then
+            value, count, second = bits, number, count
+        elseif number > second then
+            second = number
+        end
+    end
+    local is_usual = 3 * count >= replies.orphans and 2 * second < count and 2 * (replies.changes[value] or 0) >= count
+    local is_request = #request.layout.fields > 0 or 2 * (replies.seconds[value] or 0) < count
+    return not request.echo and is_usual and is_request and value or nil
+end
+
+-- Counts replies by content that answer no request: two in a row can be a request with old bits and its reply.
+local function learn_old_bits(bus, key, request, frame, is_orphan)
+    local learned = bus.learned
+    local replies = learned.replies[request]
+    if not replies then
+        replies = { count = 0, orphans = 0, pairs = 0, bits = {}, changes = {}, seconds = {}, last = {} }
+        learned.replies[request] = replies
+    end
+    local bits = codec.reserved_bits(request, frame)
+    local before = replies.last[key] or { clock = bus.clock - 5 * LONGEST, pause = 0, bits = "" }
+    local pause = bus.clock - before.clock
+    local is_change = is_orphan and before.is_orphan and (bits == before.bits) == request.echo
+    local is_second = is_change and not before.is_second and pause > 0 and 2 * pause < before.pause
+    replies.count = replies.count + 1
+    if is_orphan then
+        replies.orphans = replies.orphans + 1
+        replies.bits[bits] = (replies.bits[bits] or 0) + 1
+        if is_change then
+            replies.changes[before.bits] = (replies.changes[before.bits] or 0) + 1
+        end
+    end
+    if is_second then
+        replies.pairs = replies.pairs + 1
+        replies.seconds[bits] = (replies.seconds[bits] or 0) + 1
+        learn_latency(learned, pause)
+    end
+    replies.last[key] = { clock = bus.clock, pause = pause, bits = bits, is_orphan = is_orphan, is_second = is_second }
+    if learned.old[request] or replies.count % LEAST ~= 0 then
+        return false
+    end
+    local value = is_share(replies.orphans, replies.count, 1, 4) and constant_bits(request, replies) or nil
+    if value or is_share(replies.pairs, replies.count, 1, RARE) then
+        learned.old[request] = { value = value }
+        return true
+    end
+    return false
+end
+
+-- Learns from a result; whether it changes the results of earlier frames.
+local function learn(state, bus, edition, found, frame, result)
+    local learned = bus.learned
+    local key = tostring(result.node) .. (result.node and "" or " " .. frame[0])
+    local changed = learn_copies(bus, key, found, frame, result)
+    local is_certain = result.rule == "content" or result.rule == "id" or result.rule == "mark"
+    if result.direction ~= "reply" or not is_certain then
+        return changed
+    end
+    local exchange = result.exchange
+    learned.certain = learned.certain + 1
+    learned.unexpected = learned.unexpected + (exchange and 0 or 1)
+    local late = not exchange and answered(state, bus, edition, frame, LONGEST)
+    if late and is_share(learned.unexpected, learned.certain, 1, 2) then
+        if not late.request.reply_within and #late.request.nodes == 0 then
+            local before = learned.reply_time or 0
+            learn_latency(learned, bus.clock - late.since)
+            changed = changed or (learned.reply_time or 0) > before
+        end
+    elseif exchange and #exchange.request.nodes == 0 and not exchange.request.reply_within and result.latency then
+        learn_latency(learned, result.latency)
+    end
+    if found.request and result.rule == "content" and learn_old_bits(bus, key, found.request, frame, not exchange and not late) then
+        changed = true
+    end
+    return changed
+end
+
+local function decide(state, bus, edition, only, frame, one)
     advance(bus, one.time)
-    while bus.open[1] and bus.open[1].since + state.window < bus.clock do
+    while bus.open[1] and bus.open[1].since + math.max(LONGEST, window_of(state, bus, bus.open[1].request)) < bus.clock do
         table.remove(bus.open, 1)
     end
     local found = candidates(edition, frame)
     local exchange, number, source
     if #found.replies > 0 then
-        exchange, number, source = answered(bus, edition, frame)
+        exchange, number, source = answered(state, bus, edition, frame)
     end
     local direction, rule
     if one.mark then
@@ -542,12 +718,14 @@ function directions.judge(state, edition, only, frame, one)
     elseif only then
         direction, rule = only, "id"
     else
-        direction, rule = by_content(found, frame)
+        direction, rule = by_content(bus, found, frame)
         if not direction then
             direction, rule = by_exchange(state, bus, edition, found, exchange, frame)
         end
     end
-    local result = { direction = direction, rule = rule, frame = frame, edition = edition }
+    local result = {
+        direction = direction, rule = rule, frame = frame, edition = edition, is_first_pass = one.is_first_pass,
+    }
     if direction == "reply" then
         result.reason = found.reply_reason
         result.message, result.node = found.reply, found.reply_node
@@ -557,6 +735,7 @@ function directions.judge(state, edition, only, frame, one)
                 result.node = exchange.node
             end
             result.exchange, result.latency = exchange, bus.clock - exchange.since
+            exchange.replies[#exchange.replies + 1] = one.number
             if one.time[1] < exchange.time[1] then
                 result.latency = nil
             end
@@ -581,9 +760,87 @@ function directions.judge(state, edition, only, frame, one)
                 time = one.time,
                 missing = math.max(1, #found.request.nodes),
                 answered = {},
+                replies = {},
                 number = one.number,
             }
             open(bus, result.opened)
+        end
+    end
+    return result, found
+end
+
+-- The result for the copy of a request that was captured before; nil if a frame is none.
+local function copy_of(bus, frame, one)
+    local latest = bus.learned.copied and bus.latest[frame[0]]
+    bus.latest[frame[0]] = nil
+    if not latest or not is_same(latest.frame, frame) then
+        return nil
+    end
+    advance(bus, one.time)
+    if bus.clock - latest.clock > COPIED_WITHIN then
+        return nil
+    end
+    local first = latest.result
+    return {
+        direction = first.direction, rule = "copy", frame = frame, edition = first.edition,
+        message = first.message, node = first.node, reason = first.reason,
+    }
+end
+
+local function judge(state, bus, edition, only, frame, one)
+    local copy = copy_of(bus, frame, one)
+    if copy then
+        copy.is_first_pass = one.is_first_pass
+        return copy, false
+    end
+    local result, found = decide(state, bus, edition, only, frame, one)
+    -- A request with old bits that are not known yet looks like a reply.
+    if result.direction == "request" or result.rule == "content" then
+        bus.latest[frame[0]] = { frame = frame, clock = bus.clock, result = result }
+    end
+    return result, learn(state, bus, edition, found, frame, result)
+end
+
+-- Decides on the first frames of a bus again, in the tables of their results.
+local function decide_again(state, name)
+    local known = state.buses[name].learned
+    local changed = true
+    while changed and known.rounds < MAX_ROUNDS do
+        changed = false
+        local learned = new_learned()
+        learned.rounds = known.rounds + 1
+        learned.history, learned.old, learned.copied = known.history, known.old, known.copied
+        learned.reply_time = known.reply_time
+        local bus = new_bus(learned)
+        state.buses[name] = bus
+        for _, past in ipairs(learned.history) do
+            local result, is_new = judge(state, bus, past.edition, past.only, past.frame, past.one)
+            for key in pairs(past.result) do
+                past.result[key] = nil
+            end
+            for key, value in pairs(result) do
+                past.result[key] = value
+            end
+            changed = changed or is_new
+        end
+        known = learned
+    end
+end
+
+-- The result for a frame: `direction` ("request", "reply" or "unknown"), `rule`, `message`, `node`, `reason` without a
+-- message, and for a reply the `exchange` that it closes with the `latency` in ns. `mark` is "sent", "received" or nil.
+-- Marks count if `trusts_marks`, or once a bus has both. `sent` is the direction of sent frames.
+-- `only` is the direction of all frames with this id, or nil. What later frames show can change an earlier result.
+function directions.judge(state, edition, only, frame, one)
+    local bus = bus_of(state, one.bus)
+    local result, changed = judge(state, bus, edition, only, frame, one)
+    local history = bus.learned.history
+    if history then
+        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame, one = one }
+        if changed then
+            decide_again(state, one.bus)
+        elseif #history >= LEARNED_FROM then
+            bus.learned.history = nil
         end
     end
     return result
@@ -10309,7 +10566,7 @@ editions[4] = (function()
     messages[31].nodes = {}
     messages[31].echo = false
     messages[31].distinct = true
-    messages[31].slow = true
+    messages[31].reply_within = 10000000000.0
     messages[32].reply = messages[96]
     messages[32].nodes = {}
     messages[32].echo = false
@@ -11208,6 +11465,7 @@ local function judge(frame, pinfo, known)
         trusts_marks = prefs.marks == 1,
         sent = prefs.sent == 0 and "request" or "reply",
         number = pinfo.number,
+        is_first_pass = not pinfo.visited,
     })
 end
 
@@ -11326,7 +11584,7 @@ local function add_exchange(tree, result, pinfo)
     end
     local opened = result.opened
     if opened then
-        for _, number in ipairs(opened.replies or {}) do
+        for _, number in ipairs(opened.replies) do
             tree:add(meta.reply_in, number):set_generated()
         end
         if pinfo.visited and result.is_first_pass and opened.missing > 0 then
@@ -11385,13 +11643,7 @@ local function result_of(frame, occurrence, pinfo, known)
     local result = of_packet[occurrence]
     if not result then
         result = judge(frame, pinfo, known)
-        result.is_first_pass = not pinfo.visited
         of_packet[occurrence] = result
-        local request = result.exchange
-        if request then
-            request.replies = request.replies or {}
-            request.replies[#request.replies + 1] = pinfo.number
-        end
     end
     return result
 end
