@@ -26,6 +26,8 @@ from ._columns import Array, Direction, Frames, Kind
 
 BLOCK = 1 << 21
 """The number of bytes of text that are read at once."""
+MAX_LINE = 4096
+"""The maximum number of bytes of a line that continues in the next block. Longer lines are no data frames."""
 
 
 class Mark(IntEnum):
@@ -65,16 +67,23 @@ class Log:
         return self._buses.setdefault(name, len(self._buses))
 
     def _text(self, source: BinaryIO) -> Iterator[Frames]:
-        rest = b""
-        while True:
-            read = source.read(self._block)
+        rest, is_overlong = b"", False
+        while read := source.read(self._block):
+            if is_overlong:
+                end = read.find(b"\n") + 1
+                if not end:
+                    continue
+                read, is_overlong = read[end:], False
             text = rest + read
-            end = text.rfind(b"\n") + 1 if read else len(text)
+            end = text.rfind(b"\n") + 1
             text, rest = text[:end], text[end:]
+            if len(rest) > MAX_LINE:
+                self.skipped["lines of no data frame"] += 1
+                rest, is_overlong = b"", True
             if text:
                 yield _Text(text, self).frames()
-            if not read:
-                return
+        if rest:
+            yield _Text(rest, self).frames()
 
 
 _LINE = re.compile(

@@ -226,7 +226,12 @@ def _decode(
     for remark in [*remarks, *copies(summary, behaviours), *doubtful]:
         print_text(f"{remark}\n", error=outputs.prints_rows and outputs.form != "text")
     unread = log.counts.skipped[Part.MALFORMED] + log.counts.skipped[Part.TRUNCATED]
-    if unread or doubtful or summary.has_rejected or any(choice.edition is None for choice in nodes.identified.values()):
+    if (
+        unread
+        or doubtful
+        or summary.has_rejected
+        or any(choice.edition is None for choice in nodes.identified.values())
+    ):
         sys.exit(FINDINGS)
 
 

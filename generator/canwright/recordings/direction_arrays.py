@@ -114,7 +114,9 @@ def _behaviours(start: Sequence[FrameArrays], edition: Edition, window: int | No
     """The behaviour of the buses in the first blocks of a log. All known directions count."""
     rows = ((block, row) for block in start for row in range(block.id.size))
     first = [
-        Recorded(int(block.time[row]), block.buses[block.bus[row]], _frame(block, row), _MARKS[int(block.direction[row])])
+        Recorded(
+            int(block.time[row]), block.buses[block.bus[row]], _frame(block, row), _MARKS[int(block.direction[row])]
+        )
         for block, row in itertools.islice(rows, LOOKED_AHEAD)
     ]
     return Directions({}, edition, window=window).learn(first, {one.bus for one in first})
