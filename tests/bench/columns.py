@@ -99,11 +99,8 @@ def _exchanged() -> Iterator[tuple[int, bytes]]:
     kinds = FrameKinds(item.edition, 0, None)
     data: dict[tuple[Direction, int], list[bytes]] = {}
     for frame in (f for f in item.frames.frames if f.id != 0x280):
-        request = (
-            kinds.kind(CanFrame(frame.id, frame.data), Behaviour()).request
-            if frame.direction is Direction.REQUEST
-            else None
-        )
+        kind = kinds.kind(CanFrame(frame.id, frame.data), Behaviour())
+        request = kind.request if frame.direction is Direction.REQUEST else None
         if request is None or request.is_regular(int.from_bytes(frame.data, "little")):
             data.setdefault((frame.direction, frame.data[0]), []).append(frame.data)
     chosen = random.Random(1)

@@ -111,6 +111,8 @@ class FrameKind:
     """The time in ns within which the request is answered."""
     reply_time: int | None
     has_old_bits: bool
+    is_by_time: bool
+    """Whether old bits leave directions on the bus to the times."""
     _replies_to: dict[FrameKind, Identified | None] = field(default_factory=dict)
 
     @cached_property
@@ -155,23 +157,32 @@ class FrameKind:
 
     @cached_property
     def within(self) -> int:
-        """The time in ns within which the reply is expected, at most the window; a later frame can be a request."""
-        return min(self.window, self.late_after or self.window // 4)
+        """The time in ns within which the reply is expected, at most the window; a later frame can be a request.
+
+        That of the spec; of the log if replies take longer. Shorter ones show less, because some pairs are wrong.
+        """
+        stated, usual = self._stated_time, self.reply_time or 0
+        if self._own_time is None and (self.is_by_time or usual > (stated or WINDOW)):
+            return min(self.window, self.late_after or WINDOW // 4)
+        return min(self.window, stated or WINDOW // 4)
 
     @cached_property
     def late_after(self) -> int | None:
-        """The time in ns after which a reply is late, by the spec and by the other replies on the bus; None if unknown.
+        """The time in ns after which a reply is late: by the spec and, half as long again as nine of ten take, by the log.
 
-        Twice the time of the spec, because the reply has to be sent too; half as long again as nine of ten replies take.
+        None if neither is known.
         """
-        if self._own_time is not None:
-            return self._own_time
+        if self._own_time is not None or self.reply_time is None:
+            return self._stated_time
+        return max(self._stated_time or 0, self.reply_time * 3 // 2)
+
+    @cached_property
+    def _stated_time(self) -> int | None:
+        """The time of the command, or twice that of the bus, because the reply has to be sent too."""
         within = self.edition.bus.reply_within_ms
-        is_known = within is not None and self.request is not None
-        times = [int(2 * within * 1_000_000)] if within is not None and is_known else []
-        if self.reply_time is not None:
-            times.append(self.reply_time * 3 // 2)
-        return max(times, default=None)
+        if self._own_time is not None or within is None or self.request is None:
+            return self._own_time
+        return int(2 * within * 1_000_000)
 
     @cached_property
     def _own_time(self) -> int | None:
@@ -246,6 +257,7 @@ class FrameKinds:
             window=self._window_of(requests[0].message if requests else None, behaviour),
             reply_time=behaviour.reply_time,
             has_old_bits=old is not None and old.value is None,
+            is_by_time=any(bits.value is None for bits in behaviour.old_bits),
         )
 
     def _window_of(self, request: Message | None, behaviour: Behaviour) -> int:

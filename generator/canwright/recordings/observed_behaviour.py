@@ -70,8 +70,8 @@ class _Copies:
         request, reply = Direction.REQUEST, Direction.REPLY
         found = set()
         # Requests with old bits look like replies: then half of all runs are pairs.
-        is_most = _is_share(self.pairs[request], self.runs[request], 1, 2)
-        if is_most or _is_share(self.pairs.total(), self.runs.total(), 1, 4):
+        is_most = _is_share(self.pairs[request], self.runs[request], 3, 4)
+        if is_most or _is_share(self.pairs.total(), self.runs.total(), 3, 8):
             found.add(request)
         if _is_share(self.pairs[reply], self.runs[reply], 3, 4):
             found.add(reply)

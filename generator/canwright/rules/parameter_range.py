@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from .rule import Finding, Findings, Subject
@@ -20,10 +22,9 @@ def check(subject: Subject) -> Findings:
         for i, name in enumerate(names):
             if name in names[:i]:
                 yield Finding(("parameters", parameter.name, "values", i), f"duplicate value {name}", "remove one")
-    bus: DocumentPath = ("bus",)
-    times = [(bus, subject.edition.bus.reply_within_ms)]
-    times += [(command.path, command.reply_within_ms) for command in subject.edition.commands]
-    for path, within in times:
+    times: dict[DocumentPath, Fraction | None] = {("bus",): subject.edition.bus.reply_within_ms}
+    times |= {command.path: command.reply_within_ms for command in subject.edition.commands}
+    for path, within in times.items():
         if within is not None and within <= 0:
             text = "write a number above 0, or remove it"
             yield Finding((*path, "reply_within_ms"), "the time must be above 0", text)
