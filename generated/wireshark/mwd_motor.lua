@@ -387,6 +387,8 @@ local LEARNED_FROM = 4096
 local COPIED_WITHIN, LONGEST = 3000000, 200000000
 -- Shares are taken from so many cases. Old bits count if one frame in so many shows them.
 local LEAST, RARE = 8, 32
+-- Retries look like copies, and lost requests like slow replies, in a few cases.
+local LEAST_IN_ALL = 32
 local LATENCIES = 64
 -- So many times, at most, the first frames are decided again.
 local MAX_ROUNDS = 32
@@ -525,16 +527,17 @@ local function replies_differ(request)
     return not request.echo and #request.layout.fields > 0 and request.layout ~= request.reply.layout
 end
 
--- The time in which a reply is expected: of the command; or twice that of the spec, and half as long again as most replies.
+-- The time in which a reply is expected: of the command; twice that of the spec; of the log if replies take longer.
 local function within(state, bus, edition, request)
     if request.reply_within then
         return request.reply_within
     end
-    local time = edition.reply_within and 2 * edition.reply_within or 0
-    if bus.learned.reply_time then
-        time = math.max(time, bus.learned.reply_time * 1.5)
+    local window, usual = window_of(state, bus, request), bus.learned.reply_time or 0
+    local stated = edition.reply_within and 2 * edition.reply_within
+    if usual > (stated or state.window) then
+        return math.min(window, usual * 1.5)
     end
-    return time > 0 and math.min(time, window_of(state, bus, request)) or state.window / 4
+    return math.min(window, stated or state.window / 4)
 end
 
 -- The direction of a frame that can be both.
@@ -574,7 +577,10 @@ local function is_share(count, of, numerator, denominator)
 end
 
 -- The reply time in which nine of ten replies come.
-local function learn_latency(learned, latency)
+local function learn_latency(learned, edition, latency)
+    if not edition.reply_within then
+        return -- without a time in the spec, slow replies look like wrong pairs
+    end
     learned.latencies[learned.count % LATENCIES + 1] = latency
     learned.count = learned.count + 1
     if learned.count % LEAST == 0 then
@@ -604,8 +610,9 @@ local function learn_copies(bus, key, found, frame, result)
     local is_echo = found.request ~= nil and found.request.echo
     learned.runs[key] = result.message and not is_echo
         and { frame = frame, clock = bus.clock, length = 1, direction = result.direction } or nil
-    if not learned.copied and (is_share(learned.request_pairs, learned.request_runs, 1, 2)
-        or is_share(learned.all_pairs, learned.all_runs, 1, 4)) then
+    local is_enough = learned.all_runs >= LEAST_IN_ALL and not learned.copied
+    if is_enough and (is_share(learned.request_pairs, learned.request_runs, 3, 4)
+        or is_share(learned.all_pairs, learned.all_runs, 3, 8)) then
         learned.copied = true
         return true
     end
@@ -629,7 +636,7 @@ local function constant_bits(request, replies)
 end
 
 -- Counts replies by content that answer no request: two in a row can be a request with old bits and its reply.
-local function learn_old_bits(bus, key, request, frame, is_orphan)
+local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
     local learned = bus.learned
     local replies = learned.replies[request]
     if not replies then
@@ -652,7 +659,7 @@ local function learn_old_bits(bus, key, request, frame, is_orphan)
     if is_second then
         replies.pairs = replies.pairs + 1
         replies.seconds[bits] = (replies.seconds[bits] or 0) + 1
-        learn_latency(learned, pause)
+        learn_latency(learned, edition, pause)
     end
     replies.last[key] = { clock = bus.clock, pause = pause, bits = bits, is_orphan = is_orphan, is_second = is_second }
     if learned.old[request] or replies.count % LEAST ~= 0 then
@@ -679,16 +686,16 @@ local function learn(state, bus, edition, found, frame, result)
     learned.certain = learned.certain + 1
     learned.unexpected = learned.unexpected + (exchange and 0 or 1)
     local late = not exchange and answered(state, bus, edition, frame, LONGEST)
-    if late and is_share(learned.unexpected, learned.certain, 1, 2) then
+    if late and learned.certain >= LEAST_IN_ALL and is_share(learned.unexpected, learned.certain, 3, 4) then
         if not late.request.reply_within and #late.request.nodes == 0 then
             local before = learned.reply_time or 0
-            learn_latency(learned, bus.clock - late.since)
+            learn_latency(learned, edition, bus.clock - late.since)
             changed = changed or (learned.reply_time or 0) > before
         end
     elseif exchange and #exchange.request.nodes == 0 and not exchange.request.reply_within and result.latency then
-        learn_latency(learned, result.latency)
+        learn_latency(learned, edition, result.latency)
     end
-    if found.request and result.rule == "content" and learn_old_bits(bus, key, found.request, frame, not exchange and not late) then
+    if found.request and result.rule == "content" and learn_old_bits(bus, edition, key, found.request, frame, not exchange and not late) then
         changed = true
     end
     return changed
