@@ -106,39 +106,39 @@ export const TEXTS = {
       code: 128,
       title: { en: "Motor off", zh: "\u7535\u673a\u5173\u95ed" },
       manual: "2.1",
-      effects: ["clears_turns", "clears_commands", "led_slow_blink"],
+      effects: { clears_turns: {}, clears_commands: {}, led_slow_blink: {} },
     },
     motor_on: {
       code: 136,
       title: { en: "Motor on", zh: "\u7535\u673a\u8fd0\u884c" },
       manual: "2.2",
-      effects: ["led_steady"],
+      effects: { led_steady: {} },
     },
     motor_stop: {
       code: 129,
       title: { en: "Motor stop", zh: "\u7535\u673a\u505c\u6b62" },
       manual: "2.3",
-      effects: ["stops"],
+      effects: { stops: {} },
     },
     set_power: {
       code: 160,
       title: { en: "Open-loop power", zh: "\u5f00\u73af\u63a7\u5236" },
       manual: "2.4",
       only: { series: ["MS"] },
-      effects: ["moves"],
+      effects: { moves: {} },
     },
     set_torque: {
       code: 161,
       title: { en: "Torque control", zh: "\u8f6c\u77e9\u95ed\u73af\u63a7\u5236" },
       manual: "2.5",
       only: { series: ["MF", "MH", "MG"] },
-      effects: ["moves"],
+      effects: { moves: {} },
     },
     set_speed: {
       code: 162,
       title: { en: "Speed control", zh: "\u901f\u5ea6\u95ed\u73af\u63a7\u5236" },
       manual: "2.6",
-      effects: ["moves"],
+      effects: { moves: {} },
     },
     move_to_angle: {
       code: 163,
@@ -147,7 +147,7 @@ export const TEXTS = {
         zh: "\u591a\u5708\u4f4d\u7f6e\u95ed\u73af\u63a7\u5236 1",
       },
       manual: "2.7",
-      effects: ["moves"],
+      effects: { moves: {} },
     },
     move_to_angle_at_speed: {
       code: 164,
@@ -156,7 +156,7 @@ export const TEXTS = {
         zh: "\u591a\u5708\u4f4d\u7f6e\u95ed\u73af\u63a7\u5236 2",
       },
       manual: "2.8",
-      effects: ["moves"],
+      effects: { moves: {} },
     },
     turn_to_angle: {
       code: 165,
@@ -165,7 +165,7 @@ export const TEXTS = {
         zh: "\u5355\u5708\u4f4d\u7f6e\u95ed\u73af\u63a7\u5236 1",
       },
       manual: "2.9",
-      effects: ["moves"],
+      effects: { moves: {} },
     },
     turn_to_angle_at_speed: {
       code: 166,
@@ -174,7 +174,7 @@ export const TEXTS = {
         zh: "\u5355\u5708\u4f4d\u7f6e\u95ed\u73af\u63a7\u5236 2",
       },
       manual: "2.10",
-      effects: ["moves"],
+      effects: { moves: {} },
     },
     move_by_angle: {
       code: 167,
@@ -183,7 +183,7 @@ export const TEXTS = {
         zh: "\u589e\u91cf\u4f4d\u7f6e\u95ed\u73af\u63a7\u5236 1",
       },
       manual: "2.11",
-      effects: ["moves", "adds_up"],
+      effects: { moves: {}, adds_up: {} },
     },
     move_by_angle_at_speed: {
       code: 168,
@@ -192,7 +192,7 @@ export const TEXTS = {
         zh: "\u589e\u91cf\u4f4d\u7f6e\u95ed\u73af\u63a7\u5236 2",
       },
       manual: "2.12",
-      effects: ["moves", "adds_up"],
+      effects: { moves: {}, adds_up: {} },
     },
     read_pid: {
       code: 48,
@@ -203,13 +203,13 @@ export const TEXTS = {
       code: 49,
       title: { en: "Write controller gains to RAM", zh: "\u5199\u5165 PID \u53c2\u6570\u5230 RAM" },
       manual: "2.14",
-      effects: ["writes_ram"],
+      effects: { writes_ram: {} },
     },
     write_pid_rom: {
       code: 50,
       title: { en: "Write controller gains to ROM", zh: "\u5199\u5165 PID \u53c2\u6570\u5230 ROM" },
       manual: "2.15",
-      effects: ["writes_rom", "wears_rom"],
+      effects: { writes_rom: {}, wears_rom: {} },
     },
     read_acceleration: {
       code: 51,
@@ -220,7 +220,7 @@ export const TEXTS = {
       code: 52,
       title: { en: "Write acceleration to RAM", zh: "\u5199\u5165\u52a0\u901f\u5ea6\u5230 RAM" },
       manual: "2.17",
-      effects: ["writes_ram"],
+      effects: { writes_ram: {} },
     },
     read_encoder: {
       code: 144,
@@ -234,7 +234,7 @@ export const TEXTS = {
         zh: "\u5199\u5165\u7f16\u7801\u5668\u503c\u5230 ROM \u4f5c\u4e3a\u7535\u673a\u96f6\u70b9",
       },
       manual: "2.19",
-      effects: ["sets_zero", "writes_rom", "wears_rom"],
+      effects: { sets_zero: {}, writes_rom: {}, wears_rom: {} },
     },
     write_position_as_zero_rom: {
       code: 25,
@@ -243,7 +243,7 @@ export const TEXTS = {
         zh: "\u5199\u5165\u5f53\u524d\u4f4d\u7f6e\u5230 ROM \u4f5c\u4e3a\u7535\u673a\u96f6\u70b9",
       },
       manual: "2.20",
-      effects: ["sets_zero", "writes_rom", "wears_rom", "needs_power_cycle"],
+      effects: { sets_zero: {}, writes_rom: {}, wears_rom: {}, needs_power_cycle: {} },
     },
     read_multi_turn_angle: {
       code: 146,
@@ -259,7 +259,7 @@ export const TEXTS = {
       code: 149,
       title: { en: "Clear angle", zh: "\u6e05\u9664\u7535\u673a\u89d2\u5ea6" },
       manual: "2.23",
-      effects: ["sets_zero", "clears_turns", "clears_position_commands", "writes_ram"],
+      effects: { sets_zero: {}, clears_turns: {}, clears_position_commands: {}, writes_ram: {} },
       implemented: false,
     },
     read_status_1: {
@@ -274,7 +274,7 @@ export const TEXTS = {
       code: 155,
       title: { en: "Clear errors", zh: "\u6e05\u9664\u7535\u673a\u9519\u8bef\u6807\u5fd7" },
       manual: "2.25",
-      effects: ["clears_errors"],
+      effects: { clears_errors: {} },
     },
     read_status_2: {
       code: 156,
@@ -292,7 +292,7 @@ export const TEXTS = {
         zh: "\u591a\u7535\u673a\u8f6c\u77e9\u95ed\u73af\u63a7\u5236",
       },
       manual: "3.1",
-      effects: ["moves"],
+      effects: { moves: {} },
     },
   },
   layouts: [
