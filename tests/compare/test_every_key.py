@@ -151,6 +151,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "MemberSpec.title": {"types.colour.enum.red.title": TEXT},
     "MemberSpec.about": {"types.colour.enum.red.about": TEXT},
     "MemberSpec.deprecated": {"types.colour.enum.green.deprecated": {"since": "v1"}},
+    "MemberSpec.without_effects": {"types.colour.enum.red.without_effects": ["heats"]},
     "MemberSpec.value": {"types.colour.enum.red.value": 3},
     "MessageSpec.layout": {"commands.all.reply.layout": {}},
     "MessageSpec.fields": {"commands.all.reply.fields": {"more": {"at": 5, "raw": "u8"}}},

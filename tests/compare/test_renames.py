@@ -83,3 +83,12 @@ def test_a_statement_is_about_the_edition_that_has_the_other_name(tmp_path: Path
         "build command-renamed(command dim), build command-renamed(command read_all), safe title-changed(command dim)"
     )
     assert findings(compare(new, old)) == back
+
+
+def test_values_without_a_renamed_effect_are_unchanged(tmp_path: Path) -> None:
+    text = SPEC.replace("types:", "effects: {glows: {title: A light}}\ntypes:").replace(
+        "dark: 0", "dark: {value: 0, without_effects: [glows]}"
+    )
+    text = text.replace("request: {level", "effects: [glows], request: {state: {at: 1, type: state}, level")
+    old, new = edition(tmp_path, text), edition(tmp_path, text.replace("glows", "shines"))
+    assert findings(compare(old, new)) == "build effect-renamed(effect glows)"

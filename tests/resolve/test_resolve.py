@@ -17,6 +17,8 @@ from canwright.semantics.decoder import linear_of
 
 from ..spec_texts import MINIMAL, ROOT, edition, findings, marked, places
 
+MIXER = (ROOT / "tests/specs/mixer/v2-2024-02.yaml").read_text("utf-8")
+
 
 @pytest.fixture(scope="module")
 def v2_35() -> Edition:
@@ -45,6 +47,20 @@ def test_scales_are_exact_or_unknown(v2_35: Edition) -> None:
     linear = next(t for t in v2_35.types if t.name == "torque_current").linear
     scales = {name: case and case.scale for name, case in linear.cases.items()}
     assert scales == {"MS": None, "MF": Fraction(33, 4096), "MH": None, "MG": Fraction(33, 2048)}
+
+
+def test_a_request_that_only_reads_the_brake_does_not_switch_it() -> None:
+    brake = specification(ROOT / "spec/mwd_motor/v2.36-2025-03.yaml").edition.command("brake")
+    (effect,) = brake.effects
+    assert [(field.name, member.name) for field, member in brake.exemptions(effect)] == [("action", "read")]
+
+
+def test_a_value_without_an_unknown_effect(tmp_path: Path) -> None:
+    text = MIXER.replace("without_effects: [blinks]", "without_effects: [blink]")
+    assert text != MIXER
+    (finding,) = findings(tmp_path, text)
+    assert (finding.rule, finding.message) == ("unknown-reference", "there is no effect `blink`")
+    assert finding.hint == "did you mean `blinks`?"
 
 
 def test_reply_forms(v2_35: Edition) -> None:

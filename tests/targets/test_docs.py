@@ -164,6 +164,13 @@ def test_effects_are_warnings_and_examples_are_golden_frames(pages: dict[str, st
     assert "not implemented" in pages["en/v2.35/commands/clear_angle.md"]
 
 
+def test_values_without_an_effect_are_beside_it() -> None:
+    mixer = specification(ROOT / "tests/specs/mixer/v2-2024-02.yaml")
+    made = {output.path: output.text for output in docs.generate([mixer], {})}
+    assert "The lamp blinks (not with `lamp` = `off`)" in made["en/v2-2024-02/commands/set_lamp.md"]
+    assert "指示灯闪烁（`lamp` = `off` 时除外）" in made["zh/v2-2024-02/commands/set_lamp.md"]
+
+
 IN_THE_ID = """\
 canwright: 1
 family: axis

@@ -104,7 +104,7 @@ def _facts(command: Command, language: str) -> Iterator[RichText]:
     if not command.implemented:
         yield RichText("not implemented according to the manual", "yellow")
     for effect in command.effects:
-        yield RichText(effect.title[language], _STYLES[effect.level])
+        yield RichText(formatting.effect(effect.title[language], command, effect), _STYLES[effect.level])
     if command.limited_by:
         yield RichText("limited by " + ", ".join(s.title[language] for s in command.limited_by))
     if command.not_limited_by:

@@ -129,6 +129,11 @@ _VALUE = (
         "A value of an enum or a bit of flags has another meaning.",
         "{value} of `{name}` now means `{new}` (was `{old}`)",
     ),
+    (
+        "member-effects-changed",
+        "Different effects do not occur if a request contains a value.",
+        "effects that do not occur with `{member}` of `{name}`: {new}; were: {old}",
+    ),
     ("parameter-bounds-changed", "A number has different bounds.", "the bounds of `{name}` are {new} (were {old})"),
     ("effects-changed", "A command has different effects.", "effects: {new}; were: {old}"),
     ("state-entry-changed", "A state is entered by other commands.", "`{name}` is entered by {new} (was {old})"),

@@ -12,7 +12,7 @@ from ..model import formatting
 from ..model.types import Assignment, Bound, Dependent, Linear, Member, Range, Type
 from . import match
 from .change import Impact, Item, Side, Word
-from .collector import Attribute, Collector, Places, Use, at
+from .collector import Attribute, Collector, Places, Use, at, listed
 
 T = TypeVar("T")
 
@@ -56,6 +56,13 @@ _PLAUSIBLE = Attribute[Type](
     "plausible",
     lambda t: formatting.span(t.plausible) + _unit(t) if t.plausible else Word("not given"),
     Impact.SAFE,
+)
+_WITHOUT_EFFECTS = Attribute[Member](
+    "member-effects-changed",
+    "without_effects",
+    lambda m: listed(m.without_effects),
+    Impact.SILENT,
+    lambda m: {*m.without_effects},
 )
 
 
@@ -222,6 +229,7 @@ def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], ne
         if one.value != other.value:
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
             found.add("member-renumbered", pair.item, places, Impact.SILENT, pair.use, **facts)
+        found.attributes([_WITHOUT_EFFECTS], pair.item, places, one, other, pair.use, name=pair.name, member=other.name)
         found.deprecation(pair.item, places, other.name, one.deprecated, other.deprecated)
         found.texts(pair.item, places, one, other)
     replaced = matched.also(lambda a, b: a.value == b.value)

@@ -13,7 +13,7 @@ from ..model.edition import Edition
 from ..model.layout import Layout
 from ..model.message import Command
 from ..model.metadata import Effect, Mode, Setting
-from ..model.types import Bound, Dependent, ImpliedTitle, Linear, Parameter
+from ..model.types import Bound, Dependent, ImpliedTitle, Linear, Member, Parameter
 from .change import Item
 from .collector import BOTH_SIDES, Collector
 from .match import Matched, Named, by_name
@@ -126,6 +126,8 @@ def _own(names: _Names, part: Any) -> dict[str, Any]:
         return own
     if isinstance(part, Command):
         return {"only": names.scope(part.only), "mode": part.mode and names.new(Mode, part.mode)}
+    if isinstance(part, Member):
+        return {"without_effects": tuple(names.new(Effect, name) for name in part.without_effects)}
     if isinstance(part, Bound):
         return {"parameter": part.parameter and names.new(Parameter, part.parameter)}
     if isinstance(part, Linear):

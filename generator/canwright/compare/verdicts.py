@@ -251,6 +251,7 @@ def reason_without_witness(change: Change) -> str:
 _REASONS = {
     "implemented-changed": "effects",
     "effects-changed": "effects",
+    "member-effects-changed": "effects",
     "limits-changed": "effects",
     "state-entry-changed": "effects",
     "state-effects-changed": "effects",

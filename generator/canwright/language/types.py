@@ -1,6 +1,6 @@
 """Types of the language: conversions of raw bits to values."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
 from ..model.types import Order
@@ -93,6 +93,9 @@ class MemberSpec(Description):
     """A name for one raw value."""
 
     value: Annotated[int, Doc("The raw value with this name.")]
+    without_effects: Annotated[
+        list[Name], Doc("Effects that a command does not have if its request contains this value.")
+    ] = field(default_factory=list)
     renamed_from: RenamedFrom = None
     deprecated: Deprecated = None
 

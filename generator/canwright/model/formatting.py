@@ -8,7 +8,8 @@ from fractions import Fraction
 from typing import Protocol
 
 from .layout import Field, Segment, Space
-from .message import IdRule
+from .message import Command, IdRule
+from .metadata import Effect
 from .types import Bound, Dependent, Encoding, Linear, Order, Parameter, Range, Type
 
 MOST_DIGITS = 24
@@ -196,6 +197,17 @@ def numbers(listed: Iterable[int]) -> str:
 def condition(only: Mapping[str, tuple[str, ...]]) -> str:
     """A condition on parameters: `model A, B`; empty without one."""
     return "; ".join(f"{name} {', '.join(values)}" for name, values in only.items())
+
+
+def exemptions(command: Command, effect: Effect) -> str:
+    """The values of the request with which a command does not have an effect: `action = read`; empty without any."""
+    return ", ".join(f"{field.name} = {member.name}" for field, member in command.exemptions(effect))
+
+
+def effect(title: str, command: Command, effect: Effect) -> str:
+    """The English title of an effect of a command, with the values without it."""
+    values = exemptions(command, effect)
+    return f"{title} (not with {values})" if values else title
 
 
 def elements(field: Field) -> list[tuple[str, tuple[Segment, ...]]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -10,9 +10,9 @@ from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
 from .deprecation import Deprecation
-from .layout import Layout, NodeRole, Segment, Space
+from .layout import Field, Layout, NodeRole, Segment, Space
 from .metadata import Effect, Setting
-from .types import Assignment, ImpliedTitle, Order, Text
+from .types import Assignment, ImpliedTitle, Member, Order, Text
 
 MAX_NODE_BITS = 32
 """The maximum width of a field that identifies a node."""
@@ -281,6 +281,11 @@ class Command:
     def is_echoed(self) -> bool:
         """Whether the node sends the request back."""
         return any(isinstance(reply, EchoReply) for reply in self.replies)
+
+    def exemptions(self, effect: Effect) -> Sequence[tuple[Field, Member]]:
+        """Values of request fields with which the command does not have an effect."""
+        fields = self.request.layout.fields if self.request else ()
+        return [(field, member) for field in fields for name, member in field.type.exemptions if name == effect.name]
 
     @property
     def from_each(self) -> tuple[int, ...]:

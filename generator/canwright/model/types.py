@@ -184,13 +184,15 @@ class Range:
 class Member:
     """A name for one raw value of an enum, or for one bit of flags (then `value` is the bit number).
 
-    `renamed_from` is its name in previous editions.
+    `renamed_from` is its name in previous editions. `without_effects` are names of effects that a command does not have if
+    its request contains the value.
     """
 
     name: str
     renamed_from: str | None
     deprecated: Deprecation | None
     value: int
+    without_effects: tuple[str, ...]
     title: Text
     about: Text
 
@@ -253,6 +255,11 @@ class Type:
         """Names of the number parameters that scales are multiples of."""
         found = (linear.times for _, linear in self.linear.distinct() if linear is not None)
         return tuple(dict.fromkeys(name for name in found if name is not None))
+
+    @cached_property
+    def exemptions(self) -> tuple[tuple[str, Member], ...]:
+        """Names of effects, each with a value without it."""
+        return tuple((effect, member) for member in self.enum for effect in member.without_effects)
 
     @cached_property
     def numbers(self) -> tuple[str, ...]:

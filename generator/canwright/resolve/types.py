@@ -38,7 +38,9 @@ def resolve_types(
     context: Context, spec: schema.EditionSpec, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
 ) -> dict[str, Type]:
     return {
-        name: _TypeResolver(context, spec.byte_order, units, parameters, ("types", name)).resolve(name, written)
+        name: _TypeResolver(context, spec.byte_order, units, parameters, spec.effects, ("types", name)).resolve(
+            name, written
+        )
         for name, written in spec.types.items()
     }
 
@@ -77,6 +79,7 @@ class _TypeResolver:
     order: Order
     units: Mapping[str, Unit]
     parameters: Mapping[str, Parameter]
+    effects: Mapping[str, schema.EffectSpec]
     path: DocumentPath
 
     def resolve(self, name: str, spec: schema.TypeSpec) -> Type:
@@ -113,6 +116,7 @@ class _TypeResolver:
                 renamed_from=None,
                 deprecated=None,
                 value=written,
+                without_effects=(),
                 title=self.context.title(path, None, name),
                 about=self.context.text(path, None),
             )
@@ -123,9 +127,17 @@ class _TypeResolver:
             renamed_from=written.renamed_from,
             deprecated=deprecation(written.deprecated),
             value=value,
+            without_effects=self._without_effects(path, written),
             title=title,
             about=self.context.text((*path, "about"), written.about),
         )
+
+    def _without_effects(self, path: DocumentPath, written: schema.MemberSpec | schema.FlagSpec) -> tuple[str, ...]:
+        names = written.without_effects if isinstance(written, schema.MemberSpec) else []
+        found = (
+            self.context.find((*path, "without_effects", i), "effect", n, self.effects) for i, n in enumerate(names)
+        )
+        return tuple(name for name, effect in zip(names, found, strict=True) if effect is not None)
 
     def _linear(self, spec: schema.TypeSpec) -> Dependent[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSpec, MessageSpec
+from ..language.edition import EditionSpec, MemberSpec, MessageSpec
 from .rule import Finding, Findings, RelatedItem, Subject
 
 
@@ -38,6 +38,10 @@ def _lists(spec: EditionSpec) -> Iterator[tuple[DocumentPath, Sequence[object]]]
         yield ("bus", "modes", name, "bit_rates_kbps"), mode.bit_rates_kbps
     for name, setting in spec.settings.items():
         yield from ((("settings", name, "only", p), v) for p, v in (setting.only or {}).items())
+    for name, type_ in spec.types.items():
+        for member_name, member in (type_.enum or {}).items():
+            if isinstance(member, MemberSpec):
+                yield ("types", name, "enum", member_name, "without_effects"), member.without_effects
     for name, command in spec.commands.items():
         path: DocumentPath = ("commands", name)
         yield (*path, "effects"), command.effects

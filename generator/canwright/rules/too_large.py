@@ -111,7 +111,7 @@ def _sizes(edition: Edition, combinations: int) -> Iterator[Size]:
         yield Size(Part.MESSAGES, command.path, COMMAND + NODE * len(command.from_each))
         yield Size(Part.TEXTS, command.path, _texts_of_command(command))
         facts = (command.effects, command.limited_by, command.not_limited_by, command.notes)
-        yield Size(Part.FACTS, command.path, ITEM * sum(map(len, facts)))
+        yield Size(Part.FACTS, command.path, ITEM * (sum(map(len, facts)) + _exemptions(command)))
     yield from (Size(Part.TYPES, type_.path, _type(type_)) for type_ in edition.types)
     for erratum_number, erratum in enumerate(edition.errata):
         places = PLACE * len(edition.commands) * erratum.where.count("commands")
@@ -158,6 +158,10 @@ def _type(type_: Type) -> float:
 
 def _values(type_: Type) -> int:
     return len(type_.enum) + len(type_.flags)
+
+
+def _exemptions(command: Command) -> int:
+    return sum(len(field.type.exemptions) for field in command.request.layout.fields) if command.request else 0
 
 
 def _texts_of_layout(layout: Layout) -> float:

@@ -1,4 +1,4 @@
-"""Every type, layout, table, parameter, effect and setting is used."""
+"""Every type, layout, table, parameter, effect and setting is used, and so is every exemption from an effect."""
 
 from __future__ import annotations
 
@@ -36,6 +36,20 @@ def check(subject: Subject) -> Findings:
             if name not in used[kind]:
                 text = f"the {kind.removesuffix('s')} `{name}` is never used"
                 yield Finding((kind, name), text, "use it or remove it", key=True)
+    yield from _exemptions(edition)
+
+
+def _exemptions(edition: Edition) -> Findings:
+    """Values without an effect that no command with this value has."""
+    had = {
+        (f.type.name, e.name) for c in edition.commands if c.request for f in c.request.layout.fields for e in c.effects
+    }
+    for type_ in edition.types:
+        for member in type_.enum:
+            for i, effect in enumerate(member.without_effects):
+                if (type_.name, effect) not in had:
+                    path = (*type_.path, "enum", member.name, "without_effects", i)
+                    yield Finding(path, f"no request with this value has the effect `{effect}`", "remove it")
 
 
 def _of_entries(spec: EditionSpec) -> set[str]:

@@ -361,7 +361,7 @@ def _command_doc(edition: Edition, command: Command) -> list[str]:
     if command.only:
         paragraphs.append(f"Only {formatting.condition(command.only)}.")
     for level in (Level.DANGER, Level.WARNING, Level.NOTE):
-        titles = [english(e.title) for e in command.effects if e.level is level]
+        titles = [formatting.effect(english(e.title), command, e) for e in command.effects if e.level is level]
         if titles:
             paragraphs.append(f"{level.value.capitalize()}: {'; '.join(titles)}.")
     for verb, settings in (("Limited by", command.limited_by), ("Not limited by", command.not_limited_by)):

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from ...model import formatting
 from ...model.layout import Element, Field, ReservedRole, Space
-from ...model.message import Direction
-from ...model.metadata import Level
+from ...model.message import Command, Direction
+from ...model.metadata import Effect, Level
 from ...model.types import IDENTITY, Assignment, Encoding, Linear, Order, Type
 from .comments import Comments
 from .frames import Part
@@ -229,11 +229,15 @@ class Fields:
         command = part.command
         yield self._comments.deprecation(command.deprecated, command.name)
         if part.message.direction is Direction.REQUEST:
-            yield from (self._comments.of(e.title) for e in command.effects if e.level is not Level.NOTE)
+            yield from (self._effect(command, e) for e in command.effects if e.level is not Level.NOTE)
             if not command.implemented:
                 yield self._comments.fixed("not_implemented")
         if command.manual:
             yield self._comments.fixed("manual", section=any_text(command.manual))
+
+    def _effect(self, command: Command, effect: Effect) -> str:
+        title, values = self._comments.of(effect.title), formatting.exemptions(command, effect)
+        return self._comments.fixed("effect_except", effect=title, values=values) if values else title
 
 
 def _signal(

@@ -77,20 +77,29 @@ class Pages:
             for form in sheet.forms
         ]
 
-    def admonitions(self, effects: Sequence[Effect], command: Command | None = None) -> Sequence[Admonition]:
-        """Blocks with these effects, the worst first; with what else is to be known of a command."""
+    def admonitions(
+        self, effects: Sequence[Effect], forms: Sequence[FormView], command: Command | None = None
+    ) -> Sequence[Admonition]:
+        """Blocks with these effects of these forms, the worst first; with what else is to be known of a command."""
         texts: dict[str, list[str]] = {kind: [] for kind in _KINDS.values()}
         if command is not None and command.deprecated:
             texts["WARNING"].append(self.deprecation(command.deprecated))
         if command is not None and not command.implemented:
             texts["WARNING"].append(self._labels["not_implemented"])
         for effect in effects:
-            texts[_KINDS[effect.level]].append(self.description(effect))
+            texts[_KINDS[effect.level]].append(self._effect(effect, forms))
         if command is not None and command.reply_within_ms is not None:
             time = f"{formatting.exact(command.reply_within_ms)} ms"
             texts["NOTE"].append(f"{self._labels['reply_within']}{self._labels['colon']}{time}")
         texts["NOTE"] += [markdown(note[self._language]) for note in command.notes] if command else []
         return [Admonition(kind, listed) for kind, listed in texts.items() if listed]
+
+    def _effect(self, effect: Effect, forms: Sequence[FormView]) -> str:
+        """An effect of these forms, with the values of their requests without it."""
+        values = (value for form in forms for value in form.form.command.exemptions(effect))
+        texts = dict.fromkeys(f"{code(field.name)} = {code(member.name)}" for field, member in values)
+        listed = self._labels["listed"].join(texts)
+        return self.description(effect) + (self._labels["effect_except"].format(listed) if listed else "")
 
     def _half(self, command: Command, direction: Direction, side: Side | None) -> Half:
         """One direction of a command; `side` is its content for every language."""

@@ -8,6 +8,7 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command
+from ...model.metadata import Effect
 from ...model.types import Member, Parameter, Text, Type
 from .tables import EditionTables
 from .text import Value
@@ -45,9 +46,17 @@ def _command(command: Command) -> Value:
         "title": _text(command.title),
         "manual": command.manual or None,
         "only": {name: list(values) for name, values in command.only.items()} or None,
-        "effects": [effect.name for effect in command.effects] or None,
+        "effects": {effect.name: _exemptions(command, effect) for effect in command.effects} or None,
         "implemented": None if command.implemented else False,
     }
+
+
+def _exemptions(command: Command, effect: Effect) -> Value:
+    """Fields of the request, each with its raw integers without the effect."""
+    fields: dict[str, list[Value]] = {}
+    for field, member in command.exemptions(effect):
+        fields.setdefault(field.name, []).append(str(member.value))
+    return dict(fields)
 
 
 def _field(field: Field, tables: EditionTables) -> Value:

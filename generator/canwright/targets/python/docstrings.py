@@ -44,7 +44,9 @@ def of_message(command: Command, message: Message) -> Docstring:
         echo = "The request, sent back." if command.is_echoed else ""
         return (title, deprecation(command.deprecated), _joined(echo, _manual(command.manual)))
     only = (f"Only {name} {', '.join(values)}." for name, values in command.only.items())
-    effects = _joined(*(sentence(english(effect.title)) for effect in command.effects))
+    effects = _joined(
+        *(sentence(formatting.effect(english(effect.title), command, effect)) for effect in command.effects)
+    )
     return (
         title,
         deprecation(command.deprecated),

@@ -276,13 +276,20 @@
     const { edition, decoded } = chosen;
     at("chosen-title").textContent = titleOf(chosen);
     at("chosen-facts").textContent = [decoded.command, say(decoded.direction), meaning.label(edition)].join(" · ");
-    const effects = edition.texts.commands[decoded.command].effects ?? [];
-    const items = decoded.direction === "request" ? effects : [];
+    const effects = Object.entries(edition.texts.commands[decoded.command].effects ?? {});
+    const items = effects.filter(([, exemptions]) => decoded.direction === "request" && !isExempt(exemptions));
     at("effects").replaceChildren(
-      ...items.map((name) => {
+      ...items.map(([name]) => {
         const { level, title } = edition.texts.effects[name];
         return make("li", { className: level }, `${say(level)}: ${text(title, name)}`);
       }),
+    );
+  }
+
+  /** Whether the chosen frame has a value without an effect; `exemptions` are raw integers by field. */
+  function isExempt(exemptions) {
+    return chosen.decoded.fields.some(({ name, raw }) =>
+      [raw].flat().some((integer) => (exemptions[name] ?? []).includes(String(integer))),
     );
   }
 
