@@ -27,12 +27,13 @@ from canwright.model.message import Direction
 from canwright.project.golden_file import read_golden_file
 from canwright.project.loader import frames_file, specification
 from canwright.recordings import plot
-from canwright.recordings.bus_behaviour import Behaviour
+from canwright.recordings.bus_behaviour import Behaviour, OldBits
 from canwright.recordings.directions import Directions
+from canwright.recordings.doubts import doubts
 from canwright.recordings.golden_text import golden_text
 from canwright.recordings.recorded import Mark, Recorded
 from canwright.recordings.rows import Row, RowReader
-from canwright.recordings.summary import Summary
+from canwright.recordings.summary import NodeSummary, Summary
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
@@ -280,7 +281,7 @@ def test_missing_late_and_unexpected_frames() -> None:
     assert "node 1, v2.35: 2 requests, 2 replies after 0.600 ms on average, at most 0.600 ms\n" in text
     for line in (
         "1 missing: 1 request without an answer",
-        "1 late: after twice the time of the spec, and long after most other replies",
+        "1 late: slower than the reply time of the spec, or if the bus is slower, than most replies",
         "1 unexpected: without a request",
     ):
         assert f"  {line}\n" in text
@@ -288,6 +289,16 @@ def test_missing_late_and_unexpected_frames() -> None:
     assert "  2 late" in waited and "missing" not in waited and "unexpected" not in waited
     swapped = decode(TROUBLE, "--set", "edition=v2.35", "--recorder", "node", status=1).stdout
     assert "2 requests, 2 replies" in swapped
+
+
+def test_a_command_of_several_editions_has_doubtful_directions_once() -> None:
+    summary = Summary()
+    summary.nodes["can0", 1] = NodeSummary()
+    requests = [specification(file).edition.command("motor_on").request for file in (V2_35, V2_36)]
+    old_bits = tuple(OldBits(request, 5) for request in requests if request)
+    assert [*doubts(summary, {"can0": Behaviour(old_bits=old_bits)})] == [
+        "can0: the host sends old bytes in reserved bits of motor_on: they are the same in all requests"
+    ]
 
 
 def test_a_broadcast_misses_only_nodes_of_the_log() -> None:

@@ -278,7 +278,7 @@ def test_a_part_that_begins_with_a_frame_without_time() -> None:
 @pytest.mark.parametrize("mix", motor_bus.MIXES)
 @pytest.mark.parametrize("name", motor_bus.SITUATIONS)
 def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> None:
-    """Directions are right, or a sentence says why not."""
+    """Directions are correct, or a sentence states the reason for doubt."""
     log = MotorBus(mix, motor_bus.SITUATIONS[name], 1).frames(1200)
     directions, summary = Directions({}, MOTOR), Summary()
     judged = list(directions.judge(sent.recorded for sent in log))

@@ -22,8 +22,24 @@ from canwright.targets.registry import target_names
 from ..compare.test_every_key import CHANGES, TEXT
 from ..strangers.everything import FRAMES, SPEC
 
+NOT_SHOWN = {
+    "EditionSpec.canwright": "the version of the language",
+    "GoldenFrames.canwright": "the version of the language",
+    "TypeSpec.plausible": "for `identify` and `decode`, see tests/recordings/test_identify.py",
+    **{
+        f"{concept}.renamed_from": "for `diff`, see tests/compare/test_renames.py"
+        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec")
+    },
+}
+
+NOT_SHOWN |= {
+    f"{concept}.{key}": "for readers of the golden frames"
+    for concept in ("Exchange", "RefusedFrame", "RefusedValues")
+    for key in ("manual", "note")
+}
+
 OF_EDITION: dict[str, dict[str, Any]] = {
-    **CHANGES,
+    **{key: changes for key, changes in CHANGES.items() if key not in NOT_SHOWN},
     "EditionSpec.family": {"family": "torch"},
     "EditionSpec.edition": {"edition": "v2"},
     "EditionSpec.date": {"date": "2024-01"},
@@ -82,22 +98,6 @@ OF_FRAMES: dict[str, dict[str, Any]] = {
     "RefusedValues.values": {f"{VALUES}.values": {"angle": 0, "share": 0}},
     "RefusedValues.says": {f"{VALUES}.says": "no_scale"},
     "RefusedValues.field": {f"{VALUES}.field": "share"},
-}
-
-NOT_SHOWN = {
-    "EditionSpec.canwright": "the version of the language",
-    "GoldenFrames.canwright": "the version of the language",
-    "TypeSpec.plausible": "for `identify` and `decode`, see tests/recordings/test_identify.py",
-    **{
-        f"{concept}.renamed_from": "for `diff`, see tests/compare/test_renames.py"
-        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec")
-    },
-}
-
-NOT_SHOWN |= {
-    f"{concept}.{key}": "for readers of the golden frames"
-    for concept in ("Exchange", "RefusedFrame", "RefusedValues")
-    for key in ("manual", "note")
 }
 
 Files = Mapping[str, str]

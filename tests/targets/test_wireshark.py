@@ -82,7 +82,7 @@ NODES_IN_DATA = (
 
 
 def test_the_node_in_the_data() -> None:
-    """It tells requests to one id apart; the low bits in a reply are of the node of the request."""
+    """It distinguishes requests to one id; the low bits in a reply are those of the node of the request."""
     log = [
         Recorded(i * 100_000, "", CanFrame(can_id, bytes.fromhex(data)), None)
         for i, (can_id, data, *_) in enumerate(NODES_IN_DATA)

@@ -27,7 +27,7 @@ COMMANDS = {
     "handover": ("handover", "Write documents to hand over: HTML, and the command matrix as CSV and Excel."),
     "identify": ("identify", "Show which editions a recorded exchange fits, and why."),
     "schema": ("schema", "Print the JSON Schema of the language, for editors."),
-    "show": ("show", "Show one COMMAND, by name or by code (0x10)."),
+    "show": ("show", "Show one COMMAND, by name, by code (0x10), or by the CAN id of a broadcast."),
     "site": ("site", "Build the pages into a website with search, in every language."),
 }
 """The module of each command, and the first line of its help. Only the module of the command that runs is imported."""

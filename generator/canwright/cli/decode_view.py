@@ -173,7 +173,7 @@ def _findings(one: NodeSummary) -> Iterator[str]:
     if one.missing:
         yield f"  {one.missing} missing: {counted(one.missing, 'request')} without an answer"
     if one.late:
-        yield f"  {one.late} late: after twice the time of the spec, and long after most other replies"
+        yield f"  {one.late} late: slower than the reply time of the spec, or if the bus is slower, than most replies"
     if one.unexpected:
         yield f"  {one.unexpected} unexpected: without a request"
     for name, values in one.implausible.items():

@@ -141,7 +141,7 @@ class TypeSpec(Description):
         Span | None,
         Doc(
             "Values in the unit that a working node is assumed to report. It is an assumption, unlike `range`, which "
-            "the manual states. Only `canwright identify` uses it; no frame is rejected because of it.",
+            "the manual states. `canwright identify` and `canwright decode` use it; no frame is rejected because of it.",
             examples=("6..100",),
         ),
     ] = None

@@ -39,7 +39,7 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
                 f"{causes[-1]}{advice}"
             )
         elif behaviour.old_bits and not behaviour.is_marked:
-            names = sorted(bits.request.command for bits in behaviour.old_bits)
+            names = sorted({bits.request.command for bits in behaviour.old_bits})
             shown = ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
             varies = any(bits.value is None for bits in behaviour.old_bits)
             how = f"times decide on their directions; {_MARKS}" if varies else "they are the same in all requests"

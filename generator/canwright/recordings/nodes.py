@@ -247,7 +247,7 @@ class _Following:
         return one
 
     def _choose(self, node: NodeFrames, result: NodeResult) -> None:
-        """Chooses the edition of a node for its first frame that is held, or the next one."""
+        """Chooses the edition of a node for its first frame that waits, or the next one."""
         self._waiting.discard(node)
         number, time = next(((n, one.time) for n, one, of in self._held if of is node), (self._number, None))
         choice = _choice(result, None)._replace(start=Place(number, time))

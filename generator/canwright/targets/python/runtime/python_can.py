@@ -73,7 +73,7 @@ class OwnFrames:
     """Sends on a bus, and recognizes the frames that the bus returns.
 
     Where requests and replies have the same ids, a returned request is also a valid reply. Whether a bus returns frames
-    depends on the adapter, its driver and its settings; `is_rx` of a frame does not always tell.
+    depends on the adapter, its driver and its settings; `is_rx` of a frame does not identify own frames on every adapter.
     """
 
     def __init__(self, bus: can.BusABC, *, are_returned: bool) -> None:

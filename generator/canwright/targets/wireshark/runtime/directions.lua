@@ -16,7 +16,7 @@ local LEARNED_FROM = 4096
 local COPIED_WITHIN, LONGEST = 3000000, 200000000
 -- Shares are taken from so many cases. Old bits count if one frame in so many shows them.
 local LEAST, RARE = 8, 32
--- Retries look like copies, and lost requests like slow replies, in a few cases.
+-- Retries look like copies, and missing requests like slow replies, in a few cases.
 local LEAST_IN_ALL = 32
 local LATENCIES = 64
 -- So many times, at most, the first frames are decided again.
