@@ -19,7 +19,7 @@ from canwright.targets.python.text import attribute
 
 from .behaviour import Binding, Frame, Meaning, Names, meaning
 
-_FIELD = re.compile(r"`(\w+) = ([^`]*)`")
+_FIELD = re.compile(r"`(\w+)(?:\[(\d+)(?:\.\.(\d+))?\])? = ([^`]*)`")
 _COMMAND = re.compile(r"`(\w+)`")
 
 
@@ -115,15 +115,16 @@ def _as(
 
 def _differences(text: str, decoded: Meaning) -> Iterator[str]:
     """The statements of a text that a decoded frame does not confirm."""
-    for name, value in _FIELD.findall(text):
-        known = decoded.values.get(attribute(name), decoded.constants.get(attribute(name)))
-        if known is None:
-            yield f"no field {name}"
-        else:
-            values = known if isinstance(known[0], tuple) else (known,)
-            texts = value.split(", ") if len(values) > 1 else [value]
-            if len(texts) != len(values) or not all(map(_is_value, texts, values)):
-                yield f"{name} is {known}"
+    for name, first, last, value in _FIELD.findall(text):
+        field = attribute(name)
+        names = [f"{field}[{number}]" for number in range(int(first), int(last or first) + 1)] if first else [field]
+        if any(known not in {*decoded.values, *decoded.constants} for known in names):
+            yield f"no field {', '.join(names)}"
+            continue
+        values = [decoded.values.get(known, decoded.constants.get(known)) for known in names]
+        texts = value.split(", ") if first else [value]
+        if len(texts) != len(values) or not all(map(_is_value, texts, values)):
+            yield f"{name} is {values}"
     node = re.search(r"node (\d+)", text)
     if node is not None and decoded.node is not None and int(node[1]) != decoded.node:
         yield f"the node is {decoded.node}"

@@ -441,13 +441,14 @@ def _spread(field: Field, raw: int, base: Raw) -> Iterator[Raw]:
 
 
 def shown(field: Field, raw: Raw, assignment: Assignment) -> str:
-    """A field with its value: `` `voltage = 48.7 V` ``."""
+    """A field with its value: `` `voltage = 48.7 V` ``, `` `cell[1..2] = 3.2 V, 3.3 V` ``."""
     values = field_value(field, raw, assignment)
     raws = raw if isinstance(raw, list) else [raw]
     each = values if isinstance(raw, list) and isinstance(values, list) else [values]
     unit = f" {field.type.unit.symbol}" if field.type.unit else ""
     texts = [_text(field.type, one, number, unit) for one, number in zip(each, raws, strict=False)]
-    return f"`{field.name} = {', '.join(texts)}`"
+    numbers = formatting.numbers(e.index for e in field.elements if e.index is not None)
+    return f"`{field.name}{f'[{numbers}]' if numbers else ''} = {', '.join(texts)}`"
 
 
 def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
