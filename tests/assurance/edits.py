@@ -680,7 +680,9 @@ def _arrays(data: Data) -> Iterator[Edit]:
                 yield Edit(f"{_dotted(here)} is no array", drop((*here, "array")))
                 first, last = map(int, one["array"].split(".."))
                 for low, high in ((0, last - first), (first + 1, last + 1), (first, last - 1), (first, last + 1)):
-                    yield Edit(f"{_dotted(here)} has the elements {low}..{high}", put((*here, "array"), f"{low}..{high}"))
+                    yield Edit(
+                        f"{_dotted(here)} has the elements {low}..{high}", put((*here, "array"), f"{low}..{high}")
+                    )
             elif not {"holds", "constant", "reserved"} & set(one) and _raw_of(data, one) == "u16":
                 halves = {**{k: v for k, v in one.items() if k != "type"}, "raw": "u8", "array": "1..2"}
                 yield Edit(f"{_dotted(here)} is an array", put(here, halves))

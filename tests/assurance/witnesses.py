@@ -23,9 +23,15 @@ _FIELD = re.compile(r"`(\w+)(?:\[(\d+)(?:\.\.(\d+))?\])? = ([^`]*)`")
 _COMMAND = re.compile(r"`(\w+)`")
 
 
+_PRINTED = ("scale-changed", "scale-rewritten", "field-format-changed", "field-meaning-changed")
+"""Changes with resolutions, which are shown in the notation of the spec."""
+
+
 def wrong_witnesses(changes: tuple[Change, ...], old: Binding, new: Binding, names: Names) -> Iterator[str]:
     """What generated code contradicts in the witnesses of some changes."""
     for change in changes:
+        if change.rule.id not in _PRINTED and re.search(r"\d/\d", change.says()):
+            yield f"{change.rule.id}: a fraction: {change.says()}"
         for witness in change.witnesses:
             if re.search(r"\d/\d", witness.says()):
                 yield f"{change.rule.id}: a fraction: {witness.says()}"
@@ -54,6 +60,11 @@ def _wrong(witness: Witness, old: Binding, new: Binding, names: Names) -> Iterat
         yield f"{command[1]} is not sent so: {witness.says()}"
     elif written is not None:
         yield from (f"{text}, sent: {witness.says()}" for text in _differences(sent, written))
+    allowed = re.fullmatch(r"≈?(\S+)\.\.≈?(\S+)( .*)?", _text(witness.facts.get("allowed")))
+    if allowed is not None:
+        values = [v for _, _, _, texts in _FIELD.findall(sent) for v in texts.split(", ")]
+        if all(float(allowed[1]) <= float(v.partition(" ")[0].lstrip("≈")) <= float(allowed[2]) for v in values):
+            yield f"a value in the range: {witness.says()}"
     if read:
         whole = _COMMAND.match(read)
         now = whole[1] if whole else _counterpart(command[1], sender, receiver, names, is_request=is_request)
