@@ -223,7 +223,7 @@ def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, As
 
 def _ordered(names: Iterable[str]) -> list[str]:
     """Names in alphabetical order, numbers by their value."""
-    return sorted(names, key=lambda name: (name.isdecimal(), len(name) if name.isdecimal() else 0, name))
+    return sorted(names, key=lambda name: (len(name) if name.isdecimal() else 0, name))
 
 
 def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:

@@ -132,7 +132,11 @@ def _choices(select: Select, subject: BitRun, frame: CanFrame, data: int, variab
     for value in dict.fromkeys((current, other, *select.by_value)):
         changed = data & ~mask | placed(subject.segments, value)
         if changed.bit_length() <= len(frame.data) * 8 and not (changed ^ data) & ~variable:
-            yield from _data(select.by_value.get(value, select.otherwise), frame, changed, variable & ~mask)
+            known = select.by_value.get(value)
+            if known is not None:
+                yield from _data(known, frame, changed, variable & ~mask)
+            else:  # later decisions can be on the same bits
+                yield from _data(select.otherwise, frame, changed, variable)
 
 
 def placed(segments: tuple[Segment, ...], value: int) -> int:
