@@ -82,8 +82,8 @@ def test_order_of_the_old_keys_makes_no_difference(file: Path, tmp_path: Path) -
     old, new = (yaml.load(file.read_text("utf-8"), yaml.CSafeLoader) for _ in range(2))
     codes = [c["code"] for c in new["commands"].values() if isinstance(c.get("code"), int)]
     single = [c for c in new["commands"].values() if codes.count(c.get("code")) == 1 and "table" not in c]
-    if len(single) > 1:
-        single[0]["code"], single[1]["code"] = single[1]["code"], single[0]["code"]
+    for other in [c for c in single[1:] if c.get("address") == single[0].get("address")][:1]:
+        single[0]["code"], other["code"] = other["code"], single[0]["code"]
     for type_ in new.get("types", {}).values():
         if isinstance(type_.get("scale"), dict):
             type_["scale"] = {key: value if key == "by" else "7/3" for key, value in type_["scale"].items()}
