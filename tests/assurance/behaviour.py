@@ -63,7 +63,10 @@ class Names:
         return self.commands.get(name, name)
 
     def field(self, command: str, name: str) -> str | None:
-        return self.fields.get(f"{command}.{name}", self.fields.get(name, name))
+        """The new name of a field; an element of an array keeps its number."""
+        whole, bracket, number = name.partition("[")
+        now = self.fields.get(f"{command}.{whole}", self.fields.get(whole, whole))
+        return None if now is None else attribute(now) + bracket + number
 
 
 class Frame(NamedTuple):
@@ -79,7 +82,11 @@ class Frame(NamedTuple):
 
 
 class Meaning(NamedTuple):
-    """A decoded frame: its command, its node, and the values of its fields and of its constants."""
+    """A decoded frame: its command, its node, and the values of its fields and of its constants.
+
+    Each element of an array has a value of its own, under its number: what people call cell 2 is `cell[2]`, and the
+    comments of generated code name the number of each element.
+    """
 
     command: str
     node: int | None
@@ -137,6 +144,9 @@ class Binding:
         self._depends: dict[Any, bool] = {}
         for message in item.edition.all_messages():
             self.of(message).CONSTANTS = dict(_constants(message))
+            self.of(message).NUMBERS = {
+                attribute(f.name): [e.index for e in f.elements] for f in message.layout.fields if f.is_array
+            }
 
     @functools.cached_property
     def parts(self) -> dict[str, str]:
@@ -222,7 +232,14 @@ def frame_of(message: Any) -> Frame:
 def meaning(message: Any) -> Meaning:
     """The values of all fields in units; the raw integer where there is no scale."""
     raws = message.raw()
-    values = {name: _value(message.TYPES[name], raw, message.parameters, name) for name, raw in raws.items()}
+    values = {}
+    for name, raw in raws.items():
+        type_, numbers = message.TYPES[name], message.__class__.NUMBERS.get(name)
+        if numbers is None:
+            values[name] = _value(type_, raw, message.parameters, name)
+        else:
+            each = (_value(type_.type, one, message.parameters, name) for one in raw)
+            values |= {f"{name}[{number}]": value for number, value in zip(numbers, each, strict=True)}
     return Meaning(message.COMMAND, message.node, values, message.__class__.__dict__.get("CONSTANTS", {}))
 
 
@@ -233,8 +250,6 @@ def _constants(message: Message) -> Iterator[tuple[str, Any]]:
 
 
 def _value(type_: Any, raw: Any, parameters: Any, name: str) -> Any:
-    if hasattr(type_, "count"):
-        return tuple(_value(type_.type, one, parameters, name) for one in raw)
     try:
         value = type_.value(raw, parameters, name)
     except ValueError as error:
@@ -253,9 +268,6 @@ def _value(type_: Any, raw: Any, parameters: Any, name: str) -> Any:
 def _same(one: Any, other: Any, names: Names) -> bool:
     if one == other and not names.members:
         return True
-    if isinstance(one, tuple) and one and isinstance(one[0], tuple):
-        alike = isinstance(other, tuple) and len(one) == len(other) and all(isinstance(value, tuple) for value in other)
-        return alike and all(map(_same, one, other, [names] * len(one)))
     if one[0] == "member" == other[0]:
         renamed = names.members.get(one[1].lower(), one[1].lower())
         return renamed is not None and renamed.upper() == other[1]
@@ -282,14 +294,12 @@ def difference(old: Meaning, new: Meaning, names: Names, *, receiving: bool) -> 
     seen = set()
     for name, value in old.values.items():
         now = names.field(old.command, name)
-        constant = new.constants.get(attribute(now)) if now is not None else None
-        if now is not None and attribute(now) in new.constants:
-            if not _same(value, constant, names):
-                return f"{name} = {value} or the constant {constant}"
+        if now is not None and now in new.constants:
+            if not _same(value, new.constants[now], names):
+                return f"{name} = {value} or the constant {new.constants[now]}"
             continue
-        if now is None or attribute(now) not in new.values:
+        if now is None or now not in new.values:
             return f"{name} = {value} or no such field"
-        now = attribute(now)
         seen.add(now)
         if not _same(value, new.values[now], names):
             return f"{name} = {value} or {new.values[now]}"
@@ -680,7 +690,7 @@ class _Run:
             return
         meant = meaning(message)
         for sent in self._accepted(frame, theirs):
-            self._heard(command, request, mine, sent, meant, known, certain=certain)
+            self._heard(command, theirs, request, mine, sent, meant, known, certain=certain)
 
     def _accepted(self, frame: Frame, command: Command) -> Iterator[Frame]:
         """The frame with each code that the reply may have."""
@@ -693,8 +703,18 @@ class _Run:
                     yield overlay(frame, [key], code)
 
     def _heard(
-        self, command: Command, request: Any, mine: Any, frame: Frame, meant: Meaning, known: Any, *, certain: bool
+        self,
+        command: Command,
+        theirs: Command,
+        request: Any,
+        mine: Any,
+        frame: Frame,
+        meant: Meaning,
+        known: Any,
+        *,
+        certain: bool,
     ) -> None:
+        """One reply as the old host receives it; `theirs` is the command that the new node replies to."""
         alone = self._alone(frame, mine, known)
         if not command.replies:
             if alone:
@@ -708,6 +728,9 @@ class _Run:
                 self.receiving.add(SILENT, alone, certain=False)
             return
         heard = meaning(answer)
+        same = self.names.command(heard.command)
+        if self.now.get(command.name) == theirs.name and same is not None:
+            meant = meant._replace(command=same)  # of both editions the answer, whichever command it belongs to
         differs = difference(heard, meant, self.names, receiving=True)
         if differs:
             self.receiving.add(SILENT, f"{frame} is {meant}; old {heard}: {differs}", certain=certain)

@@ -4,8 +4,8 @@ Each edit gives a new edition. The Python bindings of the old and of the new edi
 a new node (`behaviour.py`): an edit is silent where a frame is accepted with another meaning, loud where it is rejected or
 not answered, and safe otherwise, on each side. The findings of the comparison must say the same.
 
-Each printed frame is decoded with both bindings and compared with its sentence (`witnesses.py`). Each new edition is also
-compared with its keys in another order, which must give the same findings.
+Each printed frame is decoded with both bindings and compared with its sentence (`witnesses.py`). The keys of each
+edition are also put in another order, which must give the same findings.
 
 Not decided here, and accepted either way: values outside a range, which generated code checks only before it sends;
 replies to requests that a new node rejects or takes for other requests, or that only a new host on the same bus can have
@@ -110,6 +110,7 @@ class Spec:
         self.text = dumped(self.data)
         self.loaded = self._load(self.text)
         self.old = Old(self.loaded.specification)
+        self.turned = self._load(dumped(reordered(self.data, lambda keys: keys[::-1])))
 
     def _load(self, text: str) -> Loaded:
         file = self.folder / "spec.yaml"
@@ -133,14 +134,12 @@ class Spec:
         except (SpecError, KeyError, TypeError, ValueError, AttributeError, IndexError):
             return None
         case = self._judged(edit, text, loaded)
-        case.ordered += _different(case.changes, self._compared(turned))
+        case.ordered += _different(case.changes, _compared(self.loaded, turned))
+        case.ordered += _different(case.changes, _compared(self.turned, loaded))
         return case
 
-    def _compared(self, loaded: Loaded) -> tuple[Change, ...]:
-        return compare(self.loaded.specification.edition, loaded.specification.edition)
-
     def _judged(self, edit: Edit, text: str, loaded: Loaded) -> Case:
-        changes, new = self._compared(loaded), Binding(loaded.specification)
+        changes, new = _compared(self.loaded, loaded), Binding(loaded.specification)
         happened = behaviour(self.old, new, edit.names)
         case = Case(self.name, edit, changes, happened, reported(changes))
         learn_units(self.old.edition, new.edition)
@@ -166,6 +165,10 @@ class Spec:
                 case.elsewhere.append(f"{change.rule.id}({change.item}) at {change.old} -> {change.new}")
         case.several = len(found)
         return case
+
+
+def _compared(old: Loaded, new: Loaded) -> tuple[Change, ...]:
+    return compare(old.specification.edition, new.specification.edition)
 
 
 def _different(one: Iterable[Change], other: Iterable[Change]) -> list[str]:

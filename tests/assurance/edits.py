@@ -672,22 +672,30 @@ def _exchanged_names(data: Data) -> Iterator[Edit]:
 
 
 def _arrays(data: Data) -> Iterator[Edit]:
-    """Arrays that become single fields, and fields that become arrays."""
+    """Arrays that become single fields, have other numbers or elements, and fields that become arrays."""
     for path, fields, _ in _all_fields(data):
         for name, one in fields.items():
             here = (*path, name)
             if "array" in one:
                 yield Edit(f"{_dotted(here)} is no array", drop((*here, "array")))
+                first, last = map(int, one["array"].split(".."))
+                for low, high in ((0, last - first), (first + 1, last + 1), (first, last - 1), (first, last + 1)):
+                    yield Edit(
+                        f"{_dotted(here)} has the elements {low}..{high}", put((*here, "array"), f"{low}..{high}")
+                    )
             elif not {"holds", "constant", "reserved"} & set(one) and _raw_of(data, one) == "u16":
                 halves = {**{k: v for k, v in one.items() if k != "type"}, "raw": "u8", "array": "1..2"}
                 yield Edit(f"{_dotted(here)} is an array", put(here, halves))
 
 
 def _shared_replies(data: Data) -> Iterator[Edit]:
-    """Replies that become those of other commands."""
+    """Replies that become those of other commands, or the same fields of the command itself."""
     for name, command in data["commands"].items():
         reply = command.get("reply")
         if isinstance(reply, dict) and isinstance(reply.get("of"), str):
+            fields = data["commands"][reply["of"]].get("reply")
+            if isinstance(fields, str) or (isinstance(fields, dict) and "of" not in fields):
+                yield Edit(f"{name} replies with the fields of {reply['of']}", put(("commands", name, "reply"), fields))
             for other in data["commands"]:
                 if other not in (name, reply["of"]):
                     yield Edit(f"{name} replies as {other} does", put(("commands", name, "reply"), {"of": other}))

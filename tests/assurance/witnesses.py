@@ -19,13 +19,19 @@ from canwright.targets.python.text import attribute
 
 from .behaviour import Binding, Frame, Meaning, Names, meaning
 
-_FIELD = re.compile(r"`(\w+) = ([^`]*)`")
+_FIELD = re.compile(r"`(\w+)(?:\[(\d+)(?:\.\.(\d+))?\])? = ([^`]*)`")
 _COMMAND = re.compile(r"`(\w+)`")
+
+
+_PRINTED = ("scale-changed", "scale-rewritten", "field-format-changed", "field-meaning-changed")
+"""Changes with resolutions, which are shown in the notation of the spec."""
 
 
 def wrong_witnesses(changes: tuple[Change, ...], old: Binding, new: Binding, names: Names) -> Iterator[str]:
     """What generated code contradicts in the witnesses of some changes."""
     for change in changes:
+        if change.rule.id not in _PRINTED and re.search(r"\d/\d", change.says()):
+            yield f"{change.rule.id}: a fraction: {change.says()}"
         for witness in change.witnesses:
             if re.search(r"\d/\d", witness.says()):
                 yield f"{change.rule.id}: a fraction: {witness.says()}"
@@ -54,6 +60,11 @@ def _wrong(witness: Witness, old: Binding, new: Binding, names: Names) -> Iterat
         yield f"{command[1]} is not sent so: {witness.says()}"
     elif written is not None:
         yield from (f"{text}, sent: {witness.says()}" for text in _differences(sent, written))
+    allowed = re.fullmatch(r"≈?(\S+)\.\.≈?(\S+)( .*)?", _text(witness.facts.get("allowed")))
+    if allowed is not None:
+        values = [v for _, _, _, texts in _FIELD.findall(sent) for v in texts.split(", ")]
+        if all(float(allowed[1]) <= float(v.partition(" ")[0].lstrip("≈")) <= float(allowed[2]) for v in values):
+            yield f"a value in the range: {witness.says()}"
     if read:
         whole = _COMMAND.match(read)
         now = whole[1] if whole else _counterpart(command[1], sender, receiver, names, is_request=is_request)
@@ -115,15 +126,16 @@ def _as(
 
 def _differences(text: str, decoded: Meaning) -> Iterator[str]:
     """The statements of a text that a decoded frame does not confirm."""
-    for name, value in _FIELD.findall(text):
-        known = decoded.values.get(attribute(name), decoded.constants.get(attribute(name)))
-        if known is None:
-            yield f"no field {name}"
-        else:
-            values = known if isinstance(known[0], tuple) else (known,)
-            texts = value.split(", ") if len(values) > 1 else [value]
-            if len(texts) != len(values) or not all(map(_is_value, texts, values)):
-                yield f"{name} is {known}"
+    for name, first, last, value in _FIELD.findall(text):
+        field = attribute(name)
+        names = [f"{field}[{number}]" for number in range(int(first), int(last or first) + 1)] if first else [field]
+        if any(known not in {*decoded.values, *decoded.constants} for known in names):
+            yield f"no field {', '.join(names)}"
+            continue
+        values = [decoded.values.get(known, decoded.constants.get(known)) for known in names]
+        texts = value.split(", ") if first else [value]
+        if len(texts) != len(values) or not all(map(_is_value, texts, values)):
+            yield f"{name} is {values}"
     node = re.search(r"node (\d+)", text)
     if node is not None and decoded.node is not None and int(node[1]) != decoded.node:
         yield f"the node is {decoded.node}"

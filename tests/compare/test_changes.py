@@ -76,6 +76,26 @@ def test_order_of_keys_is_no_change(file: Path, tmp_path: Path) -> None:
     assert compare(turned, original) == ()
 
 
+@pytest.mark.parametrize("file", SPECS, ids=called)
+def test_order_of_the_old_keys_makes_no_difference(file: Path, tmp_path: Path) -> None:
+    """Of an old edition that is compared with one with other codes and other scales."""
+    old, new = (yaml.load(file.read_text("utf-8"), yaml.CSafeLoader) for _ in range(2))
+    codes = [c["code"] for c in new["commands"].values() if isinstance(c.get("code"), int)]
+    single = [c for c in new["commands"].values() if codes.count(c.get("code")) == 1 and "table" not in c]
+    for other in [c for c in single[1:] if c.get("address") == single[0].get("address")][:1]:
+        single[0]["code"], other["code"] = other["code"], single[0]["code"]
+    for type_ in new.get("types", {}).values():
+        if isinstance(type_.get("scale"), dict):
+            type_["scale"] = {key: value if key == "by" else "7/3" for key, value in type_["scale"].items()}
+    changed = edition(tmp_path, dumped(new))
+    turned = edition(tmp_path, dumped(reordered(old, lambda keys: keys[::-1])))
+    one, other = (
+        {(c.rule.id, str(c.item), c.says(), c.impact) for c in compare(edition_, changed)}
+        for edition_ in (specification(file).edition, turned)
+    )
+    assert one == other
+
+
 def test_a_text_in_one_language_is_shown_in_that_language(tmp_path: Path) -> None:
     text = MINIMAL.replace("family:", "languages: [en, zh]\nfamily:").replace(
         "unit:", "title: {en: Level, zh: 亮度}, unit:"

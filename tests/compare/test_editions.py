@@ -146,7 +146,7 @@ LINES = (
         ALL,
         (
             "command read_status_3: the command is available for series MF, MH, MG (was all)",
-            "type phase_current: the resolution of `phase_current` [series MS, MH] is not given (was 1/64 A)",
+            "type phase_current: the resolution of `phase_current` [series MH, MS] is not given (was 1/64 A)",
             "type phase_current: the resolution of `phase_current` [series MF] is 33/4096 A (was 1/64 A)",
             "type phase_current: the resolution of `phase_current` [series MG] is 66/4096 A (was 1/64 A)",
         ),
@@ -225,7 +225,7 @@ LATER = {
         "entry control_parameters.max_angle: the index 0x22 now means `upper_angle` (was `max_angle`)",
         "entry control_parameters.max_speed: `max_speed` has the type `speed_bound` (was `i32`): raw range 0..600000 (was not limited)",
         "entry control_parameters.max_torque_current: `max_torque_current` has the type `output_limit` (was `i16`): "
-        "raw range [series MS] 0..850 (was not limited), raw range [series MF, MH, MG] 0..2000 (was not limited)",
+        "raw range [series MF, MG, MH] 0..2000 (was not limited), raw range [series MS] 0..850 (was not limited)",
         "entry control_parameters.speed_ramp: `speed_ramp` has the type `speed_ramp` (was `i32`): raw range 0..600000 (was not limited)",
         "type gain: the raw range of `gain` is 0..2000 (was not limited)",
     ),

@@ -237,7 +237,7 @@ def test_a_narrower_range_is_loud_for_a_sender_and_a_wider_one_safe_for_a_receiv
     (narrower,) = found(tmp_path, text, ("0..1000", "0..900"))
     assert (narrower.impact, [s.value for s in narrower.sides]) == (Impact.LOUD, ["sending"])
     assert narrower.witnesses[0].says() == (
-        "101#1000E80300000000: the old host sends `dim`: `level = 100 %`; the new node allows 0..900"
+        "101#1000E80300000000: the old host sends `dim`: `level = 100 %`; the new node allows 0..90 %"
     )
     (wider,) = found(tmp_path, text, ("0..1000", "0..1100"))
     assert wider.impact is Impact.SAFE
@@ -436,6 +436,62 @@ def test_values_are_decimals(tmp_path: Path) -> None:
         "101#1000010000000000: the old host sends `dim`: `level = ≈0.333333 %`; the new node reads `level = ≈0.142857 %`"
         in says
     )
+
+
+def test_bounds_and_offsets_are_decimals(tmp_path: Path) -> None:
+    text = MINIMAL.replace("raw_range: 0..1000", "offset: 1/3")
+    (change,) = found(tmp_path, text, ("offset: 1/3", "offset: 1/7"))
+    assert change.says() == "the offset of `level` is ≈0.142857 % (was ≈0.333333 %)"
+    raw = "raw_range: 0..100*channels-1, unit: mm, scale: 0.01"
+    text = _changed(MIXER, (raw, "range: 0..7*channels, unit: mm, scale: 0.03"))
+    says = [c.says() for c in found(tmp_path, text, ("0..7*channels", "0..8*channels"))]
+    assert says == ["the raw range of `place` is 0..≈266.667*channels (was 0..≈233.333*channels)"]
+
+
+def test_allowed_values_are_in_the_unit(tmp_path: Path) -> None:
+    changes = found(tmp_path, MIXER, ("0..100*channels-1", "0..50*channels-1"))
+    assert {w.says().partition("the new node ")[2] for c in changes for w in c.witnesses} == {"allows 0..6.49 mm"}
+
+
+def test_offsets_that_are_printed_alike_differ(tmp_path: Path) -> None:
+    text = MINIMAL.replace("scale: 0.1", "scale: 0.1, offset: 1/3")
+    assert {c.rule.id for c in found(tmp_path, text, ("1/3", "1000000001/3000000000"))} == {"offset-changed"}
+
+
+def test_elements_of_arrays_are_shown_with_their_numbers(tmp_path: Path) -> None:
+    """The value of motor 1 must not drive motor 2, although it is the first element in both editions."""
+    (change,) = found(tmp_path, V2_35, ("array: 1..4", "array: 2..5"))
+    assert change.impact is Impact.SILENT
+    assert change.witnesses[0].says() == (
+        "280#0100000000000000: the old host sends `broadcast_torque`: `iq[1..4] = 0.016 A, 0 A, 0 A, 0 A`; "
+        "the new node reads `iq[2..5] = 0.016 A, 0 A, 0 A, 0 A`"
+    )
+
+
+def test_a_further_element_of_a_reply_is_safe(tmp_path: Path) -> None:
+    (change,) = found(tmp_path, MIXER, ("type: balance, array: 0..3", "type: balance, array: 0..4"))
+    assert (change.rule.id, change.impact) == ("array-changed", Impact.SAFE)
+
+
+def test_a_reply_of_another_command_written_as_its_own_is_safe(tmp_path: Path) -> None:
+    """The answer to a request has the same values, and the same bits."""
+    press = (ROOT / "tests/specs/press/v1.yaml").read_text("utf-8")
+    enable = 'enable: {code: 3, manual: "3", request: addressed, reply: '
+    changes = found(tmp_path, press, (enable + "{of: press}", enable + "{layout: status, code: 2}"))
+    assert [c.impact for c in changes] == [Impact.SAFE]
+
+
+def test_a_constant_that_decides_on_the_same_bits_as_markers_rejects_frames(tmp_path: Path) -> None:
+    changes = found(tmp_path, JOINT, ("damping: {at: 5, type: damping}", "damping: {at: 5, raw: u12, constant: 0}"))
+    (change,) = (c for c in changes if c.rule.id == "constant-changed")
+    assert change.impact is not Impact.SAFE
+    assert any(w.says().endswith("the new node rejects it: unknown code") for w in change.witnesses)
+
+
+def test_the_echo_of_a_request_has_its_constants(tmp_path: Path) -> None:
+    text = MINIMAL.replace("{level:", "{slot: {at: 1, raw: u8, constant: 1}, level:")
+    (change,) = found(tmp_path, text, (", constant: 1", ""))
+    assert (change.rule.id, change.impact) == ("constant-changed", Impact.SAFE)
 
 
 def test_only_frames_that_exist_are_shown(tmp_path: Path) -> None:

@@ -50,10 +50,9 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
     if same_kind(old, new) and old.code != new.code:
         item, use, places = Item("command", old.group), Use(tuple(Side), (old.group,)), at(paths(old, new), "code")
         facts = {"old": code(old.code), "new": code(new.code)}
-        taken = (c for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None))
-        other = next(taken, None)
-        if other is not None:
-            found.add("code-taken", item, places, Impact.SILENT, use, **facts, other=other.group)
+        taken = [c.group for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None)]
+        if taken:
+            found.add("code-taken", item, places, Impact.SILENT, use, **facts, other=min(taken))
         else:
             found.add("code-changed", item, places, Impact.LOUD, use, **facts)
     if old.entry and new.entry:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
@@ -47,9 +48,12 @@ def _rates(mode: Mode) -> Fact:
     return rates if mode.default_kbps is None else (rates, " (", Word("default"), f" {mode.default_kbps})")
 
 
+def _ends(parameter: Parameter) -> tuple[Fraction | None, Fraction | None]:
+    return parameter.minimum, parameter.maximum
+
+
 def _bounds(parameter: Parameter) -> str:
-    ends = [formatting.exact(end) if end is not None else "" for end in (parameter.minimum, parameter.maximum)]
-    return "..".join(ends)
+    return "..".join("" if end is None else formatting.decimal(end) for end in _ends(parameter))
 
 
 def _entered_by(state: State) -> Fact:
@@ -74,7 +78,7 @@ _OF_STATE = (
     Attribute[State]("state-entry-changed", "entered_by", _entered_by, Impact.SILENT),
     Attribute[State]("state-effects-changed", "prevents", lambda s: listed(e.name for e in s.prevents), Impact.SILENT),
 )
-_OF_PARAMETER = (Attribute[Parameter]("parameter-bounds-changed", "number", _bounds, Impact.SILENT),)
+_OF_PARAMETER = (Attribute[Parameter]("parameter-bounds-changed", "number", _bounds, Impact.SILENT, _ends),)
 
 
 def compare(found: Collector, old: Edition, new: Edition) -> None:

@@ -14,7 +14,7 @@ from ..model.message import KeyRole, Message
 from ..model.types import Encoding, Type
 from . import match, quantities
 from .change import Category, Change, Fact, Impact, Item, Side, Word, worst
-from .collector import Attribute, Collector, Places, Use, at, listed, paths
+from .collector import Attribute, Collector, Places, Use, at, paths
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def _parent(field: Field, other: Layout) -> DocumentPath:
 
 
 def _array(field: Field) -> str:
-    return listed(e.index for e in field.elements) if field.is_array else Word("one alone")
+    return formatting.numbers(e.index for e in field.elements if e.index is not None) or Word("one alone")
 
 
 def place_of(field: Field) -> str:

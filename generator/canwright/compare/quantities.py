@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Generic, TypeVar
@@ -54,8 +54,9 @@ _PARAMETERS = Attribute[Type](
 _PLAUSIBLE = Attribute[Type](
     "plausible-changed",
     "plausible",
-    lambda t: formatting.span(t.plausible) + _unit(t) if t.plausible else Word("not given"),
+    lambda t: formatting.span(t.plausible, formatting.decimal) + _unit(t) if t.plausible else Word("not given"),
     Impact.SAFE,
+    lambda t: (t.plausible, t.plausible and t.unit),
 )
 _WITHOUT_EFFECTS = Attribute[Member](
     "member-effects-changed",
@@ -102,19 +103,24 @@ def _offsets(found: Collector, pair: Pair) -> bool:
     for case in _cases(_offsets_of(pair.old.linear), _offsets_of(pair.new.linear)):
         one, other = case.old, case.new
         if one is not None and other is not None and one != other:
-            pair.add(
-                found, "offset-changed", Impact.SILENT, "offset", case, one + _unit(pair.old), other + _unit(pair.new)
-            )
+            shown = _offset_shown(one, pair.old), _offset_shown(other, pair.new)
+            pair.add(found, "offset-changed", Impact.SILENT, "offset", case, *shown)
             changed = True
     return changed
 
 
-def _offsets_of(linear: Dependent[Linear]) -> Dependent[str]:
-    def offset(one: Linear | None) -> str | None:
-        return None if one is None else formatting.offset(one)
+def _offsets_of(linear: Dependent[Linear]) -> Dependent[Linear]:
+    """The offsets of some scales alone."""
+
+    def offset(one: Linear | None) -> Linear | None:
+        return one and Linear(Fraction(1), one.offset, one.times if one.offset else None)
 
     cases = {name: offset(one) for name, one in linear.cases.items()}
     return Dependent(parameter=linear.parameter, constant=offset(linear.constant), cases=cases)
+
+
+def _offset_shown(linear: Linear, type_: Type) -> str:
+    return formatting.offset(linear, formatting.decimal) + _unit(type_)
 
 
 def _scale_shown(linear: Linear | None, type_: Type) -> str:
@@ -139,7 +145,10 @@ def _ranges(found: Collector, pair: Pair) -> bool:
         affected = (Side.SENDING in pair.use.sides and not _within(old, new)) or (
             Side.RECEIVING in pair.use.sides and not _within(new, old)
         )
-        shown = [Word("not limited") if limits is None else formatting.span(limits) for limits in (one, other)]
+        shown = [
+            Word("not limited") if limits is None else formatting.span(limits, formatting.decimal)
+            for limits in (one, other)
+        ]
         impact = Impact.SILENT if affected else Impact.SAFE
         pair.add(found, "range-changed", impact, "raw_range", case, shown[0], shown[1])
     return changed
@@ -205,18 +214,23 @@ def _cases(old: Dependent[T], new: Dependent[T]) -> Iterator[Case[T]]:
 
 
 def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, Assignment]]:
-    """Every value of the parameters that two depend on, with a name."""
+    """Every value of the parameters that two depend on, with a name; in an order that does not depend on the specs."""
     if old.parameter and new.parameter and old.parameter != new.parameter:
-        for a, b in itertools.product(old.cases, new.cases):
+        for a, b in itertools.product(_ordered(old.cases), _ordered(new.cases)):
             yield f"{old.parameter} {a} {new.parameter} {b}", {old.parameter: a, new.parameter: b}
         return
     parameter = old.parameter or new.parameter
     if parameter is None:
         yield "", {}
         return
-    for name in {**old.cases, **new.cases}:
+    for name in _ordered({**old.cases, **new.cases}):
         if all(name in d.cases for d in (old, new) if d.parameter):
             yield name, {parameter: name}
+
+
+def _ordered(names: Iterable[str]) -> list[str]:
+    """Names in alphabetical order, numbers by their value."""
+    return sorted(names, key=lambda name: (len(name) if name.isdecimal() else 0, name))
 
 
 def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:

@@ -147,6 +147,8 @@ def _may_cause(change: Change, observation: Observation) -> bool:
     """Whether a change affects the other side, as that of an echo, or makes a frame another message."""
     aspects = _EXPLAINS[change.rule.id] | (_ID if change.rule.id in _WHOLE else frozenset())
     by_others = change.rule.id in _ADDITIONS or bool(aspects & (_CONTENT | _ID))
+    if change.rule.id == "constant-changed":  # a value that becomes a constant loses its unit and its scale
+        aspects |= _CONTENT
     return observation.aspect in (_IDENTIFIED | aspects if by_others else aspects)
 
 

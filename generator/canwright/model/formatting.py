@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Protocol
 
@@ -51,12 +51,12 @@ def multiple(number: str, parameter: str | None) -> str:
     return {"1": parameter, "-1": f"-{parameter}"}.get(number, f"{number}*{parameter}")
 
 
-def bound(end: Bound) -> str:
+def bound(end: Bound, written: Callable[[Fraction], str] = exact) -> str:
     """A bound of a range: `2048` or `100*size-1`."""
     if end.parameter is None:
-        return exact(end.constant)
-    tail = f"{'+' if end.constant > 0 else ''}{exact(end.constant)}" if end.constant else ""
-    return multiple(exact(end.coefficient), end.parameter) + tail
+        return written(end.constant)
+    tail = f"{'+' if end.constant > 0 else '-'}{written(abs(end.constant))}" if end.constant else ""
+    return multiple(written(end.coefficient), end.parameter) + tail
 
 
 def step(linear: Linear) -> str:
@@ -64,14 +64,14 @@ def step(linear: Linear) -> str:
     return multiple(linear.printed or exact(linear.scale), linear.times)
 
 
-def offset(linear: Linear) -> str:
+def offset(linear: Linear, written: Callable[[Fraction], str] = exact) -> str:
     """The value of raw 0, without its unit."""
-    return multiple(exact(linear.offset), linear.times if linear.offset else None)
+    return multiple(written(linear.offset), linear.times if linear.offset else None)
 
 
-def span(limits: Range) -> str:
+def span(limits: Range, written: Callable[[Fraction], str] = exact) -> str:
     """`-2048..2048`."""
-    return f"{bound(limits.low)}..{bound(limits.high)}"
+    return f"{bound(limits.low, written)}..{bound(limits.high, written)}"
 
 
 def in_unit(limits: Range, linear: Linear) -> Range:

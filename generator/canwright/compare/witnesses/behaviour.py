@@ -111,7 +111,10 @@ class Behaviour:
             yield from self._identified(case, new.reply, old.reply)
             if old.request is not None and new.request is not None:
                 yield from self._answers(case, old.request, old.reply, new.reply)
-            yield from self._read(case, new.reply, old.reply)
+            is_echoed = old.is_echoed and new.is_echoed  # then it has the constants of the old host
+            for observation in self._read(case, new.reply, old.reply):
+                if not (is_echoed and observation.witness.impact is Impact.LOUD):
+                    yield observation
 
     def _of_other_form(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
         """What the old host makes of a reply of another form, judged as a whole."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from fractions import Fraction
 
 from ...language import notation
 from ...model.layout import Field, NodeRole, Segment, Space
@@ -53,7 +54,7 @@ def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:
     for type_ in (one, other):
         span = type_.raw_range.at(assignment)
         for end in (span.low, span.high) if span else ():
-            at = _end(end, assignment)
+            at = end_of(end, assignment)
             if at is not None:
                 yield from (math.floor(at), math.ceil(at), math.floor(at) - 1, math.ceil(at) + 1)
         yield from type_.raw_limits
@@ -61,10 +62,9 @@ def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:
         yield from (1 << m.value for m in type_.flags)
 
 
-def _end(bound: Bound, assignment: Assignment) -> float | None:
-    numbers = {n: notation.rational(text) for n, text in assignment.items() if n == bound.parameter}
-    end = bound.at(numbers)
-    return None if end is None else float(end) if end.denominator != 1 else end.numerator
+def end_of(bound: Bound, assignment: Assignment) -> Fraction | None:
+    """The end of a range under some parameters; None if it depends on another one."""
+    return bound.at({n: notation.rational(text) for n, text in assignment.items() if n == bound.parameter})
 
 
 def base_raws(encoder: Encoder, message: Message, node: int | None) -> dict[str, Raw] | None:
@@ -132,7 +132,11 @@ def _choices(select: Select, subject: BitRun, frame: CanFrame, data: int, variab
     for value in dict.fromkeys((current, other, *select.by_value)):
         changed = data & ~mask | placed(subject.segments, value)
         if changed.bit_length() <= len(frame.data) * 8 and not (changed ^ data) & ~variable:
-            yield from _data(select.by_value.get(value, select.otherwise), frame, changed, variable & ~mask)
+            known = select.by_value.get(value)
+            if known is not None:
+                yield from _data(known, frame, changed, variable & ~mask)
+            else:  # later decisions can be on the same bits
+                yield from _data(select.otherwise, frame, changed, variable)
 
 
 def placed(segments: tuple[Segment, ...], value: int) -> int:

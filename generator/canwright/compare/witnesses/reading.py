@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
@@ -248,7 +250,7 @@ class _Pair:
         """A number that the old host sends and that is outside the range of the new node."""
         if self._transfer.side is Side.SENDING and source.type.is_number and target.type.is_number:
             text = shown(source, raw, encoder.assignment)
-            facts = {"sent": self._named(text), "allowed": encoder.limits(target.type)}
+            facts = {"sent": self._named(text), "allowed": _allowed(target.type, encoder.assignment)}
             yield self._made(Aspect.RANGE, Impact.LOUD, assignment, frame, "sent-out-of-range", facts, (source, target))
 
     def unset(self, target: Field, source: Field | None) -> Iterator[Observation]:
@@ -441,13 +443,14 @@ def _spread(field: Field, raw: int, base: Raw) -> Iterator[Raw]:
 
 
 def shown(field: Field, raw: Raw, assignment: Assignment) -> str:
-    """A field with its value: `` `voltage = 48.7 V` ``."""
+    """A field with its value: `` `voltage = 48.7 V` ``, `` `cell[1..2] = 3.2 V, 3.3 V` ``."""
     values = field_value(field, raw, assignment)
     raws = raw if isinstance(raw, list) else [raw]
     each = values if isinstance(raw, list) and isinstance(values, list) else [values]
     unit = f" {field.type.unit.symbol}" if field.type.unit else ""
     texts = [_text(field.type, one, number, unit) for one, number in zip(each, raws, strict=False)]
-    return f"`{field.name} = {', '.join(texts)}`"
+    numbers = formatting.numbers(e.index for e in field.elements if e.index is not None)
+    return f"`{field.name}{f'[{numbers}]' if numbers else ''} = {', '.join(texts)}`"
 
 
 def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
@@ -460,6 +463,24 @@ def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
         others = [str(_rest(type_, raw))] if _rest(type_, raw) else []
         return " + ".join([*map(str, value), *others]) or "0"
     return formatting.decimal(value) + unit
+
+
+def _allowed(type_: Type, assignment: Assignment) -> str:
+    """The values that a number may have: `0..90 %`; raw integers without a known scale."""
+    unit = f" {type_.unit.symbol}" if type_.unit else ""
+    span, is_float = type_.raw_range.at(assignment), type_.encoding is Encoding.FLOAT
+    bounds = (span.low, span.high) if span else ()
+    ends = [end for end in (candidates.end_of(bound, assignment) for bound in bounds) if end is not None]
+    if len(ends) < 2:
+        ends = [] if is_float else [Fraction(limit) for limit in type_.raw_limits]
+    if not ends:
+        return "any finite number"
+    raws = math.ceil(ends[0]), math.floor(ends[1])
+    values = ends if is_float else [value_of(type_, raw, assignment) for raw in raws]
+    numbers = sorted(value for value in values if isinstance(value, Fraction))
+    if not numbers:
+        return f"raw {raws[0]}..{raws[1]}"
+    return f"{formatting.decimal(numbers[0])}..{formatting.decimal(numbers[1])}{unit}"
 
 
 def _rest(type_: Type, raw: int) -> int:
