@@ -195,22 +195,6 @@ struct temperature {
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_temperature_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_temperature_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -227,14 +211,7 @@ struct temperature {
             return ::mwd_motor_v2_35_temperature_from_float(&raw, value);
         }
     };
-};
-
-/** power: Open-loop control value. */
-struct power {
-    using integer = ::std::int16_t;
-    using parameters = ::mwd_motor::v2_35::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -243,14 +220,25 @@ struct power {
         static constexpr bool from_needs_parameters = false;
         static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_power_to_double(raw);
+            value = ::mwd_motor_v2_35_temperature_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            return ::mwd_motor_v2_35_power_from_double(&raw, value);
+            return ::mwd_motor_v2_35_temperature_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** power: Open-loop control value. */
+struct power {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -267,6 +255,26 @@ struct power {
             return ::mwd_motor_v2_35_power_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_power_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_power_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** torque_current: Torque current, A. */
@@ -274,23 +282,6 @@ struct torque_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_torque_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_torque_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -308,6 +299,27 @@ struct torque_current {
             return ::mwd_motor_v2_35_torque_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_torque_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -333,22 +345,6 @@ struct speed_i16 {
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_speed_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_speed_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -365,6 +361,26 @@ struct speed_i16 {
             return ::mwd_motor_v2_35_speed_i16_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_speed_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_speed_i16_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** encoder_position: Encoder position, deg. */
@@ -372,23 +388,6 @@ struct encoder_position {
     using integer = ::std::uint16_t;
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_encoder_position_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_encoder_position_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -406,6 +405,27 @@ struct encoder_position {
             return ::mwd_motor_v2_35_encoder_position_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_encoder_position_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_encoder_position_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -431,22 +451,6 @@ struct gain {
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_gain_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_gain_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -463,13 +467,7 @@ struct gain {
             return ::mwd_motor_v2_35_gain_from_float(&raw, value);
         }
     };
-};
-
-/** voltage: Supply voltage, V. */
-struct voltage {
-    using integer = ::std::uint16_t;
-    using parameters = ::mwd_motor::v2_35::parameters;
-    using flags = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -478,14 +476,24 @@ struct voltage {
         static constexpr bool from_needs_parameters = false;
         static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_voltage_to_double(raw);
+            value = ::mwd_motor_v2_35_gain_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            return ::mwd_motor_v2_35_voltage_from_double(&raw, value);
+            return ::mwd_motor_v2_35_gain_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** voltage: Supply voltage, V. */
+struct voltage {
+    using integer = ::std::uint16_t;
+    using parameters = ::mwd_motor::v2_35::parameters;
+    using flags = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -502,6 +510,26 @@ struct voltage {
             return ::mwd_motor_v2_35_voltage_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_voltage_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_voltage_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
@@ -535,22 +563,6 @@ struct speed_setpoint {
     using integer = ::std::int32_t;
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_speed_setpoint_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_speed_setpoint_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -567,6 +579,26 @@ struct speed_setpoint {
             return ::mwd_motor_v2_35_speed_setpoint_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_speed_setpoint_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_speed_setpoint_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -590,22 +622,6 @@ struct angle_i32 {
     using integer = ::std::int32_t;
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_angle_i32_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_angle_i32_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -622,6 +638,26 @@ struct angle_i32 {
             return ::mwd_motor_v2_35_angle_i32_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_angle_i32_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_angle_i32_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -646,22 +682,6 @@ struct speed_limit {
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_speed_limit_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_speed_limit_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -678,6 +698,26 @@ struct speed_limit {
             return ::mwd_motor_v2_35_speed_limit_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_speed_limit_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_speed_limit_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** spin_direction: Direction of rotation. */
@@ -713,22 +753,6 @@ struct single_turn_angle {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_single_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_single_turn_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -745,6 +769,26 @@ struct single_turn_angle {
             return ::mwd_motor_v2_35_single_turn_angle_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_single_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_single_turn_angle_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -769,22 +813,6 @@ struct acceleration {
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_acceleration_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_acceleration_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -801,13 +829,7 @@ struct acceleration {
             return ::mwd_motor_v2_35_acceleration_from_float(&raw, value);
         }
     };
-};
-
-/** broadcast_current: Torque current in the broadcast, A. */
-struct broadcast_current {
-    using integer = ::std::int16_t;
-    using parameters = ::mwd_motor::v2_35::parameters;
-    using flags = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -816,14 +838,24 @@ struct broadcast_current {
         static constexpr bool from_needs_parameters = false;
         static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_broadcast_current_to_double(raw);
+            value = ::mwd_motor_v2_35_acceleration_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            return ::mwd_motor_v2_35_broadcast_current_from_double(&raw, value);
+            return ::mwd_motor_v2_35_acceleration_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** broadcast_current: Torque current in the broadcast, A. */
+struct broadcast_current {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35::parameters;
+    using flags = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -840,6 +872,26 @@ struct broadcast_current {
             return ::mwd_motor_v2_35_broadcast_current_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_broadcast_current_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_broadcast_current_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
@@ -863,22 +915,6 @@ struct multi_turn_angle {
     using integer = ::std::int64_t;
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_multi_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_multi_turn_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -895,6 +931,26 @@ struct multi_turn_angle {
             return ::mwd_motor_v2_35_multi_turn_angle_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_multi_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_multi_turn_angle_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = true;
@@ -917,23 +973,6 @@ struct single_turn_position {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_single_turn_position_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_single_turn_position_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -951,6 +990,27 @@ struct single_turn_position {
             return ::mwd_motor_v2_35_single_turn_position_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_single_turn_position_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_single_turn_position_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -975,22 +1035,6 @@ struct phase_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_35::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_phase_current_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_phase_current_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1007,6 +1051,26 @@ struct phase_current {
             return ::mwd_motor_v2_35_phase_current_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_phase_current_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_phase_current_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
