@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 import pytest
@@ -46,7 +46,7 @@ def test_every_message_there_and_back(made: tuple[Edition, CAdapter]) -> None:
                 assert encoded == Encoded(frame.id, frame.data, frame.extended, frame.remote), (message.name, raw)
                 decoded = target.decode(direction, frame, parameters, command.name)
                 assert isinstance(decoded, Decoded), (message.name, raw, decoded)
-                assert (decoded.command, decoded.node, decoded.raw) == (command.name, node, raw)
+                assert (decoded.command, decoded.node, decoded.raw) == (command.name, _node(message, node, raw), raw)
 
 
 def test_noise_in_reserved_bits_is_ignored_and_other_frames_are_refused(made: tuple[Edition, CAdapter]) -> None:
@@ -292,6 +292,11 @@ def _frame(message: Message, node: int | None, raw: dict[str, Raw], parameters: 
     id_ = message.id.base + (node or 0) * message.id.node_step
     id_ += sum(bit << i for i, bit in enumerate(spaces[Space.ID]))
     return CanFrame(id_, b"" if message.remote else data, message.id.extended, message.remote)
+
+
+def _node(message: Message, node: int | None, raw: Mapping[str, Raw]) -> Raw | None:
+    """The node that a frame identifies: the one in its id, else the raw integer of a field with all of its bits."""
+    return node if message.node_in_data is None else raw[message.node_in_data.name]
 
 
 def _nearest(number: Fraction) -> int:

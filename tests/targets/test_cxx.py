@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 import subprocess
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
 
-from ..compilers import SANITIZED, WARNINGS, ZIG, Compiler, each_compiler
+from ..compilers import SANITIZED, WARNINGS, ZIG, ZIG_COMMAND, Compiler, each_compiler
 from ..conformance.adapters.cxx import cxx_harness
-from ..spec_texts import ROOT, SMALL, called
+from ..spec_texts import MINIMAL, ROOT, SMALL, called
 from .test_c_compiles import MAIN, write
 
 INCLUDE = ROOT / "generated/c/include"
@@ -137,6 +138,47 @@ torque of MS not_available
 reply of read_status_1
 """
 
+WIDE = """\
+#include <cstdio>
+#include <lamp/v1.hpp>
+
+using namespace lamp::v1;
+
+int main()
+{
+    int failures = 0;
+    for (std::uint32_t raw = 0u; raw <= 65535u; raw++) {
+        dim_request message;
+        message.level = static_cast<std::uint16_t>(raw);
+        dim_request copy;
+        const status exact = set(copy, field::level, get(message, field::level));
+        failures += exact != CANWRIGHT_OK || copy != message;
+        const status single = set_float(copy, field::level, get_float(message, field::level));
+        failures += single != CANWRIGHT_OK || copy != message;
+        if (raw % 4369u == 0u) {
+            std::printf("%.17g\\n", get(message, field::level));
+        }
+    }
+    return failures;
+}
+"""
+NO_64_BITS = ("-U__DBL_MANT_DIG__", "-D__DBL_MANT_DIG__=24", "-Wno-builtin-macro-redefined")
+"""A compiler whose double has 32 bits."""
+SINGLE = """\
+#include <mwd_motor/v2_35.hpp>
+#include <type_traits>
+
+using namespace mwd_motor::v2_35;
+
+status use(set_torque_request &request, const set_torque_reply &reply, const parameters &motor);
+status use(set_torque_request &request, const set_torque_reply &reply, const parameters &motor)
+{
+    static_assert(std::is_same_v<decltype(get(reply, field::speed)), float>);
+    static_assert(std::is_same_v<decltype(get(reply, field::iq, motor)), result<float>>);
+    return set(request, field::iq, get(reply, field::iq, motor).value_or(0.0f), motor);
+}
+"""
+
 
 def compiled(statement: str, compiler: Compiler, standard: str, folder: Path, *flags: str) -> None:
     """Compiles a program with a statement. Raises AssertionError with the messages of the compiler."""
@@ -194,6 +236,48 @@ def test_every_function_compiles_in_cxx20(compiler: Compiler, spec: Path, tmp_pa
     unit = tmp_path / "unit.cpp"
     unit.write_text(cxx_harness(item.edition), "utf-8")
     compiler.check("c++20", *STRICT, f"-I{include}", "-c", unit, "-o", tmp_path / "unit.o")
+
+
+def test_a_scale_of_more_than_63_bits_converts(tmp_path: Path) -> None:
+    """Each raw integer has the double nearest to its value, and is the one of its value; thousandths do not exist."""
+    file, source = tmp_path / "spec.yaml", tmp_path / "wide.cpp"
+    scale, offset = Fraction("25.132741228718345") / 65535, Fraction("-12.566370614359172")
+    wide = "scale: 25.132741228718345/65535, offset: -12.566370614359172"
+    file.write_text(MINIMAL.replace("scale: 0.1", wide).replace("0..1000", "0..65535"), "utf-8")
+    flags = (*STRICT, *SANITIZED, f"-I{write([specification(file)], tmp_path) / 'include'}")
+    source.write_text(WIDE, "utf-8")
+    unit, program = source.with_suffix(".o"), tmp_path / "wide"
+    ZIG.run("c++17", *flags, "-c", source, "-o", unit)
+    ZIG.run("c++17", *SANITIZED, "-nostdlib++", unit, "-o", program)
+    answers = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
+    assert [*map(float, answers)] == [float(raw * scale + offset) for raw in range(0, 65536, 4369)]
+    source.write_text(WIDE.replace("get_float", "get_milli"), "utf-8")
+    with pytest.raises(AssertionError, match="the field has no such value"):
+        ZIG.run("c++17", *flags, "-c", source, "-o", unit)
+
+
+@each_compiler
+def test_without_doubles_of_64_bits_values_have_single_precision(compiler: Compiler, tmp_path: Path) -> None:
+    unit = tmp_path / "unit.cpp"
+    unit.write_text(SINGLE, "utf-8")
+    compiler.check("c++17", *STRICT, *NO_64_BITS, f"-I{INCLUDE}", "-c", unit, "-o", tmp_path / "unit.o")
+
+
+def test_a_compiler_without_the_library_of_cxx_is_named(tmp_path: Path) -> None:
+    unit = tmp_path / "unit.cpp"
+    unit.write_text("#include <mwd_motor/v2_35.hpp>\n", "utf-8")
+    command = [
+        *ZIG_COMMAND,
+        "c++",
+        "-target",
+        "avr-freestanding",
+        "-mmcu=atmega2560",
+        "-std=c++17",
+        f"-I{INCLUDE}",
+        unit,
+    ]
+    done = subprocess.run([*command, "-fsyntax-only"], capture_output=True, text=True, check=False)
+    assert "which avr-gcc lacks; include the headers for C" in done.stderr
 
 
 @each_compiler

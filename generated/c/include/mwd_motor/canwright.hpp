@@ -14,6 +14,10 @@
 #error "canwright.hpp needs C++17."
 #endif
 
+#if !__has_include(<type_traits>)
+#error "canwright.hpp needs <type_traits> and <utility>, which avr-gcc lacks; include the headers for C, which end in .h."
+#endif
+
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -345,7 +349,8 @@ constexpr auto write(Message &to, tag<Field>, const Rest &...arguments) noexcept
 
 /**
  * The value of a field in its unit, or its enumerator: `get(message, field::NAME, index, parameters)`, where an array
- * needs the index, and what depends on parameters needs these. A value that can be absent is a `result`.
+ * needs the index, and what depends on parameters needs these. A value that can be absent is a `result`. Where a double
+ * does not have 64 bits, `get` and `set` work in single precision.
  */
 template <class Message, auto Field, class... Rest>
 CANWRIGHT_CHECKED constexpr auto get(const Message &from, tag<Field> field, const Rest &...rest) noexcept
@@ -391,7 +396,10 @@ CANWRIGHT_CHECKED constexpr auto set_milli(Message &to, tag<Field> field, const 
     return detail::write<detail::in_thousandths>(to, field, rest...);
 }
 
-/** True if a flag is set; false for an element that an array does not have. An array has its index before the flag. */
+/**
+ * True if a flag is set: `has(message, field::NAME, index, flag)`, where an array needs the index. It is false for an element
+ * that an array does not have, and for a field that the node does not have, as decoding sets it to 0.
+ */
 template <class Message, auto Field, class... Rest>
 CANWRIGHT_CHECKED constexpr bool has(const Message &from, tag<Field>, const Rest &...arguments) noexcept
 {

@@ -235,24 +235,6 @@ struct temperature {
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_temperature_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_temperature_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -271,14 +253,7 @@ struct temperature {
             return ::mwd_motor_v2_35_2024_02_temperature_from_float(&raw, value);
         }
     };
-};
-
-/** output_power: Output power. */
-struct output_power {
-    using integer = ::std::int16_t;
-    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -288,15 +263,26 @@ struct output_power {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_output_power_to_double(raw);
+            value = ::mwd_motor_v2_35_2024_02_temperature_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            return ::mwd_motor_v2_35_2024_02_output_power_from_double(&raw, value);
+            return ::mwd_motor_v2_35_2024_02_temperature_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** output_power: Output power. */
+struct output_power {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -315,6 +301,28 @@ struct output_power {
             return ::mwd_motor_v2_35_2024_02_output_power_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_output_power_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_output_power_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** measured_torque_current: Torque current, A. */
@@ -322,23 +330,6 @@ struct measured_torque_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_measured_torque_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -356,6 +347,27 @@ struct measured_torque_current {
             return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_measured_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_measured_torque_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -381,24 +393,6 @@ struct speed_i16 {
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_speed_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_speed_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -417,6 +411,28 @@ struct speed_i16 {
             return ::mwd_motor_v2_35_2024_02_speed_i16_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_i16_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** encoder_position: Encoder position, deg. */
@@ -424,23 +440,6 @@ struct encoder_position {
     using integer = ::std::uint16_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -458,6 +457,27 @@ struct encoder_position {
             return ::mwd_motor_v2_35_2024_02_encoder_position_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_encoder_position_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_encoder_position_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -482,24 +502,6 @@ struct voltage {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_voltage_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_voltage_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -518,6 +520,28 @@ struct voltage {
             return ::mwd_motor_v2_35_2024_02_voltage_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_voltage_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_voltage_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
@@ -543,24 +567,6 @@ struct bus_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_bus_current_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_bus_current_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -579,6 +585,28 @@ struct bus_current {
             return ::mwd_motor_v2_35_2024_02_bus_current_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_bus_current_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_bus_current_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
@@ -643,24 +671,6 @@ struct i16 {
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -679,14 +689,7 @@ struct i16 {
             return ::mwd_motor_v2_35_2024_02_i16_from_float(&raw, value);
         }
     };
-};
-
-/** i32: i32. */
-struct i32 {
-    using integer = ::std::int32_t;
-    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -696,15 +699,26 @@ struct i32 {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_i32_to_double(raw);
+            value = ::mwd_motor_v2_35_2024_02_i16_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            return ::mwd_motor_v2_35_2024_02_i32_from_double(&raw, value);
+            return ::mwd_motor_v2_35_2024_02_i16_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** i32: i32. */
+struct i32 {
+    using integer = ::std::int32_t;
+    using parameters = ::mwd_motor::v2_35_2024_02::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -723,6 +737,28 @@ struct i32 {
             return ::mwd_motor_v2_35_2024_02_i32_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_i32_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_i32_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** brake_action: Brake action. */
@@ -759,24 +795,6 @@ struct power_i16 {
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_power_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_power_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -795,6 +813,28 @@ struct power_i16 {
             return ::mwd_motor_v2_35_2024_02_power_i16_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_power_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_power_i16_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** torque_current: Torque current, A. */
@@ -802,23 +842,6 @@ struct torque_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_torque_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_torque_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -836,6 +859,27 @@ struct torque_current {
             return ::mwd_motor_v2_35_2024_02_torque_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_torque_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -860,24 +904,6 @@ struct speed_setpoint {
     using integer = ::std::int32_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_speed_setpoint_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -896,6 +922,28 @@ struct speed_setpoint {
             return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_setpoint_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_setpoint_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -921,24 +969,6 @@ struct angle_i32 {
     using integer = ::std::int32_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_angle_i32_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -957,6 +987,28 @@ struct angle_i32 {
             return ::mwd_motor_v2_35_2024_02_angle_i32_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_angle_i32_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_angle_i32_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -983,24 +1035,6 @@ struct speed_limit_u16 {
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1019,6 +1053,28 @@ struct speed_limit_u16 {
             return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_speed_limit_u16_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** spin_direction: Direction of rotation. */
@@ -1054,24 +1110,6 @@ struct single_turn_angle {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_single_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1090,6 +1128,28 @@ struct single_turn_angle {
             return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_single_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_single_turn_angle_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1143,24 +1203,6 @@ struct multi_turn_angle {
     using integer = ::std::int64_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1179,6 +1221,28 @@ struct multi_turn_angle {
             return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_multi_turn_angle_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = true;
@@ -1203,24 +1267,6 @@ struct single_turn_position {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_35_2024_02_single_turn_position_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_single_turn_position_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1239,6 +1285,28 @@ struct single_turn_position {
             return ::mwd_motor_v2_35_2024_02_single_turn_position_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_35_2024_02_single_turn_position_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_single_turn_position_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1264,23 +1332,6 @@ struct phase_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_35_2024_02::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -1298,6 +1349,27 @@ struct phase_current {
             return ::mwd_motor_v2_35_2024_02_phase_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_phase_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_35_2024_02_phase_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;

@@ -253,24 +253,6 @@ struct temperature {
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_temperature_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_temperature_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -289,14 +271,7 @@ struct temperature {
             return ::mwd_motor_v2_36_2024_11_temperature_from_float(&raw, value);
         }
     };
-};
-
-/** output_power: Output power. */
-struct output_power {
-    using integer = ::std::int16_t;
-    using parameters = ::mwd_motor::v2_36_2024_11::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -306,15 +281,26 @@ struct output_power {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_output_power_to_double(raw);
+            value = ::mwd_motor_v2_36_2024_11_temperature_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2024_11_output_power_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2024_11_temperature_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** output_power: Output power. */
+struct output_power {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_36_2024_11::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -333,6 +319,28 @@ struct output_power {
             return ::mwd_motor_v2_36_2024_11_output_power_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_output_power_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_output_power_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** measured_torque_current: Torque current, A. */
@@ -340,23 +348,6 @@ struct measured_torque_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_measured_torque_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_measured_torque_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -374,6 +365,27 @@ struct measured_torque_current {
             return ::mwd_motor_v2_36_2024_11_measured_torque_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_measured_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_measured_torque_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -399,24 +411,6 @@ struct speed_i16 {
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_speed_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_speed_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -435,6 +429,28 @@ struct speed_i16 {
             return ::mwd_motor_v2_36_2024_11_speed_i16_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_speed_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_speed_i16_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** encoder_position: Encoder position, deg. */
@@ -442,23 +458,6 @@ struct encoder_position {
     using integer = ::std::uint16_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_encoder_position_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_encoder_position_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -476,6 +475,27 @@ struct encoder_position {
             return ::mwd_motor_v2_36_2024_11_encoder_position_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_encoder_position_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_encoder_position_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -501,24 +521,6 @@ struct gain {
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_gain_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_gain_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -537,13 +539,7 @@ struct gain {
             return ::mwd_motor_v2_36_2024_11_gain_from_float(&raw, value);
         }
     };
-};
-
-/** voltage: Supply voltage, V. */
-struct voltage {
-    using integer = ::std::int16_t;
-    using parameters = ::mwd_motor::v2_36_2024_11::parameters;
-    using flags = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -553,15 +549,25 @@ struct voltage {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_voltage_to_double(raw);
+            value = ::mwd_motor_v2_36_2024_11_gain_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2024_11_voltage_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2024_11_gain_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** voltage: Supply voltage, V. */
+struct voltage {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_36_2024_11::parameters;
+    using flags = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -580,6 +586,28 @@ struct voltage {
             return ::mwd_motor_v2_36_2024_11_voltage_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_voltage_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_voltage_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
@@ -605,24 +633,6 @@ struct bus_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_bus_current_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_bus_current_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -641,6 +651,28 @@ struct bus_current {
             return ::mwd_motor_v2_36_2024_11_bus_current_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_bus_current_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_bus_current_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
@@ -705,24 +737,6 @@ struct i16 {
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -741,14 +755,7 @@ struct i16 {
             return ::mwd_motor_v2_36_2024_11_i16_from_float(&raw, value);
         }
     };
-};
-
-/** i32: i32. */
-struct i32 {
-    using integer = ::std::int32_t;
-    using parameters = ::mwd_motor::v2_36_2024_11::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -758,15 +765,26 @@ struct i32 {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_i32_to_double(raw);
+            value = ::mwd_motor_v2_36_2024_11_i16_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2024_11_i32_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2024_11_i16_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** i32: i32. */
+struct i32 {
+    using integer = ::std::int32_t;
+    using parameters = ::mwd_motor::v2_36_2024_11::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -785,6 +803,28 @@ struct i32 {
             return ::mwd_motor_v2_36_2024_11_i32_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_i32_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_i32_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** brake_action: Brake action. */
@@ -821,24 +861,6 @@ struct power_i16 {
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_power_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_power_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -857,6 +879,28 @@ struct power_i16 {
             return ::mwd_motor_v2_36_2024_11_power_i16_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_power_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_power_i16_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** torque_current: Torque current, A. */
@@ -864,23 +908,6 @@ struct torque_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_torque_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_torque_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -898,6 +925,27 @@ struct torque_current {
             return ::mwd_motor_v2_36_2024_11_torque_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_torque_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -922,24 +970,6 @@ struct speed_setpoint {
     using integer = ::std::int32_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_speed_setpoint_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_speed_setpoint_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -958,6 +988,28 @@ struct speed_setpoint {
             return ::mwd_motor_v2_36_2024_11_speed_setpoint_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_speed_setpoint_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_speed_setpoint_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -983,24 +1035,6 @@ struct angle_i32 {
     using integer = ::std::int32_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_angle_i32_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_angle_i32_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1019,6 +1053,28 @@ struct angle_i32 {
             return ::mwd_motor_v2_36_2024_11_angle_i32_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_angle_i32_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_angle_i32_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1045,24 +1101,6 @@ struct speed_limit {
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_speed_limit_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_speed_limit_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1081,6 +1119,28 @@ struct speed_limit {
             return ::mwd_motor_v2_36_2024_11_speed_limit_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_speed_limit_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_speed_limit_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** spin_direction: Direction of rotation. */
@@ -1116,24 +1176,6 @@ struct single_turn_angle {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_single_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_single_turn_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1152,6 +1194,28 @@ struct single_turn_angle {
             return ::mwd_motor_v2_36_2024_11_single_turn_angle_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_single_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_single_turn_angle_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1205,24 +1269,6 @@ struct multi_turn_angle {
     using integer = ::std::int64_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_multi_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_multi_turn_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1241,6 +1287,28 @@ struct multi_turn_angle {
             return ::mwd_motor_v2_36_2024_11_multi_turn_angle_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_multi_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_multi_turn_angle_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = true;
@@ -1265,24 +1333,6 @@ struct single_turn_position {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2024_11_single_turn_position_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_single_turn_position_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1301,6 +1351,28 @@ struct single_turn_position {
             return ::mwd_motor_v2_36_2024_11_single_turn_position_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2024_11_single_turn_position_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_single_turn_position_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1326,23 +1398,6 @@ struct phase_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2024_11::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_phase_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2024_11_phase_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -1360,6 +1415,27 @@ struct phase_current {
             return ::mwd_motor_v2_36_2024_11_phase_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_phase_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2024_11_phase_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;

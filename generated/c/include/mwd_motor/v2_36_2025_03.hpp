@@ -363,24 +363,6 @@ struct temperature {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_temperature_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_temperature_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -399,14 +381,7 @@ struct temperature {
             return ::mwd_motor_v2_36_2025_03_temperature_from_float(&raw, value);
         }
     };
-};
-
-/** output_power: Output power. */
-struct output_power {
-    using integer = ::std::int16_t;
-    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -416,15 +391,26 @@ struct output_power {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_output_power_to_double(raw);
+            value = ::mwd_motor_v2_36_2025_03_temperature_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2025_03_output_power_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2025_03_temperature_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** output_power: Output power. */
+struct output_power {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -443,6 +429,28 @@ struct output_power {
             return ::mwd_motor_v2_36_2025_03_output_power_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_output_power_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_output_power_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** measured_torque_current: Torque current, A. */
@@ -450,23 +458,6 @@ struct measured_torque_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_measured_torque_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_measured_torque_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -484,6 +475,27 @@ struct measured_torque_current {
             return ::mwd_motor_v2_36_2025_03_measured_torque_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_measured_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_measured_torque_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -509,24 +521,6 @@ struct speed_i16 {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_speed_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_speed_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -545,6 +539,28 @@ struct speed_i16 {
             return ::mwd_motor_v2_36_2025_03_speed_i16_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_speed_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_speed_i16_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** encoder_position: Encoder position, deg. */
@@ -552,23 +568,6 @@ struct encoder_position {
     using integer = ::std::uint16_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_encoder_position_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_encoder_position_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -586,6 +585,27 @@ struct encoder_position {
             return ::mwd_motor_v2_36_2025_03_encoder_position_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_encoder_position_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_encoder_position_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -611,24 +631,6 @@ struct gain {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_gain_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_gain_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -647,13 +649,7 @@ struct gain {
             return ::mwd_motor_v2_36_2025_03_gain_from_float(&raw, value);
         }
     };
-};
-
-/** voltage: Supply voltage, V. */
-struct voltage {
-    using integer = ::std::int16_t;
-    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
-    using flags = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -663,15 +659,25 @@ struct voltage {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_voltage_to_double(raw);
+            value = ::mwd_motor_v2_36_2025_03_gain_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2025_03_voltage_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2025_03_gain_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** voltage: Supply voltage, V. */
+struct voltage {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
+    using flags = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -690,6 +696,28 @@ struct voltage {
             return ::mwd_motor_v2_36_2025_03_voltage_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_voltage_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_voltage_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
@@ -715,24 +743,6 @@ struct bus_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_bus_current_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_bus_current_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -751,6 +761,28 @@ struct bus_current {
             return ::mwd_motor_v2_36_2025_03_bus_current_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_bus_current_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_bus_current_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = false;
@@ -815,24 +847,6 @@ struct output_limit {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_output_limit_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_output_limit_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -851,6 +865,28 @@ struct output_limit {
             return ::mwd_motor_v2_36_2025_03_output_limit_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_output_limit_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_output_limit_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** speed_bound: Speed limit of the drive. */
@@ -859,24 +895,6 @@ struct speed_bound {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_speed_bound_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_speed_bound_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -895,14 +913,7 @@ struct speed_bound {
             return ::mwd_motor_v2_36_2025_03_speed_bound_from_float(&raw, value);
         }
     };
-};
-
-/** angle_bound: Angle limit of the drive. */
-struct angle_bound {
-    using integer = ::std::int32_t;
-    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -912,15 +923,26 @@ struct angle_bound {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_angle_bound_to_double(raw);
+            value = ::mwd_motor_v2_36_2025_03_speed_bound_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2025_03_angle_bound_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2025_03_speed_bound_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** angle_bound: Angle limit of the drive. */
+struct angle_bound {
+    using integer = ::std::int32_t;
+    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -939,14 +961,7 @@ struct angle_bound {
             return ::mwd_motor_v2_36_2025_03_angle_bound_from_float(&raw, value);
         }
     };
-};
-
-/** speed_ramp: Speed ramp. */
-struct speed_ramp {
-    using integer = ::std::int32_t;
-    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -956,15 +971,26 @@ struct speed_ramp {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_ramp_to_double(raw);
+            value = ::mwd_motor_v2_36_2025_03_angle_bound_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2025_03_speed_ramp_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2025_03_angle_bound_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** speed_ramp: Speed ramp. */
+struct speed_ramp {
+    using integer = ::std::int32_t;
+    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -983,14 +1009,7 @@ struct speed_ramp {
             return ::mwd_motor_v2_36_2025_03_speed_ramp_from_float(&raw, value);
         }
     };
-};
-
-/** driver_id: Node id of the drive. */
-struct driver_id {
-    using integer = ::std::uint8_t;
-    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -1000,15 +1019,26 @@ struct driver_id {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_driver_id_to_double(raw);
+            value = ::mwd_motor_v2_36_2025_03_speed_ramp_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2025_03_driver_id_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2025_03_speed_ramp_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** driver_id: Node id of the drive. */
+struct driver_id {
+    using integer = ::std::uint8_t;
+    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1027,6 +1057,28 @@ struct driver_id {
             return ::mwd_motor_v2_36_2025_03_driver_id_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_driver_id_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_driver_id_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** bus_type: Bus type. */
@@ -1119,24 +1171,6 @@ struct max_angle {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_max_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_max_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1155,14 +1189,7 @@ struct max_angle {
             return ::mwd_motor_v2_36_2025_03_max_angle_from_float(&raw, value);
         }
     };
-};
-
-/** current_ramp: Current ramp. */
-struct current_ramp {
-    using integer = ::std::int16_t;
-    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -1172,15 +1199,26 @@ struct current_ramp {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_current_ramp_to_double(raw);
+            value = ::mwd_motor_v2_36_2025_03_max_angle_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2025_03_current_ramp_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2025_03_max_angle_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** current_ramp: Current ramp. */
+struct current_ramp {
+    using integer = ::std::int16_t;
+    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1199,6 +1237,28 @@ struct current_ramp {
             return ::mwd_motor_v2_36_2025_03_current_ramp_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_current_ramp_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_current_ramp_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** brake_action: Brake action. */
@@ -1235,24 +1295,6 @@ struct power_i16 {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_power_i16_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_power_i16_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1271,6 +1313,28 @@ struct power_i16 {
             return ::mwd_motor_v2_36_2025_03_power_i16_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_power_i16_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_power_i16_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** torque_current: Torque current, A. */
@@ -1278,23 +1342,6 @@ struct torque_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_torque_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_torque_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -1312,6 +1359,27 @@ struct torque_current {
             return ::mwd_motor_v2_36_2025_03_torque_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_torque_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_torque_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;
@@ -1336,24 +1404,6 @@ struct speed_setpoint {
     using integer = ::std::int32_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_speed_setpoint_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_speed_setpoint_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1372,6 +1422,28 @@ struct speed_setpoint {
             return ::mwd_motor_v2_36_2025_03_speed_setpoint_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_speed_setpoint_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_speed_setpoint_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1397,24 +1469,6 @@ struct angle_i32 {
     using integer = ::std::int32_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_angle_i32_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_angle_i32_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1433,6 +1487,28 @@ struct angle_i32 {
             return ::mwd_motor_v2_36_2025_03_angle_i32_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_angle_i32_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_angle_i32_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1459,24 +1535,6 @@ struct speed_limit {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_speed_limit_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_speed_limit_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1495,6 +1553,28 @@ struct speed_limit {
             return ::mwd_motor_v2_36_2025_03_speed_limit_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_speed_limit_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_speed_limit_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** spin_direction: Direction of rotation. */
@@ -1530,24 +1610,6 @@ struct single_turn_angle {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_single_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_single_turn_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1566,6 +1628,28 @@ struct single_turn_angle {
             return ::mwd_motor_v2_36_2025_03_single_turn_angle_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_single_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_single_turn_angle_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1620,24 +1704,6 @@ struct u32 {
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
     using milli = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_u32_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_u32_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1656,14 +1722,7 @@ struct u32 {
             return ::mwd_motor_v2_36_2025_03_u32_from_float(&raw, value);
         }
     };
-};
-
-/** align_ratio: Calibration ratio. */
-struct align_ratio {
-    using integer = ::std::uint16_t;
-    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
-    using flags = ::canwright::none;
-    using milli = ::canwright::none;
+#if CANWRIGHT_HAS_DOUBLE
     struct value {
         using number = double;
         static constexpr bool to_fails = false;
@@ -1673,15 +1732,26 @@ struct align_ratio {
         static ::canwright::status to(number &value, integer raw,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_align_ratio_to_double(raw);
+            value = ::mwd_motor_v2_36_2025_03_u32_to_double(raw);
             return CANWRIGHT_OK;
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            return ::mwd_motor_v2_36_2025_03_align_ratio_from_double(&raw, value);
+            return ::mwd_motor_v2_36_2025_03_u32_from_double(&raw, value);
         }
     };
+#else
+    using value = single;
+#endif
+};
+
+/** align_ratio: Calibration ratio. */
+struct align_ratio {
+    using integer = ::std::uint16_t;
+    using parameters = ::mwd_motor::v2_36_2025_03::parameters;
+    using flags = ::canwright::none;
+    using milli = ::canwright::none;
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1700,6 +1770,28 @@ struct align_ratio {
             return ::mwd_motor_v2_36_2025_03_align_ratio_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_align_ratio_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_align_ratio_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
 };
 
 /** align_state: Calibration state. */
@@ -1717,24 +1809,6 @@ struct multi_turn_angle {
     using integer = ::std::int64_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_multi_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_multi_turn_angle_from_double(&raw, value);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1753,6 +1827,28 @@ struct multi_turn_angle {
             return ::mwd_motor_v2_36_2025_03_multi_turn_angle_from_float(&raw, value);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = false;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_multi_turn_angle_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_multi_turn_angle_from_double(&raw, value);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = true;
@@ -1777,24 +1873,6 @@ struct single_turn_position {
     using integer = ::std::uint32_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = false;
-        static constexpr bool to_needs_parameters = false;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
-        {
-            value = ::mwd_motor_v2_36_2025_03_single_turn_position_to_double(raw);
-            return CANWRIGHT_OK;
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_single_turn_position_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = false;
@@ -1813,6 +1891,28 @@ struct single_turn_position {
             return ::mwd_motor_v2_36_2025_03_single_turn_position_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = false;
+        static constexpr bool to_needs_parameters = false;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        {
+            value = ::mwd_motor_v2_36_2025_03_single_turn_position_to_double(raw);
+            return CANWRIGHT_OK;
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_single_turn_position_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int64_t;
         static constexpr bool to_fails = false;
@@ -1838,23 +1938,6 @@ struct phase_current {
     using integer = ::std::int16_t;
     using parameters = ::mwd_motor::v2_36_2025_03::parameters;
     using flags = ::canwright::none;
-    struct value {
-        using number = double;
-        static constexpr bool to_fails = true;
-        static constexpr bool to_needs_parameters = true;
-        static constexpr bool from_fails = true;
-        static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_phase_current_to_double(&value, raw, known);
-        }
-        static ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
-        {
-            return ::mwd_motor_v2_36_2025_03_phase_current_from_double(&raw, value, known);
-        }
-    };
     struct single {
         using number = float;
         static constexpr bool to_fails = true;
@@ -1872,6 +1955,27 @@ struct phase_current {
             return ::mwd_motor_v2_36_2025_03_phase_current_from_float(&raw, value, known);
         }
     };
+#if CANWRIGHT_HAS_DOUBLE
+    struct value {
+        using number = double;
+        static constexpr bool to_fails = true;
+        static constexpr bool to_needs_parameters = true;
+        static constexpr bool from_fails = true;
+        static constexpr bool from_needs_parameters = true;
+        static ::canwright::status to(number &value, integer raw,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_phase_current_to_double(&value, raw, known);
+        }
+        static ::canwright::status from(integer &raw, number value,
+            const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
+        {
+            return ::mwd_motor_v2_36_2025_03_phase_current_from_double(&raw, value, known);
+        }
+    };
+#else
+    using value = single;
+#endif
     struct milli {
         using number = ::std::int32_t;
         static constexpr bool to_fails = true;

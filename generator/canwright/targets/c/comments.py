@@ -17,10 +17,11 @@ def type_facts(type_: Type, among: Sequence[str] = ()) -> list[str]:
     return [sentence for sentence in (_scale(type_, among), _range(type_, among)) if sentence]
 
 
-def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence[str]) -> str:
+def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence[str], *, low_bits: bool) -> str:
     """A field in one paragraph: title, position, type, resolution, range, condition.
 
-    `use` names the type and its functions, `of_type` are the facts of the type.
+    `use` names the type and its functions, `of_type` are the facts of the type. With `low_bits`, a field for the node
+    has only the low bits of it.
     """
     among = field.only if parameter in field.type.parameters else ()
     parts = [f"{english(field.title)}, {_places(field)}. {use}"]
@@ -28,7 +29,7 @@ def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence
         indices = [e.index for e in field.elements]
         parts.append(f"Element 0 is number {indices[0]}, the last one number {indices[-1]}.")
     if isinstance(field.role, NodeRole):
-        parts.append("It contains the node, or its low bits.")
+        parts.append("It contains the low bits of the node." if low_bits else "It contains the node.")
     if english(field.about):
         parts.append(english(field.about))
     parts += type_facts(field.type, among) if among else of_type

@@ -177,8 +177,8 @@ def cxx_example(x: CxxView, exchange: ExchangeView) -> CxxExample:
     request, reply = frames[exchange.request.frame.name], frames[exchange.reply.frame.name]
     tags = {tag.value: tag.name for tag in x.tags}
     fields = next((layout.fields for layout in x.layouts if layout.name == reply.layout), ())
-    number = next((f for f in fields if f.type.conversions and not f.length), None)
-    conversion = number.type.conversions[0] if number else None
+    values = ((f, c) for f in fields for c in f.type.conversions if c.name == "value" and not f.length)
+    number, conversion = next(values, (None, None))
     presence = bool(number and number.presence)
     return CxxExample(
         request=request,
@@ -294,8 +294,8 @@ class _Cxx:
             view = self._types[self._names.lower(self._stem(type_))]
             enum = self._enums.get(type_.name, "")
             pairs = (
-                ("value", "double", view.double),
                 ("single", "float", view.single),
+                ("value", "double", view.double),
                 ("milli", view.milli.kind if view.milli else "", view.milli),
             )
             conversions = (_conversion(view, *pair) for pair in pairs if not enum and pair[2] is not None)

@@ -119,7 +119,7 @@ def _route(
     edition: Edition, views: Messages, direction: Direction, route: dispatch.Route, printer: _Printer
 ) -> RouteView:
     message = route.messages[0]
-    nodes = {views.message(message).held_node for message in route.messages}
+    nodes = {views.message(message).node_in_data for message in route.messages}
     other_kind = address_mask(edition, message.address, direction) & ~route.mask
     return RouteView(
         rule=views.rule(edition.address(message.address), direction),
@@ -153,8 +153,8 @@ class _Printer:
 
     def _match(self, message: Message, command: str, has_nodes: bool) -> MatchView:
         view = self._views.message(message)
-        held_node = view.held_node if has_nodes else ""
-        return MatchView(command, held_node, view.other_constant, self._unpack.get(message.layout))
+        node = view.node_in_data if has_nodes else ""
+        return MatchView(command, node, view.other_constant, self._unpack.get(message.layout))
 
     def _cases(self, node: dispatch.Select, has_nodes: bool) -> Iterator[CaseView]:
         """The cases; those that differ only in the command, whose number is that of the case, become one."""

@@ -129,7 +129,7 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
         name=names.lower(layout.name),
         title=english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
         doc=tuple(text for text in (english(layout.about), *facts) if text),
-        members=tuple(_member(names, layout, f, types) for f in stored),
+        members=tuple(_member(names, edition, layout, f, types) for f in stored),
         places=tuple(_places(stored)),
         has_fields=bool(layout.fields),
         depends=layout.parameter is not None,
@@ -140,10 +140,12 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
     )
 
 
-def _member(names: Names, layout: Layout, field: Field, types: Types) -> MemberView:
+def _member(names: Names, edition: Edition, layout: Layout, field: Field, types: Types) -> MemberView:
     type_ = types[names.lower(names.type_stem(field.type))]
     length = f"[{len(field.elements)}]" if field.is_array else ""
-    doc = with_deprecation(field_facts(field, layout.parameter, type_.use, type_.facts), field.deprecated)
+    low_bits = any(message.has_low_bits_of_node for message in edition.of_layout(layout))
+    facts = field_facts(field, layout.parameter, type_.use, type_.facts, low_bits=low_bits)
+    doc = with_deprecation(facts, field.deprecated)
     return MemberView(type_.kind, member(field.name) + length, doc)
 
 

@@ -95,9 +95,8 @@ class AddressView(NamedTuple):
 class MessageView(NamedTuple):
     """A message.
 
-    `codes` are the values of its keys, then the same with each other accepted value of the first key. `held_node` is the
-    expression of the node in a field, empty unless only a field contains it.
-    `other_constant` is the condition for a frame with another value in a constant field.
+    `codes` are the values of its keys, then the same with each other accepted value of the first key. `node_in_data` is
+    the expression of the node in a field; empty unless a field identifies the node. `other_constant` is the condition for a frame with another value in a constant field.
     """
 
     name: str
@@ -107,12 +106,12 @@ class MessageView(NamedTuple):
     dlc: int
     codes: tuple[tuple[str, ...], ...]
     other_constant: str
-    held_node: str
+    node_in_data: str
 
     @property
     def has_node(self) -> bool:
         """True if a frame contains the node."""
-        return self.pattern.rule.has_nodes or bool(self.held_node)
+        return self.pattern.rule.has_nodes or bool(self.node_in_data)
 
 
 class Messages:
@@ -149,7 +148,7 @@ class Messages:
             dlc=message.dlc,
             codes=tuple(_codes(message)),
             other_constant=joined("||", [bits.constant_differs(f) for f in constants]) if constants else "",
-            held_node=_held_node(message),
+            node_in_data=bits.key_value(message.node_in_data) if message.node_in_data else "",
         )
 
     def _view(self, pattern: Pattern, name: tuple[str, ...], message: Message) -> PatternView:
@@ -255,14 +254,6 @@ def _codes(message: Message) -> Iterator[tuple[str, ...]]:
     rest = [bits.labels(key, [key.value])[0] for key in message.keys[1:]]
     for value in dict.fromkeys((message.keys[0].value, *message.accept)):
         yield (*bits.labels(message.keys[0], [value]), *rest)
-
-
-def _held_node(message: Message) -> str:
-    run = message.node_in_data
-    if run is None:
-        return ""
-    read = bits.key_value(run)
-    return f"(uint32_t)({read})" if working(run.width).width == 64 else read
 
 
 def _code(key: Key, index: int) -> CodeView:

@@ -82,7 +82,7 @@ class FrameView(NamedTuple):
             self.layout.members
             or self.layout.depends
             or message.other_constant
-            or message.held_node
+            or message.node_in_data
             or self.matches[1:]
         )
 
