@@ -274,7 +274,7 @@ def _sheet(file: Path) -> list[list[str | float]]:
 def test_a_spreadsheet_changes_no_text(language: str) -> None:
     """A program that opens the CSV reads no text as a number, a date or a truth value: `2.10` would be 2.1, `1/3` a day."""
     read_otherwise = re.compile(r"[-+]?\d*\.?\d+(e[-+]?\d+)?%?|\d+ ?[-/:] ?\d+( ?[-/:] ?\d+)?|true|false", re.I)
-    numbers = {"bits", "raw_minimum", "raw_maximum", "resolution", "offset", "minimum", "maximum"}
+    numbers = {"bits", "fixed", "raw_minimum", "raw_maximum", "resolution", "offset", "minimum", "maximum"}
     for spec in (spec for spec in SPECS_OF_ALL if language in specification(spec).edition.languages):
         for row in _cells(spec, language):
             texts = {name: cell for name, cell in row.items() if name not in numbers and read_otherwise.fullmatch(cell)}
