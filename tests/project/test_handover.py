@@ -104,7 +104,7 @@ layouts:
 commands:
   dim: {code: 0x10, request: {level: {at: 2, type: level}}, reply: echo}
   read: {code: 0x11, only: {model: [A]}, request: {}, reply: {layout: status, accept: [0x91]}}
-  stop: {code: 0x12, request: {}, reply: none}
+  stop: {code: 0x12, request: {trim: {at: 1, raw: i8, constant: -5}}, reply: none}
 """
 
 
@@ -223,6 +223,7 @@ def test_what_the_matrix_states(tmp_path: Path) -> None:
         ("read", "reply"): "",
         ("stop", "request"): "no reply",
     }
+    assert [(row["field"], row["fixed"]) for row in rows if row["command"] == "stop"] == [("", "0x12"), ("trim", "-5")]
     motor = _cells(ROOT / "spec/mwd_motor/v2.35.yaml", "zh")
     replies = [row for row in motor if row["command"] == "broadcast_torque" and row["direction"] == "回复"]
     assert {(row["nodes"], row["answer"]) for row in replies} == {
@@ -244,6 +245,7 @@ def test_numbers_are_numbers_in_excel(made: Path) -> None:
 def test_excel_has_the_rows_of_the_matrix(spec: Path, tmp_path: Path) -> None:
     """Below the title and the headings; integers that Excel would round are texts."""
     found = list(matrix.rows(specification(spec).edition, "en"))
+    found.append(found[0]._replace(raw_minimum=Fraction(1 - 10**15), raw_maximum=Fraction(2**63 - 1)))
     headings = {name: name for name in matrix.Row._fields}
     (tmp_path / "matrix.xlsx").write_bytes(spreadsheets.excel(found, headings, "title", "sheet"))
     title, names, *rows = _sheet(tmp_path / "matrix.xlsx")
