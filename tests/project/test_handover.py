@@ -8,9 +8,10 @@ import math
 import re
 import struct
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from canwright.cli import main
@@ -73,12 +74,12 @@ def test_every_command_is_in_the_document_and_the_matrix(made: Path) -> None:
     place = {(row["标识符"], row["位置"], row["位数"], row["原始值下限"], row["原始值上限"]) for row in torque}
     assert place == {("0x140 + node", "DATA[4..5]", "16", "-2048", "2048")}
     assert [(row["适用于"], row["分辨率（1 LSB）"], row["分辨率（手册写法）"], row["单位"]) for row in torque] == [
-        ("电机系列：MF", "0.008056640625", "16.5/2048", "A"),
+        ("电机系列：MF", "0.008056640625", "× 16.5/2048", "A"),
         ("电机系列：MH", "未给出", "", "A"),
-        ("电机系列：MG", "0.01611328125", "33/2048", "A"),
+        ("电机系列：MG", "0.01611328125", "× 33/2048", "A"),
     ]
     english = re.compile("[a-z]{3}")
-    for column in ("方向", "帧", "含义", "分辨率（1 LSB）", "适用于"):
+    for column in ("方向", "帧", "含义", "分辨率（1 LSB）", "适用于", "位置", "原始数据类型", "手册章节"):
         assert not [row for row in rows if english.search(row[column])], column
 
 
@@ -103,7 +104,7 @@ layouts:
 commands:
   dim: {code: 0x10, request: {level: {at: 2, type: level}}, reply: echo}
   read: {code: 0x11, only: {model: [A]}, request: {}, reply: {layout: status, accept: [0x91]}}
-  stop: {code: 0x12, request: {}, reply: none}
+  stop: {code: 0x12, request: {trim: {at: 1, raw: i8, constant: -5}}, reply: none}
 """
 
 
@@ -124,6 +125,7 @@ def test_golden_frames_are_decoded_with_the_matrix_alone(spec: Path) -> None:
     titles = {p.title[language]: p.name for p in item.edition.parameters}
     decoded = 0
     for frame in item.frames.frames:
+        _lists_no_other_field(frame, listed, titles)
         rows = [r for r in listed if (r["command"], r["direction"]) == (frame.command, frame.direction.value)]
         known = {name: str(value) for name, value in frame.parameters.items()}
         assert frame.node is None or str(frame.node) in _expanded(rows[0]["nodes"]), frame
@@ -134,11 +136,26 @@ def test_golden_frames_are_decoded_with_the_matrix_alone(spec: Path) -> None:
                 places = list(dict.fromkeys(r["position"] for r in elements))
                 own = [r for r in elements if r["position"] == places[index or 0]]
                 assert own and {_raw(frame, r) for r in own} == {one}, (frame, own)
+                assert len(own) == 1 or not all(_is_decided(r["only"], titles, known) for r in own), (frame, own)
                 value = frame.values.get(name)
                 value = value[index] if isinstance(value, list) and index is not None else value
                 if isinstance(value, Fraction) and len(own) == 1:
                     decoded += _has_value(own[0], one, value)
     assert decoded or not any(frame.values for frame in item.frames.frames)
+
+
+def _lists_no_other_field(frame: GoldenFrame, listed: Sequence[Mapping[str, str]], titles: Mapping[str, str]) -> None:
+    """Checks that the fields that exist under the parameters of a frame, as far as these decide that, are in the frame."""
+    known = {name: str(value) for name, value in frame.parameters.items()}
+    rows = [r for r in listed if (r["command"], r["direction"]) == (frame.command, frame.direction.value)]
+    rows = [r for r in rows if r["field"] and not r["fixed"] and _is_decided(r["only"], titles, known)]
+    names = {re.sub(r"\[\d+\]", "", r["field"]) for r in rows if _applies(r["only"], titles, known)}
+    assert names <= set(frame.raw), frame
+
+
+def _is_decided(only: str, titles: Mapping[str, str], known: Mapping[str, str]) -> bool:
+    """Whether the parameters that a condition names are known."""
+    return all(titles[part.partition(": ")[0]] in known for part in only.split("; ") if part)
 
 
 def _has_value(row: Mapping[str, str], raw: int, value: Fraction) -> bool:
@@ -206,6 +223,7 @@ def test_what_the_matrix_states(tmp_path: Path) -> None:
         ("read", "reply"): "",
         ("stop", "request"): "no reply",
     }
+    assert [(row["field"], row["fixed"]) for row in rows if row["command"] == "stop"] == [("", "0x12"), ("trim", "-5")]
     motor = _cells(ROOT / "spec/mwd_motor/v2.35.yaml", "zh")
     replies = [row for row in motor if row["command"] == "broadcast_torque" and row["direction"] == "回复"]
     assert {(row["nodes"], row["answer"]) for row in replies} == {
@@ -221,6 +239,48 @@ def test_numbers_are_numbers_in_excel(made: Path) -> None:
         assert b'name="v2.36-2025-03"' in book.read("xl/workbook.xml")
         assert "mwd_motor v2.36-2025-03 (2025-03): " in book.read("xl/sharedStrings.xml").decode()
     assert "<v>0.01611328125</v>" in sheet and "<v>-2048</v>" in sheet
+
+
+@pytest.mark.parametrize("spec", SPECS_OF_ALL, ids=called)
+def test_excel_has_the_rows_of_the_matrix(spec: Path, tmp_path: Path) -> None:
+    """Below the title and the headings; integers that Excel would round are texts."""
+    found = list(matrix.rows(specification(spec).edition, "en"))
+    found.append(found[0]._replace(raw_minimum=Fraction(1 - 10**15), raw_maximum=Fraction(2**63 - 1)))
+    headings = {name: name for name in matrix.Row._fields}
+    (tmp_path / "matrix.xlsx").write_bytes(spreadsheets.excel(found, headings, "title", "sheet"))
+    title, names, *rows = _sheet(tmp_path / "matrix.xlsx")
+    assert (title, names) == (["title"], list(matrix.Row._fields))
+    for row, wanted in zip(rows, found, strict=True):
+        for cell, exact in zip(row, wanted, strict=True):
+            if isinstance(exact, Fraction) and abs(exact) < 10**15:
+                assert isinstance(cell, float) and math.isclose(cell, exact, rel_tol=1e-15), (row, exact)
+            else:
+                assert cell == str(exact), row
+
+
+def _sheet(file: Path) -> list[list[str | float]]:
+    """The cells of the first sheet of an Excel file."""
+    space = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
+    with zipfile.ZipFile(file) as book:
+        strings = ElementTree.fromstring(book.read("xl/sharedStrings.xml"))
+        texts = ["".join(part.text or "" for part in one.iter(f"{space}t")) for one in strings]
+        sheet = ElementTree.fromstring(book.read("xl/worksheets/sheet1.xml"))
+    rows: list[list[str | float]] = []
+    for row in sheet.iter(f"{space}row"):
+        cells = ((cell.get("t"), cell.findtext(f"{space}v", "")) for cell in row)
+        rows.append([texts[int(value)] if kind == "s" else float(value) if value else "" for kind, value in cells])
+    return rows
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_a_spreadsheet_changes_no_text(language: str) -> None:
+    """A program that opens the CSV reads no text as a number, a date or a truth value: `2.10` would be 2.1, `1/3` a day."""
+    read_otherwise = re.compile(r"[-+]?\d*\.?\d+(e[-+]?\d+)?%?|\d+ ?[-/:] ?\d+( ?[-/:] ?\d+)?|true|false", re.I)
+    numbers = {"bits", "fixed", "raw_minimum", "raw_maximum", "resolution", "offset", "minimum", "maximum"}
+    for spec in (spec for spec in SPECS_OF_ALL if language in specification(spec).edition.languages):
+        for row in _cells(spec, language):
+            texts = {name: cell for name, cell in row.items() if name not in numbers and read_otherwise.fullmatch(cell)}
+            assert set(texts) <= {"nodes", "date"} and texts.get("nodes", "1").isdigit(), (spec, row)
 
 
 def test_equal_specs_make_equal_files(made: Path, tmp_path: Path) -> None:

@@ -71,7 +71,9 @@ def test_links_to_the_explorer_are_golden_frames_with_their_parameters(pages: di
     for text in pages.values():
         for query in re.findall(r"explorer/index\.html#([^)]+)\)", text):
             frame, _, direction, _, *parameters = parse_qsl(query)
-            linked.add((frame[1], direction[1], *parameters))
+            given = [(name.removeprefix("parameter."), value) for name, value in parameters]
+            assert not {name for name, _ in given} & {name for name, _ in parameters}
+            linked.add((frame[1], direction[1], *given))
     assert linked <= golden
     assert any(len(one) > 2 for one in linked)
 

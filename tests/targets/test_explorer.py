@@ -28,6 +28,23 @@ from ..conformance.adapter import write_files
 from ..node import run
 from ..spec_texts import ROOT, SPECS, called
 
+CASES = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100}}
+parameters: {size: {values: [14, 15]}}
+types:
+  angle:
+    raw: u16
+    unit: deg
+    raw_range: {by: size, 14: 0..16383, 15: 0..32767}
+    scale: {by: size, 14: 360/16384, 15: 360/32768}
+  share: {raw: u8, raw_range: {by: size, 14: 0..63, 15: 0..127}, scale: {by: size, 14: 1, 15: 2}}
+commands:
+  turn: {request: {angle: {at: 0, type: angle}, shares: {at: 2, type: share, array: 1..2}}, reply: none}
+"""
+
 MOTOR = ROOT / "spec/mwd_motor/v2.35.yaml"
 
 
@@ -107,6 +124,28 @@ def _same_value(wanted: Value, result: Mapping[str, Any], frame: GoldenFrame) ->
         shown = [one for one in value if not named or isinstance(one, str)] if isinstance(value, list) else [value]
         pairs = zip(listed, shown, strict=True)
         assert all(each in (one, float(one) if isinstance(one, Fraction) else one) for one, each in pairs), frame
+
+
+def test_a_case_outside_the_range_of_its_raw_integers_has_no_value(tmp_path: Path) -> None:
+    """An encoder of 14 bits is never at 720 degrees."""
+    (tmp_path / "lamp.yaml").write_text(CASES, "utf-8")
+    folder = write_files(explorer([EditionSource(specification(tmp_path / "lamp.yaml"))]), tmp_path)
+    lines = [f"100#{data}00000000" for data in ("FF3F013F", "00400140", "FFFF0101")]
+    answers = interpret(folder, [{"line": line, "parameters": {}} for line in lines])
+    cases = [[field["cases"] for field in one["found"][0]["fields"]] for one in answers]
+    outside = {"value": None, "reason": "out_of_range"}
+    assert [angle for angle, _ in cases] == [
+        [
+            {"values": ["14"], "value": 16383 * 360 / 16384, "reason": None},
+            {"values": ["15"], "value": 16383 * 360 / 32768, "reason": None},
+        ],
+        [{"values": ["14"], **outside}, {"values": ["15"], "value": 180, "reason": None}],
+        [{"values": ["14", "15"], **outside}],
+    ]
+    assert [shares for _, shares in cases[:2]] == [
+        [{"values": ["14"], "value": [1, 63], "reason": None}, {"values": ["15"], "value": [2, 126], "reason": None}],
+        [{"values": ["14"], **outside}, {"values": ["15"], "value": [2, 128], "reason": None}],
+    ]
 
 
 def test_a_value_is_not_encoded_without_its_parameter(tmp_path: Path) -> None:

@@ -20,13 +20,13 @@ from playwright.sync_api import Browser, Page
 
 from ..conformance.adapter import write_files
 from ..project.browser import browser
-from ..spec_texts import SPECS
+from ..spec_texts import MINIMAL, SPECS
 from ..strangers.everything import filled
 from ..strangers.hostile import HOSTILE
 
 pytestmark = pytest.mark.machine
 
-TORQUE = "#frame=141%23A1329B00F4010080&edition=v2.35&direction=reply&series=MG&encoder_bits=15"
+TORQUE = "#frame=141%23A1329B00F4010080&edition=v2.35&direction=reply&parameter.series=MG&parameter.encoder_bits=15"
 Open = Callable[..., Page]
 
 
@@ -142,7 +142,7 @@ def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open)
     page.get_by_label("Value of iq", exact=True).fill("1e9")
     page.get_by_label("Value of iq", exact=True).press("Enter")
     assert page.locator("#field-problem").inner_text() == "iq: outside the range"
-    assert "frame=141%23A1000000FFFF0000" in page.url and "series=MG" in page.url
+    assert "frame=141%23A1000000FFFF0000" in page.url and "parameter.series=MG" in page.url
     box.fill("nonsense")
     assert "no CAN frame" in page.locator("#problem").inner_text()
     box.fill("7FF#00")
@@ -151,7 +151,9 @@ def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open)
 
 def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
     """Without the series, there is a value for each, no input of amperes, and no program; invalid parameters are named."""
-    page = opened(page_of_motors, "#frame=141%23A1329B00F4010080&edition=v2.35&series=XX&gear_ratio=0.5")
+    page = opened(
+        page_of_motors, "#frame=141%23A1329B00F4010080&edition=v2.35&parameter.series=XX&parameter.gear_ratio=0.5"
+    )
     assert "Motor series cannot be XX" in page.locator("#parameter-problem").inner_text()
     assert "Gear ratio cannot be 0.5" in page.locator("#parameter-problem").inner_text()
     assert page.locator("#parameters [aria-invalid=true]").count() == 2
@@ -211,6 +213,38 @@ def test_an_address_selects_edition_and_direction(page_of_motors: Path, opened: 
     page.evaluate("location.hash = 'frame=141%239C00000000000000&edition=v2.36-2025-03&direction=request&lang=zh'")
     page.wait_for_selector("h1:text('帧解析器')")
     assert page.locator("#chosen-facts").inner_text() == "read_status_2 · 请求 · v2.36-2025-03"
+
+
+def test_parameters_can_have_the_names_of_other_keys_of_the_address(opened: Open, tmp_path: Path) -> None:
+    """A parameter has a prefix in addresses; in old ones it had none."""
+    names = ("frame", "edition", "direction", "command", "lang")
+    parameters = ", ".join(f"{name}: {{number: {{}}}}" for name in (*names, "problem"))
+    (tmp_path / "lamp.yaml").write_text(MINIMAL.replace("types:", f"parameters: {{{parameters}}}\ntypes:"), "utf-8")
+    made = explorer([EditionSource(specification(tmp_path / "lamp.yaml"))])
+    page = opened(
+        write_files(made, tmp_path) / FOLDER / "index.html", "#frame=101%231000E80300000000&direction=reply&problem=2"
+    )
+    for name in names:
+        assert page.locator(f"[id='parameter.{name}']").input_value() == ""
+        page.locator(f"[id='parameter.{name}']").fill("2")
+        page.keyboard.press("Enter")
+    page.reload()
+    assert page.locator("#chosen-facts").inner_text() == "dim · reply · v1"
+    shown = [page.locator(f"[id='parameter.{name}']").input_value() for name in (*names, "problem")]
+    assert shown == ["2"] * 6
+
+
+def test_an_address_without_a_frame_shows_no_message(page_of_motors: Path, opened: Open) -> None:
+    """Also while the value of a field is being entered."""
+    page = opened(page_of_motors, TORQUE)
+    for start in ("", "frame=142%239C00000000000000"):
+        page.get_by_label("Raw integer of iq").fill("310")
+        page.evaluate("(start) => { location.hash = start; }", start)
+        page.wait_for_function("(start) => document.getElementById('chosen').hidden === !start", arg=start)
+        page.evaluate("document.activeElement.blur()")
+        assert page.get_by_label("Frame, or a line").input_value() == start.partition("=")[2].replace("%23", "#")
+        page.evaluate("(start) => { location.hash = start; }", TORQUE)
+        page.wait_for_selector("#chosen-facts:text('set_torque')")
 
 
 def test_fields_and_bits_with_the_keyboard_alone(page_of_motors: Path, opened: Open) -> None:

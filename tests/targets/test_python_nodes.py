@@ -299,6 +299,43 @@ def test_own_frames_are_no_replies(returned: bool, package: dict[str, ModuleType
     assert not own.is_own(python_can.to_message(request))
 
 
+@pytest.mark.parametrize("power", [200, -1])
+@pytest.mark.parametrize("returned", [False, True])
+def test_a_request_of_a_second_host_is_taken_for_a_reply(
+    returned: bool, power: int, package: dict[str, ModuleType]
+) -> None:
+    """As the README states. The own request is no reply, nor is it with a node alone; a late reply answers the next request."""
+    old, python_can = package["v2_35"], package["python_can"]
+    request, second = old.SetPowerRequest(node=1, power=200), old.SetPowerRequest(node=1, power=power)
+    reply = can.Message(arbitration_id=0x141, data=bytes.fromhex("A032C800F4010080"), is_extended_id=False)
+    known = old.Parameters(series=old.Series.MS)
+    decode = partial(old.decode_answer, request)
+    with (
+        can.Bus("hosts", interface="virtual", receive_own_messages=returned) as bus,
+        can.Bus("hosts", interface="virtual") as other_host,
+        can.Bus("hosts", interface="virtual") as node,
+    ):
+        own = python_can.OwnFrames(bus, are_returned=returned)
+
+        def replies() -> list[Any]:
+            frames = iter(partial(bus.recv, 0), None)
+            return [python_can.from_message(frame, decode, known) for frame in frames if not own.is_own(frame)]
+
+        own.send(request)
+        node.send(reply)
+        answer = python_can.from_message(reply, decode, known)
+        assert replies() == [answer]
+        own.send(request)
+        other_host.send(python_can.to_message(second))
+        node.send(reply)
+        assert replies() == [old.decode_reply(0x141, second.encode(), known), answer]
+        own.send(request)
+        assert replies() == []
+        own.send(request)
+        node.send(reply)
+        assert replies() == [answer]
+
+
 def test_nothing_is_learnt_from_a_silent_bus(package: dict[str, ModuleType]) -> None:
     old, own_frames = package["v2_35"], package["python_can"].OwnFrames
     probe = old.ReadStatus1Request(node=1)

@@ -421,6 +421,7 @@ function createEdition(tables) {
     },
     candidates: (frame) => codec.candidates(directions, frame),
     rawOf: (direction, command, field, value, parameters) => codec.rawOf(direction, command, field, value, parameters),
+    allows: (direction, command, field, raw, parameters) => codec.allows(direction, command, field, raw, parameters),
     encodeRequest: (command, given) => codec.encode("request", command, given),
     encodeReply: (command, given) => codec.encode("reply", command, given),
   };
@@ -565,11 +566,21 @@ class Codec {
 
   rawOf(direction, command, name, value, parameters) {
     const known = this.known(parameters);
+    return this.field(direction, command, name, known).given(value, known, true);
+  }
+
+  allows(direction, command, name, raw, parameters) {
+    const known = this.known(parameters);
+    const { type } = this.field(direction, command, name, known);
+    return [raw].flat().every((one) => type.allows(one, known));
+  }
+
+  field(direction, command, name, known) {
     const field = this.message(direction, command).fields(known).find((one) => one.name === name);
     if (!field) {
       throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
     }
-    return field.given(value, known, true);
+    return field;
   }
 
   /** The reply that a frame is to a request, with its node. Throws CodecError if it is none. */

@@ -177,7 +177,12 @@ canwright.meaning = (() => {
       if (!isOpen) {
         return { ...field, missing, cases: [] };
       }
-      const under = (value) => decodedAs(edition, message, decoded.frame, { ...assumed[0], [by]: value }).fields[position];
+      const under = (value) => {
+        const given = { ...assumed[0], [by]: value };
+        const result = decodedAs(edition, message, decoded.frame, given).fields[position];
+        const isPossible = result.reason !== null || edition.codec.allows(message.direction, message.command, field.name, field.raw, given);
+        return isPossible ? result : { value: null, reason: "out_of_range" };
+      };
       return { ...field, value: null, reason: "missing_parameter", missing, cases: grouped(choices, under) };
     });
   }

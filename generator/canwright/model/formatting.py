@@ -5,10 +5,10 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from .layout import Field, Segment, Space
-from .message import Command, IdRule
+from .message import Command, IdRule, Key
 from .metadata import Effect
 from .types import Bound, Dependent, Encoding, Linear, Order, Parameter, Range, Type
 
@@ -98,25 +98,60 @@ def allowed(parameter: Parameter) -> str:
 _LETTERS = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}
 
 
-def raw_format(type_: Type, segments: tuple[Segment, ...] = ()) -> str:
+class PlaceWords(NamedTuple):
+    """The words of positions and raw formats."""
+
+    id: str = "id"
+    bit: str = "bit"
+    bits: str = "bits"
+    big_endian: str = "big-endian"
+
+
+ENGLISH = PlaceWords()
+
+
+class Place(NamedTuple):
+    """Where the bits of a key or of an element of a field are; a key has no name."""
+
+    position: str
+    name: str
+    raw: str
+
+
+def key_place(key: Key, words: PlaceWords = ENGLISH) -> Place:
+    """The place of a key."""
+    order = f" {words.big_endian}" if key.order is Order.BIG and len(key.segments) > 1 else ""
+    return Place(place(key.space, key.segments, words), "", f"u{key.width}{order}")
+
+
+def field_places(field: Field, words: PlaceWords = ENGLISH) -> list[Place]:
+    """The places of a field: one, or that of each element of an array."""
+    return [
+        Place(place(field.space, segments, words), name, raw_format(field.type, segments, words))
+        for name, segments in elements(field)
+    ]
+
+
+def raw_format(type_: Type, segments: tuple[Segment, ...] = (), words: PlaceWords = ENGLISH) -> str:
     """`i16`, or `i16 big-endian` if it spans several bytes in that order."""
     spans = len(segments) > 1 or type_.width > 8
-    return f"{_LETTERS[type_.encoding]}{type_.width}" + (" big-endian" if type_.order is Order.BIG and spans else "")
+    order = f" {words.big_endian}" if type_.order is Order.BIG and spans else ""
+    return f"{_LETTERS[type_.encoding]}{type_.width}{order}"
 
 
-def place(space: Space, segments: tuple[Segment, ...]) -> str:
+def place(space: Space, segments: tuple[Segment, ...], words: PlaceWords = ENGLISH) -> str:
     """The position of bits: `DATA[4..5]`, `DATA[3] bits 0..3`, `id bits 5..10`."""
     if space is Space.ID:
-        return "id " + _bits(segments[0].low, segments[0].width)
+        return f"{words.id} {_bits(segments[0].low, segments[0].width, words)}"
     ordered = sorted(segments, key=lambda s: s.byte)
     if all(s.width == 8 for s in ordered):
         first, last = ordered[0].byte, ordered[-1].byte
         return f"DATA[{first}]" if first == last else f"DATA[{first}..{last}]"
-    return ", ".join(f"DATA[{s.byte}]" + ("" if s.width == 8 else " " + _bits(s.low, s.width)) for s in ordered)
+    return ", ".join(f"DATA[{s.byte}]" + ("" if s.width == 8 else f" {_bits(s.low, s.width, words)}") for s in ordered)
 
 
-def _bits(low: int, width: int) -> str:
-    return f"bit {low}" if width == 1 else f"bits {low}..{low + width - 1}"
+def _bits(low: int, width: int, words: PlaceWords) -> str:
+    return f"{words.bit} {low}" if width == 1 else f"{words.bits} {low}..{low + width - 1}"
 
 
 def scale(type_: Type, among: tuple[str, ...] = (), offset_word: str = ", offset ") -> Sequence[tuple[str, str]]:

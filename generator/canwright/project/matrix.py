@@ -82,6 +82,7 @@ class _Rows:
         self._message = message
         self._language = language
         self._labels = labels = LABELS[language]
+        self._words = formatting.PlaceWords(*(labels[f"place_{name}"] for name in formatting.PlaceWords._fields))
         length = labels["remote"] if message.remote else labels["bytes"].format(message.dlc)
         answering = command.from_each if direction is Direction.REPLY else ()
         nodes = [node for node in message.id.nodes or () if not answering or node in answering]
@@ -97,7 +98,7 @@ class _Rows:
             nodes=formatting.numbers(nodes),
             frame=labels["semicolon"].join((labels["extended" if message.id.extended else "standard"], length)),
             only=self._condition(command.only),
-            manual=command.manual,
+            manual=self._section(command.manual),
             edition=edition.name,
             date=edition.date,
         )
@@ -117,12 +118,13 @@ class _Rows:
         meaning = [self._labels[_ROLES[key.role]]]
         if accepted:
             meaning.append(self._labels["accepted"].format(self._labels["comma"].join(map(constant, accepted))))
+        place = formatting.key_place(key, self._words)
         return self._start._replace(
-            position=formatting.place(key.space, key.segments),
+            position=place.position,
             bits=Fraction(key.width),
             meaning=self._labels["semicolon"].join(meaning),
-            raw=f"u{key.width}",
-            fixed=constant(key.value),
+            raw=place.raw,
+            fixed=_fixed(key.value),
         )
 
     def _of_field(self, layout: Layout, field: Field) -> Iterator[Row]:
@@ -131,18 +133,18 @@ class _Rows:
         start = self._start._replace(
             bits=Fraction(type_.width),
             meaning=self._labels["semicolon"].join(filter(None, meaning)),
-            fixed="" if field.fixed is None else constant(field.fixed),
+            fixed="" if field.fixed is None else _fixed(field.fixed),
             values=self._labels["semicolon"].join(
                 self._member(type_, member) for member in (*type_.enum, *type_.flags)
             ),
-            manual=field.manual or self._command.manual,
+            manual=self._section(field.manual or self._command.manual),
         )
-        for name, segments in formatting.elements(field):
+        for place in formatting.field_places(field, self._words):
             for numbers in _numbers(self._edition, layout, field, self._command):
                 yield start._replace(
-                    position=formatting.place(field.space, segments),
-                    field=name,
-                    raw=formatting.raw_format(type_, segments),
+                    position=place.position,
+                    field=place.name,
+                    raw=place.raw,
                     only=self._condition(numbers.only),
                     **(self._of_numbers(type_, numbers) if field.fixed is None and type_.is_number else {}),
                 )
@@ -167,12 +169,21 @@ class _Rows:
         step = linear.scale if linear.times is None else formatting.step(linear)
         offset = linear.offset if linear.times is None else formatting.offset(linear)
         is_printed = isinstance(step, Fraction) and formatting.step(linear) != formatting.exact(step)
-        return {**cells, "resolution": step, "offset": offset, "printed": formatting.step(linear) if is_printed else ""}
+        return {
+            **cells,
+            "resolution": step,
+            "offset": offset,
+            "printed": f"× {formatting.step(linear)}" if is_printed else "",
+        }
 
     def _member(self, type_: Type, member: Member) -> str:
         value = self._labels["bit"].format(member.value, 1 << member.value) if type_.flags else str(member.value)
         title = member.title.get(self._language, "")
         return self._labels["member"].format(value, member.name, title) if title else f"{value} = {member.name}"
+
+    def _section(self, manual: str) -> str:
+        """The section of the manual. A spreadsheet would read `2.10` as a number."""
+        return self._labels["section"].format(manual) if manual[:1].isdigit() else manual
 
     def _condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
         """`Model: A, B`, by the titles of the parameters."""
@@ -183,6 +194,11 @@ class _Rows:
 
 
 _ROLES = {KeyRole.CODE: "selector", KeyRole.INDEX: "index", KeyRole.CONSTANT: "constant"}
+
+
+def _fixed(raw: int) -> Cell:
+    """A code, or a negative number."""
+    return constant(raw) if raw >= 0 else Fraction(raw)
 
 
 def _answer(command: Command, direction: Direction, labels: Mapping[str, str]) -> str:

@@ -38,7 +38,7 @@ def explorer_link(edition: str, frame: GoldenFrame, message: Message) -> str:
     """
     state = {"frame": formatting.sent(frame), "edition": edition}
     state |= {"direction": message.direction.value, "command": message.command}
-    state |= {name: str(value) for name, value in frame.parameters.items() if name not in state}
+    state |= {f"parameter.{name}": str(value) for name, value in frame.parameters.items()}
     return f"../../../../javascript/explorer/index.html#{urlencode(state, quote_via=quote)}"
 
 

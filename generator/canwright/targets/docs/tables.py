@@ -12,7 +12,7 @@ from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
-from ...model.types import Assignment, Encoding, Order, Text, Type
+from ...model.types import Assignment, Encoding, Text, Type
 from ...templating.markup import code, markdown
 from .links import command_link
 
@@ -69,8 +69,8 @@ class Cells(NamedTuple):
 
 def key_cells(key: Key) -> Cells:
     """The cells of a key."""
-    order = " big-endian" if key.order is Order.BIG and len(key.segments) > 1 else ""
-    return Cells(code(formatting.place(key.space, key.segments)), "", code(f"u{key.width}{order}"))
+    place = formatting.key_place(key)
+    return Cells(code(place.position), "", code(place.raw))
 
 
 def field_cells(field: Field) -> list[Cells]:
@@ -78,12 +78,8 @@ def field_cells(field: Field) -> list[Cells]:
     type_ = field.type
     link = f"[%s](../types.md#types.{type_.name})" if type_.path[0] == "types" else "%s"
     return [
-        Cells(
-            code(formatting.place(field.space, segments)),
-            link % code(name),
-            code(formatting.raw_format(type_, segments)),
-        )
-        for name, segments in formatting.elements(field)
+        Cells(code(place.position), link % code(place.name), code(place.raw))
+        for place in formatting.field_places(field)
     ]
 
 

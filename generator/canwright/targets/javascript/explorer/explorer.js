@@ -4,6 +4,8 @@
 (() => {
   const { frames, meaning, code } = canwright;
   const PAGE = 100; // frames of a log that are shown at once
+  const NAMES = ["frame", "edition", "direction", "command", "lang"]; // in the address, beside the parameters
+  const PREFIX = "parameter."; // of the parameters in the address, so that they can have these names too
   const state = { frame: "", edition: "", direction: "", command: "", lang: "", parameters: {} };
   let found = [];
   let chosen = null;
@@ -53,26 +55,28 @@
   function readAddress() {
     const given = new URLSearchParams(location.hash.slice(1));
     const query = new URLSearchParams(location.search);
-    const names = new Set(meaning.parameters().map(({ name }) => name));
-    for (const name of ["frame", "edition", "direction", "command"]) {
+    const lang = given.get("lang") ?? query.get("lang") ?? (state.lang || navigator.language);
+    for (const name of NAMES) {
       state[name] = given.get(name) ?? "";
     }
-    const lang = given.get("lang") ?? query.get("lang") ?? (state.lang || navigator.language);
     state.lang = lang.toLowerCase().startsWith("zh") ? "zh" : "en";
-    state.parameters = Object.fromEntries([...given].filter(([name]) => names.has(name)));
+    // old addresses have no prefix
+    const valueOf = (name) => given.get(`${PREFIX}${name}`) ?? (NAMES.includes(name) ? null : given.get(name));
+    const values = meaning.parameters().map(({ name }) => [name, valueOf(name) ?? ""]);
+    state.parameters = Object.fromEntries(values.filter(([, value]) => value !== ""));
   }
 
   function writeAddress() {
-    const { parameters, ...others } = state;
-    const entries = Object.entries({ ...others, ...parameters }).filter(([, value]) => value !== "");
-    history.replaceState(null, "", `#${new URLSearchParams(entries)}`);
+    const entries = NAMES.map((name) => [name, state[name]]);
+    entries.push(...Object.entries(state.parameters).map(([name, value]) => [`${PREFIX}${name}`, value]));
+    history.replaceState(null, "", `#${new URLSearchParams(entries.filter(([, value]) => value !== ""))}`);
   }
 
   // Input
 
   function showParameters() {
     const items = meaning.parameters().map(({ name, values, texts }) => {
-      const id = `parameter-${name}`;
+      const id = `${PREFIX}${name}`;
       const options = (values ?? []).map((value) => make("option", { value }, text(texts?.values?.[value], value)));
       const unknown = make("option", { value: "" }, say("unknown"));
       const input = values ? make("select", { id }, unknown, ...options) : make("input", { id, inputMode: "decimal", size: 6 });
@@ -91,7 +95,7 @@
   function showInvalid() {
     const names = meaning.invalid(Object.fromEntries(Object.entries(state.parameters).filter(([, value]) => value !== "")));
     const problems = meaning.parameters().map(({ name, texts }) => {
-      at(`parameter-${name}`).setAttribute("aria-invalid", String(names.includes(name)));
+      at(`${PREFIX}${name}`).setAttribute("aria-invalid", String(names.includes(name)));
       return names.includes(name) ? say("invalid", text(texts?.title, name), state.parameters[name]) : "";
     });
     at("parameter-problem").textContent = problems.join(" ").trim();
@@ -506,6 +510,9 @@
 
   /** Encodes the message with another value of one field, or for another node, and shows the frame. */
   function enter(name, { value, raw, node }) {
+    if (!chosen) {
+      return; // the address lost its frame, which hides an input that has changed
+    }
     const { edition, decoded } = chosen;
     try {
       const changed = value === undefined ? raw : meaning.rawOf(chosen, name, value);
