@@ -274,7 +274,7 @@ def test_a_compiler_without_the_library_of_cxx_is_named(tmp_path: Path) -> None:
         "-mmcu=atmega2560",
         "-std=c++17",
         f"-I{INCLUDE}",
-        unit,
+        str(unit),
     ]
     done = subprocess.run([*command, "-fsyntax-only"], capture_output=True, text=True, check=False)
     assert "which avr-gcc lacks; include the headers for C" in done.stderr
