@@ -113,15 +113,20 @@ def _as(
         return None
     cls = binding.of(message)
     nodes = range(cls.NODES[0], cls.NODES[1] + 1) if hasattr(cls, "NODES") else [None]
+    accepted: Meaning | None = None
     for node in nodes:
         try:
             decoded = cls.unpack(node, frame.id, frame.data, parameters)
             sent = not is_sender or message.accept or found.is_echoed or decoded.encode() == frame.data
-            if sent and (decoded.can_id == frame.id or message.accept) and cls.EXTENDED is frame.extended:
+            if not sent or cls.EXTENDED is not frame.extended:
+                continue
+            if decoded.can_id == frame.id:
                 return meaning(decoded)
+            if message.accept and accepted is None:  # its id can contain another code
+                accepted = meaning(decoded)
         except ValueError:
             continue
-    return None
+    return accepted
 
 
 def _differences(text: str, decoded: Meaning) -> Iterator[str]:
