@@ -4,6 +4,7 @@ Requests and replies can share an id and a code. The rules are tried in this ord
 
 - mark: the log marks the frames that its recorder sent. If it marks none on a bus, the recorder only listened.
 - id: only requests, or only replies, have it.
+- log: the log lacks the requests, or the replies, of the bus.
 - content: only one direction has this length, these keys and constants; or the frame sets bits that the request
   reserves, or has a value that the request does not allow: then it is a reply.
 - pairing: a request opens an exchange on each channel on which it is answered, and a reply within the window closes it.
@@ -11,7 +12,7 @@ Requests and replies can share an id and a code. The rules are tried in this ord
 
 The first frames of a log show how each bus behaves. Where the recorder logs each request twice, the second is a copy of
 the first. Where the host leaves old bytes in reserved bits, these do not decide. Where replies take longer than the spec
-states, the window is longer.
+states, the window is longer. Where the log lacks requests or replies, all frames have the other direction.
 
 Where both directions remain possible, a frame waits for the next frames of its exchange, at most for the window: a
 reply follows its own request sooner than a repeated request follows the first.
@@ -60,6 +61,8 @@ class DecidedBy(str, Enum):
 
     MARK = "mark"
     ID = "id"
+    LOG = "log"
+    """The log lacks the frames of the other direction."""
     CONTENT = "content"
     PAIRING = "pairing"
     RETRY = "retry"
@@ -650,11 +653,11 @@ def _is_late(asking: FrameKind, latency: int, node: int | None) -> bool:
 
 
 def _by_content(kind: FrameKind, data: int) -> tuple[Direction | None, DecidedBy] | None:
-    """The direction of a frame by its id and content; None if both directions are possible."""
+    """The direction of a frame by its id, its log or its content; None if both directions are possible."""
     if kind.is_shared and kind.request is not None:
         return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
     if kind.only is not None:
-        return kind.only, DecidedBy.ID
+        return kind.only, DecidedBy.LOG if kind.by_log else DecidedBy.ID
     request = kind.request is not None and kind.request.has_constants(data)
     reply = any(form.has_constants(data) for form in kind.replies)
     if request and reply:
