@@ -110,6 +110,12 @@ def test_replies_without_requests(lines: list[str], mark: str) -> None:
     assert found.nodes[0].scores[0].requests == 0
 
 
+def test_requests_without_replies() -> None:
+    """A request of one edition that another one reserves bits of is no reply, from which that edition follows."""
+    lines = ["144#A200FDFFA8670000", *["144#9200000000000000", "144#A400D20400E80300"] * 2]
+    assert names(identified(lines * 5).nodes[0]) == []
+
+
 def test_marks_decide_between_a_request_and_a_reply() -> None:
     """All-zero frames are requests; as replies they would be implausible, or a motor at an angle of 0."""
     zero = "141#9200000000000000"
