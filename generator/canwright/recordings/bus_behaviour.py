@@ -37,7 +37,9 @@ class Behaviour(NamedTuple):
     @property
     def certain(self) -> Behaviour:
         """What is known without a doubt: the marks, the copies, and old bits that do not vary."""
-        return self._replace(reply_time=None, only=None, old_bits=tuple(bits for bits in self.old_bits if bits.value is not None))
+        return self._replace(
+            reply_time=None, only=None, old_bits=tuple(bits for bits in self.old_bits if bits.value is not None)
+        )
 
     def old_bits_of(self, request: Message) -> OldBits | None:
         """The old bits of a request, if it has any."""

@@ -44,6 +44,8 @@ from .recorded import Mark, Recorded
 
 _WINDOWS = (None, 20_000_000, 200_000_000)
 """The windows in ns that are tried while the behaviour is learned."""
+_LEARNED_FROM = 64
+"""The number of frames of a stream from which its behaviour is learned first; later from 4 times as many each time."""
 _ROUNDS = 3
 """How often behaviour is learned: copies hide old bits, and these hide reply times."""
 UNTIMED = 64
@@ -211,7 +213,8 @@ class Directions:
 
     `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
     `window` ns; None for the time that suits the editions and the log. `recorder` is the direction of the frames that are
-    marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. `first` is the
+    marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. If the log
+    `is_stream`, no frame waits for these: what they show counts for later frames. `first` is the
     number of the first frame. Before the frames with the numbers of `changes`, nodes get other editions, which are among
     `others`.
     """
@@ -224,6 +227,7 @@ class Directions:
         window: int | None = None,
         recorder: Direction = Direction.REQUEST,
         behaviours: Mapping[str, Behaviour] | None = None,
+        is_stream: bool = False,
         first: int = 0,
         others: Iterable[Edition] = (),
         changes: Mapping[int, Sequence[Change]] = MappingProxyType({}),
@@ -239,13 +243,16 @@ class Directions:
         other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
         self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: other}
         self.behaviours = behaviours
+        self._is_stream = is_stream
         self._number = first
         self._buses: dict[str, _Bus] = {}
 
     def judge(self, recorded: Iterable[Recorded]) -> Iterator[Judged]:
         """The frames of a log in their order, with their directions."""
         iterator = iter(recorded)
-        if self.behaviours is None:
+        if self.behaviours is None and self._is_stream:
+            iterator = self._learning(iterator)
+        elif self.behaviours is None:
             start = list(itertools.islice(iterator, LOOKED_AHEAD))
             self.behaviours = self.learn(start)
             iterator = itertools.chain(start, iterator)
@@ -262,6 +269,35 @@ class Directions:
         for bus in self._buses:
             self.settle(bus)
         yield from _released(held)
+
+    def _learning(self, recorded: Iterable[Recorded]) -> Iterator[Recorded]:
+        """The frames of a stream; the behaviour is learned while they pass, at a sent frame of a bus without marks too."""
+        start: list[Recorded] = []
+        iterator, due = iter(recorded), _LEARNED_FROM
+        for one in itertools.islice(iterator, LOOKED_AHEAD):
+            start.append(one)
+            known = (self.behaviours or {}).get(one.bus)
+            is_marked = one.mark is Mark.SENT and not (known and known.is_marked) and self._has_id(one)
+            if is_marked or len(start) == due:
+                self._behave(self.learn(start))
+            due *= 4 if len(start) == due else 1
+            yield one
+        self._behave(self.learn(start))
+        yield from iterator
+
+    def _behave(self, behaviours: Mapping[str, Behaviour]) -> None:
+        """Decides on later frames by other behaviours of the buses."""
+        self.behaviours = behaviours
+        for name, behaviour in behaviours.items():
+            if name in self._buses:
+                bus = self._buses[name]
+                bus.behaviour, bus.is_marked, bus.copied = behaviour, behaviour.is_marked, behaviour.copied
+                bus.window = self._bus_window(behaviour)
+                bus.lines.clear()
+                bus.count = 0
+
+    def _bus_window(self, behaviour: Behaviour) -> int:
+        return max((kinds.bus_window(behaviour) for kinds in self._kinds), default=0)
 
     def learn(self, start: Sequence[Recorded], marked: Collection[str] | None = None) -> dict[str, Behaviour]:
         """The behaviour of the buses in the first frames of a log, decided as if nothing were known of them.
@@ -317,8 +353,7 @@ class Directions:
         bus = self._buses.get(one.bus)
         if bus is None:
             behaviour = (self.behaviours or {}).get(one.bus, Behaviour())
-            window = max((kinds.bus_window(behaviour) for kinds in self._kinds), default=0)
-            bus = self._buses[one.bus] = _Bus(behaviour, window)
+            bus = self._buses[one.bus] = _Bus(behaviour, self._bus_window(behaviour))
         self._advance(bus, one.time)
         frame = one.frame
         if bus.count >= MAX_KINDS:

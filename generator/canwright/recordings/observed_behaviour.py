@@ -159,7 +159,11 @@ class Observed:
         if self.unexpected >= _LEAST and self.unexpected > 4 * max(self.requests, answered):
             pairs = sum(replies.pairs for replies in self._of_request.values())
             return Direction.REPLY if 3 * pairs < self.unexpected else None
-        return Direction.REQUEST if self.requests >= _LEAST and self.requests > 2 * answered and not self._certain else None
+        return (
+            Direction.REQUEST
+            if self.requests >= _LEAST and self.requests > 2 * answered and not self._certain
+            else None
+        )
 
     def add(self, judged: Judged) -> None:
         """Counts the next frame."""
