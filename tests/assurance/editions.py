@@ -88,6 +88,10 @@ def _logs(rounds: int, rng: random.Random, seed: int) -> Iterator[tuple[str, Seq
         Motor(2, first),
     )
     yield f"{first} to {second}", made(*changed), True, False
+    loops = made(
+        *(Motor(node, edition, ("torque", "feedback") * 5 + ("status",)) for node, edition in enumerate(EDITIONS, 1))
+    )
+    yield "old bytes", buses.dirty(loops, seed), False, False
     yield "damaged data", buses.damaged(mixed, 0.02, seed), False, True
     yield "damaged ids", buses.damaged(mixed, 0.01, seed, ids=True), False, True
     yield "a damaged id", _with_a_damaged_id(mixed, rng), False, True

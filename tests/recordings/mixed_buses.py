@@ -186,6 +186,21 @@ def replies(log: Iterable[Frame]) -> list[Frame]:
     return [frame for frame in log if not frame.is_request]
 
 
+def dirty(log: Iterable[Frame], seed: int) -> list[Frame]:
+    """A log of a host that does not clear its buffer: bytes that are 0 in a request have the values of earlier ones.
+
+    A reply with the same data as its request has the same bytes.
+    """
+    buffer, found, asked = random.Random(seed).randbytes(8), [], b""
+    for frame in log:
+        if frame.is_request:
+            asked = frame.data
+            buffer = asked[:1] + bytes(new or old for new, old in zip(asked[1:], buffer[1:], strict=True))
+        data = buffer if frame.is_request or frame.data == asked else frame.data
+        found.append(replace(frame, data=data))
+    return found
+
+
 def damaged(log: Iterable[Frame], share: float, seed: int, *, ids: bool = False) -> list[Frame]:
     """A log in which a share of the frames has a flipped bit, in the data or in the id."""
     rng, found = random.Random(seed), []

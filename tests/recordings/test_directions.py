@@ -299,12 +299,39 @@ def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> Non
     assert copies == (sum(sent.direction is Direction.REQUEST for sent in log) // 2 if "doubled" in name else 0)
 
 
-def test_a_log_without_the_frames_of_the_host() -> None:
-    """The replies are no requests with old bits."""
-    log = MotorBus("control", motor_bus.SITUATIONS["clean"], 1).frames(500)
-    replies = [sent.recorded for sent in log if sent.direction is Direction.REPLY]
+@pytest.mark.parametrize("direction", Direction)
+@pytest.mark.parametrize("mix", motor_bus.MIXES)
+@pytest.mark.parametrize("is_irregular", [False, True])
+def test_a_log_of_one_direction(direction: Direction, mix: str, is_irregular: bool) -> None:
+    """Echoes are no requests, replies no requests with old bits, and requests no replies to earlier ones."""
+    rng = random.Random(1)
+    log = MotorBus(mix, motor_bus.SITUATIONS["clean"], 1).frames(500)
+    listed = [
+        sent.recorded for sent in log if sent.direction is direction and not (is_irregular and rng.random() < 0.5)
+    ]
     directions = Directions({}, MOTOR)
-    assert {one.direction for one in directions.judge(replies)} == {Direction.REPLY}
+    assert {judged.direction for judged in directions.judge(listed)} == {direction}
+
+
+def test_a_stream_is_decided_without_its_next_frames() -> None:
+    """What its first frames show counts for later ones; a mark of a sent frame counts at once."""
+    log = MotorBus("control", motor_bus.SITUATIONS["old requests"], 1).frames(2000)
+    taken = 0
+
+    def stream() -> Iterable[Recorded]:
+        nonlocal taken
+        for sent in log:
+            taken += 1
+            yield sent.recorded
+
+    wrong = []
+    for number, judged in enumerate(Directions({}, MOTOR, is_stream=True).judge(stream())):
+        assert taken - number <= 64
+        wrong += [number] * (judged.direction is not log[number].direction)
+    assert all(number < 64 for number in wrong)
+    marked = with_marks(log[:64])
+    listed = Directions({}, MOTOR, is_stream=True).judge(sent.recorded for sent in marked)
+    assert [judged.direction for judged in listed] == [sent.direction for sent in marked]
 
 
 def test_a_late_reply_is_late_for_the_log() -> None:

@@ -110,6 +110,12 @@ def test_replies_without_requests(lines: list[str], mark: str) -> None:
     assert found.nodes[0].scores[0].requests == 0
 
 
+def test_requests_without_replies() -> None:
+    """A request of one edition that another one reserves bits of is no reply, from which that edition follows."""
+    lines = ["144#A200FDFFA8670000", *["144#9200000000000000", "144#A400D20400E80300"] * 2]
+    assert names(identified(lines * 5).nodes[0]) == []
+
+
 def test_marks_decide_between_a_request_and_a_reply() -> None:
     """All-zero frames are requests; as replies they would be implausible, or a motor at an angle of 0."""
     zero = "141#9200000000000000"
@@ -131,9 +137,9 @@ def test_a_node_with_a_damaged_id_is_listed_apart(tmp_path: Path) -> None:
 
 
 def test_a_node_in_the_data() -> None:
+    """The last frame has the low bits of its node only."""
     valves = specification(ROOT / "tests/specs/valve/v1.yaml").edition
     lines = ["7E5#1000006F00000000", "46F#100000000DF0AD8B", "7E6#1125000000000000", "7E4#1150000002010000"]
-    # The reply of read_version has 4 bits of the node, of 127: they leave several nodes.
     assert [(one.node, one.frames) for one in identified(lines, [valves]).nodes] == [(None, 1), (37, 1), (111, 2)]
 
 

@@ -239,6 +239,7 @@ def _decode(
         nodes.default,
         window=None if window is None else int(window * 1_000_000),
         recorder=recorder,
+        is_stream=not log.is_file,
         others=nodes.family,
         changes=nodes.changes,
     )

@@ -24,18 +24,22 @@ class Behaviour(NamedTuple):
 
     `is_marked` if marks distinguish requests and replies. `copied` are the directions in which each frame is recorded
     twice. `reply_time` is the time in ns within which nine of ten replies come, None if unknown. `old_bits` are requests
-    of a host that leaves old bytes in its transmit buffer.
+    of a host that leaves old bytes in its transmit buffer. `only` is the direction of all frames, if the log lacks those of
+    the other.
     """
 
     is_marked: bool = False
     copied: frozenset[Direction] = frozenset()
     reply_time: int | None = None
     old_bits: tuple[OldBits, ...] = ()
+    only: Direction | None = None
 
     @property
     def certain(self) -> Behaviour:
-        """What is known without a doubt: all but the reply time, and old bits that vary."""
-        return self._replace(reply_time=None, old_bits=tuple(bits for bits in self.old_bits if bits.value is not None))
+        """What is known without a doubt: the marks, the copies, and old bits that do not vary."""
+        return self._replace(
+            reply_time=None, only=None, old_bits=tuple(bits for bits in self.old_bits if bits.value is not None)
+        )
 
     def old_bits_of(self, request: Message) -> OldBits | None:
         """The old bits of a request, if it has any."""

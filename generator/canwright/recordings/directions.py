@@ -4,6 +4,7 @@ Requests and replies can share an id and a code. The rules are tried in this ord
 
 - mark: the log marks the frames that its recorder sent. If it marks none on a bus, the recorder only listened.
 - id: only requests, or only replies, have it.
+- log: the log lacks the requests, or the replies, of the bus.
 - content: only one direction has this length, these keys and constants; or the frame sets bits that the request
   reserves, or has a value that the request does not allow: then it is a reply.
 - pairing: a request opens an exchange on each channel on which it is answered, and a reply within the window closes it.
@@ -11,7 +12,7 @@ Requests and replies can share an id and a code. The rules are tried in this ord
 
 The first frames of a log show how each bus behaves. Where the recorder logs each request twice, the second is a copy of
 the first. Where the host leaves old bytes in reserved bits, these do not decide. Where replies take longer than the spec
-states, the window is longer.
+states, the window is longer. Where the log lacks requests or replies, all frames have the other direction.
 
 Where both directions remain possible, a frame waits for the next frames of its exchange, at most for the window: a
 reply follows its own request sooner than a repeated request follows the first.
@@ -43,6 +44,8 @@ from .recorded import Mark, Recorded
 
 _WINDOWS = (None, 20_000_000, 200_000_000)
 """The windows in ns that are tried while the behaviour is learned."""
+_LEARNED_FROM = 64
+"""The number of frames of a stream from which its behaviour is learned first; later from 4 times as many each time."""
 _ROUNDS = 3
 """How often behaviour is learned: copies hide old bits, and these hide reply times."""
 UNTIMED = 64
@@ -60,6 +63,8 @@ class DecidedBy(str, Enum):
 
     MARK = "mark"
     ID = "id"
+    LOG = "log"
+    """The log lacks the frames of the other direction."""
     CONTENT = "content"
     PAIRING = "pairing"
     RETRY = "retry"
@@ -208,7 +213,8 @@ class Directions:
 
     `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
     `window` ns; None for the time that suits the editions and the log. `recorder` is the direction of the frames that are
-    marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. `first` is the
+    marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. If the log
+    `is_stream`, no frame waits for these: what they show counts for later frames. `first` is the
     number of the first frame. Before the frames with the numbers of `changes`, nodes get other editions, which are among
     `others`.
     """
@@ -221,6 +227,7 @@ class Directions:
         window: int | None = None,
         recorder: Direction = Direction.REQUEST,
         behaviours: Mapping[str, Behaviour] | None = None,
+        is_stream: bool = False,
         first: int = 0,
         others: Iterable[Edition] = (),
         changes: Mapping[int, Sequence[Change]] = MappingProxyType({}),
@@ -236,13 +243,16 @@ class Directions:
         other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
         self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: other}
         self.behaviours = behaviours
+        self._is_stream = is_stream
         self._number = first
         self._buses: dict[str, _Bus] = {}
 
     def judge(self, recorded: Iterable[Recorded]) -> Iterator[Judged]:
         """The frames of a log in their order, with their directions."""
         iterator = iter(recorded)
-        if self.behaviours is None:
+        if self.behaviours is None and self._is_stream:
+            iterator = self._learning(iterator)
+        elif self.behaviours is None:
             start = list(itertools.islice(iterator, LOOKED_AHEAD))
             self.behaviours = self.learn(start)
             iterator = itertools.chain(start, iterator)
@@ -259,6 +269,35 @@ class Directions:
         for bus in self._buses:
             self.settle(bus)
         yield from _released(held)
+
+    def _learning(self, recorded: Iterable[Recorded]) -> Iterator[Recorded]:
+        """The frames of a stream; the behaviour is learned while they pass, at a sent frame of a bus without marks too."""
+        start: list[Recorded] = []
+        iterator, due = iter(recorded), _LEARNED_FROM
+        for one in itertools.islice(iterator, LOOKED_AHEAD):
+            start.append(one)
+            known = (self.behaviours or {}).get(one.bus)
+            is_marked = one.mark is Mark.SENT and not (known and known.is_marked) and self._has_id(one)
+            if is_marked or len(start) == due:
+                self._behave(self.learn(start))
+            due *= 4 if len(start) == due else 1
+            yield one
+        self._behave(self.learn(start))
+        yield from iterator
+
+    def _behave(self, behaviours: Mapping[str, Behaviour]) -> None:
+        """Decides on later frames by other behaviours of the buses."""
+        self.behaviours = behaviours
+        for name, behaviour in behaviours.items():
+            if name in self._buses:
+                bus = self._buses[name]
+                bus.behaviour, bus.is_marked, bus.copied = behaviour, behaviour.is_marked, behaviour.copied
+                bus.window = self._bus_window(behaviour)
+                bus.lines.clear()
+                bus.count = 0
+
+    def _bus_window(self, behaviour: Behaviour) -> int:
+        return max((kinds.bus_window(behaviour) for kinds in self._kinds), default=0)
 
     def learn(self, start: Sequence[Recorded], marked: Collection[str] | None = None) -> dict[str, Behaviour]:
         """The behaviour of the buses in the first frames of a log, decided as if nothing were known of them.
@@ -314,8 +353,7 @@ class Directions:
         bus = self._buses.get(one.bus)
         if bus is None:
             behaviour = (self.behaviours or {}).get(one.bus, Behaviour())
-            window = max((kinds.bus_window(behaviour) for kinds in self._kinds), default=0)
-            bus = self._buses[one.bus] = _Bus(behaviour, window)
+            bus = self._buses[one.bus] = _Bus(behaviour, self._bus_window(behaviour))
         self._advance(bus, one.time)
         frame = one.frame
         if bus.count >= MAX_KINDS:
@@ -650,11 +688,11 @@ def _is_late(asking: FrameKind, latency: int, node: int | None) -> bool:
 
 
 def _by_content(kind: FrameKind, data: int) -> tuple[Direction | None, DecidedBy] | None:
-    """The direction of a frame by its id and content; None if both directions are possible."""
+    """The direction of a frame by its id, its log or its content; None if both directions are possible."""
     if kind.is_shared and kind.request is not None:
         return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
     if kind.only is not None:
-        return kind.only, DecidedBy.ID
+        return kind.only, DecidedBy.LOG if kind.by_log else DecidedBy.ID
     request = kind.request is not None and kind.request.has_constants(data)
     reply = any(form.has_constants(data) for form in kind.replies)
     if request and reply:

@@ -94,7 +94,8 @@ class FrameKind:
     """The messages of an edition that a frame can be, by its id, its length, its keys and the node in its data.
 
     A request is answered on the channels `opens`; a reply answers a request that opened one of `answers`. `identified`
-    are the results of the dispatch plan. `only` is the direction of all frames with this id; None if it has both.
+    are the results of the dispatch plan. `only` is the direction of all frames with this id; None if it has both. It is
+    that of all frames of the log `by_log`.
     `reply_time` is that of most replies on its bus. If `has_old_bits`, reserved bits of the request can have any value.
     """
 
@@ -102,6 +103,7 @@ class FrameKind:
     decoder: Decoder
     identified: Mapping[Direction, Identified | Rejection]
     only: Direction | None
+    by_log: bool
     request: Form | None
     replies: tuple[Form, ...]
     opens: tuple[Opened, ...]
@@ -248,7 +250,8 @@ class FrameKinds:
             edition=self.edition,
             decoder=self._decoder,
             identified=identified,
-            only=directions.pop() if len(directions) == 1 else None,
+            only=next(iter(directions)) if len(directions) == 1 else behaviour.only,
+            by_log=len(directions) > 1 and behaviour.only is not None,
             request=requests[0] if requests else None,
             replies=tuple(form for form in forms if form.message.direction is Direction.REPLY),
             opens=self._opens(requests[0]) if requests else (),

@@ -128,11 +128,16 @@ class _Replies:
 
 
 class Observed:
-    """What the frames of a bus show so far. Of the `replies` to requests, `unexpected` ones have none in the log."""
+    """What the frames of a bus show so far. Of the `replies` to requests, `unexpected` ones have none in the log.
+
+    `requests` have a reply that is no echo: an echo in a log without requests looks like a request.
+    """
 
     def __init__(self) -> None:
+        self.requests = 0
         self.replies = 0
         self.unexpected = 0
+        self._certain = 0
         self._copies = _Copies()
         self._of_request: dict[Message, _Replies] = {}
         self._latencies: list[int] = []
@@ -143,18 +148,40 @@ class Observed:
         """Whether few replies are unexpected."""
         return 16 * self.unexpected <= self.replies
 
+    @property
+    def only(self) -> Direction | None:
+        """The direction of all frames, if the log lacks those of the other.
+
+        Nearly all frames are replies without a request, and few follow another one soon as after a request with old bits;
+        or most requests are not answered, and no frame can only be a reply.
+        """
+        answered = self.replies - self.unexpected
+        if self.unexpected >= _LEAST and self.unexpected > 4 * max(self.requests, answered):
+            pairs = sum(replies.pairs for replies in self._of_request.values())
+            return Direction.REPLY if 3 * pairs < self.unexpected else None
+        return (
+            Direction.REQUEST
+            if self.requests >= _LEAST and self.requests > 2 * answered and not self._certain
+            else None
+        )
+
     def add(self, judged: Judged) -> None:
         """Counts the next frame."""
         assert judged.edition is not None
-        time = judged.recorded.time
-        if time is None or judged.message is None or judged.decided_by == "copy":
+        if judged.message is None or judged.decided_by == "copy":
             return
-        command = judged.edition.command(judged.message.command)
+        time, command = judged.recorded.time, judged.edition.command(judged.message.command)
+        if judged.direction is Direction.REQUEST:
+            self.requests += command.reply is not None and not command.is_echoed
+        else:
+            self.replies += command.request is not None
+            self.unexpected += command.request is not None and judged.request is None
+            self._certain += judged.decided_by in ("content", "id", "mark")
+        if time is None:
+            return
         self._copies.add(judged, time, command)
         if judged.direction is not Direction.REPLY:
             return
-        self.replies += command.request is not None
-        self.unexpected += command.request is not None and judged.request is None
         is_certain = judged.decided_by in ("content", "id", "mark") and not command.from_each
         if judged.latency is not None and is_certain and command.reply_within_ms is None:
             self._latencies.append(judged.latency)
@@ -175,6 +202,8 @@ class Observed:
         if copied != known.copied:
             return known._replace(copied=copied)
         old = [*(bits for bits in known.old_bits if bits.value is not None), *self._old_bits()]
+        if self.only is Direction.REPLY and all(bits.value is None for bits in old):
+            return known._replace(only=Direction.REPLY)
         ordered = sorted(self._latencies)
         for bits in old:
             if bits.value is None:
@@ -182,6 +211,7 @@ class Observed:
         return known._replace(
             reply_time=ordered[len(ordered) * 9 // 10] if len(ordered) >= _LEAST else None,
             old_bits=tuple(old),
+            only=None if old else self.only,
         )
 
     def _old_bits(self) -> Iterable[OldBits]:

@@ -119,7 +119,7 @@ def meaning(
         if message.command in (open_.command for open_ in waiting) and (rule := reply_rule(edition, message)):
             text = f"{formatting.id_rule(message.id)} has a reply of {message.command}{rule}"
             return Meaning(Interpretation(message.name, message, (Reason(STRONG, text),)), waiting)
-    best = request if is_regular else min(interpretations, key=_points)
+    best = request if is_regular else min(interpretations, key=_points_and_direction)
     assert best is not None
     message = best.message
     if message is None or best.points >= STRONG:
@@ -138,6 +138,11 @@ def meaning(
 
 def _points(interpretation: Interpretation) -> int:
     return interpretation.points
+
+
+def _points_and_direction(interpretation: Interpretation) -> tuple[int, bool]:
+    """Of a request and a reply with equal points, the request: those of a request say nothing about the edition."""
+    return interpretation.points, not interpretation.is_request
 
 
 def _of_direction(interpretations: Sequence[Interpretation], direction: Direction) -> Sequence[Interpretation]:

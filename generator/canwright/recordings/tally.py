@@ -135,12 +135,12 @@ class Tally:
     def _requests(self, edition: int, waiting: Waiting) -> tuple[int, Mapping[str, int]]:
         """The number of requests that have a reply, and the unanswered ones by command.
 
-        If the log has more replies without a request than answered requests, its recorder does not see requests; then
-        frames that can be replies too are no requests.
+        If the log has more replies without a request than answered requests, and few other requests, its recorder does not
+        see requests; then frames that can be replies too are no requests.
         """
         opened, unanswered = self._opened[edition], self._unanswered[edition] + Counter(waiting)
         answered = opened.total() - unanswered.total()
-        replies_only = self._unrequested[edition] > answered
+        replies_only = self._unrequested[edition] > max(answered, opened.total() // 2)
         uncertain = sum(count for open_, count in unanswered.items() if not open_[1]) if replies_only else 0
         by_command: Counter[str] = Counter()
         for (command, is_certain), count in unanswered.items():
