@@ -9,10 +9,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from canwright.model.edition import Edition
+from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
+from canwright.targets.c.numbers import integer
 
 from ..compilers import SANITIZED, ZIG
-from ..conformance.adapter import Refused
+from ..conformance.adapter import Raw, Refused, assignment
+from ..conformance.adapters.c_facts import Facts
 from ..conformance.adapters.cxx import CxxAdapter, cxx_harness
 from ..conformance.questions import Questions
 from ..conformance.runner import Runner
@@ -62,6 +66,7 @@ class Subject:
         adapter.lines = []
         assert item.frames is not None and not Runner(edition, item.frames, adapter).run().failures
         ask_availability(edition, adapter)
+        _ask_unknown_nodes(edition, adapter)
         every = list(Questions(edition).round())
         (comparison,) = compare(item, [adapter], random.Random(1).sample(every, min(len(every), QUICK)))
         assert not comparison.disagreements, comparison.disagreements[:10]
@@ -114,6 +119,22 @@ class Subject:
         except AssertionError:
             return None
         return program
+
+
+def _ask_unknown_nodes(edition: Edition, adapter: CxxAdapter) -> None:
+    """Messages with an unknown node and with the largest raw integers: the node is rejected, and no field."""
+    for message in edition.all_messages():
+        command = edition.command(message.command)
+        names = dict.fromkeys([*command.only, *filter(None, [message.layout.parameter])])
+        for known in Facts(edition, adapter.header).assignments(*names):
+            variant = message.layout.variant(assignment(known))
+            if message.id.nodes is not None and variant is not None and command.available(assignment(known)):
+                fields = [field for field in variant.fields if field.fixed is None]
+                numbers = [(f, integer(f.type).limits[1]) for f in fields]
+                raw: dict[str, Raw] = {f.name: [n] * len(f.elements) if f.is_array else n for f, n in numbers}
+                node = message.id.nodes[-1] + 1
+                answer = adapter.encode_raw(message.direction, message.command, node, raw, known)
+                assert answer == Refused(Refusal.UNKNOWN_NODE), (message.name, known, answer)
 
 
 def mutants(file: str, text: str) -> list[Mutant]:

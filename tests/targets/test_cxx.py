@@ -266,7 +266,7 @@ def test_without_doubles_of_64_bits_values_have_single_precision(compiler: Compi
 def test_a_compiler_without_the_library_of_cxx_is_named(tmp_path: Path) -> None:
     unit = tmp_path / "unit.cpp"
     unit.write_text("#include <mwd_motor/v2_35.hpp>\n", "utf-8")
-    command = [
+    command: list[str | Path] = [
         *ZIG_COMMAND,
         "c++",
         "-target",
