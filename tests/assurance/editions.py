@@ -111,15 +111,23 @@ def problems(case: Case, folder: Path) -> list[str]:
         identified = runner.invoke(canwright, ["identify", str(log), "--format", "json"])
         as_file = runner.invoke(canwright, ["decode", str(log), "--format", "jsonl"])
         as_stream = runner.invoke(canwright, ["decode", "-", "--format", "jsonl"], input=log.read_bytes())
-    for result in (identified, as_file, as_stream):
-        if result.exit_code not in (0, 1):
-            return [f"{case.name}: {result.output[-300:]} {result.exception!r}"]
-    found = [*_wrong_results(case, json.loads(identified.stdout))]
-    found += _wrong_rows(case, as_file.stdout, as_file.exit_code)
-    found += (f"stream: {problem}" for problem in _wrong_rows(case, as_stream.stdout, as_stream.exit_code, stream=True))
-    if identified.exit_code == 1 and as_file.exit_code == 0:
-        found.append("identify has findings, decode none")
+        for result in (identified, as_file, as_stream):
+            if result.exit_code not in (0, 1):
+                return [f"{case.name}: {result.output[-300:]} {result.exception!r}"]
+        found = [*_wrong_results(case, json.loads(identified.stdout))]
+        found += _wrong_rows(case, as_file.stdout, as_file.exit_code)
+        found += (f"stream: {p}" for p in _wrong_rows(case, as_stream.stdout, as_stream.exit_code, stream=True))
+        if identified.exit_code == 1 and as_file.exit_code == 0:
+            motors = {(frame.motor.bus, frame.motor.node): frame.motor.edition for frame in case.frames}
+            given = [f"--set={bus}:{node}:edition={edition}" for (bus, node), edition in motors.items()]
+            known = runner.invoke(canwright, ["decode", str(log), "--format", "jsonl", *given])
+            if _meanings(known.stdout) != _meanings(as_file.stdout):
+                found.append("identify has findings, decode none, but values depend on the edition")
     return [f"{case.name}: {problem}" for problem in found[:3]]
+
+
+def _meanings(rows: str) -> list[tuple[object, ...]]:
+    return [(row["direction"], row["command"], row["fields"]) for row in map(json.loads, rows.splitlines())]
 
 
 @functools.cache

@@ -152,10 +152,19 @@ def test_the_edition_is_identified_for_each_node() -> None:
 def test_editions_that_fit_equally_well_are_all_named() -> None:
     frames = "(1.0) can0 143#9C00000000000000\n(1.0002) can0 183#9C32010002000A00\n"
     specs = ("--spec", str(V2_36), "--spec", str(V2_36.with_name("v2.36-2024-11.yaml")))
+    result = decode(frames, *specs, "--format", "jsonl")
+    assert {row["edition"] for row in json_rows(result.stdout)} == {"v2.36-2024-11|v2.36-2025-03"}
+    assert "(v2.36-2025-03 fits as well, and all frames mean the same)" in result.stderr
+    decode(frames, *specs, "--set", "edition=v2.36-2024-11")
+
+
+def test_a_meaning_that_editions_do_not_share_is_a_finding() -> None:
+    """Index 0x22 is the maximum angle in one edition, and the upper limit of the angle in the other."""
+    frames = "(1.0) can0 143#C022000000000000\n(1.0002) can0 183#C02200000A000000\n"
+    specs = ("--spec", str(V2_36), "--spec", str(V2_36.with_name("v2.36-2024-11.yaml")))
     result = decode(frames, *specs, "--format", "jsonl", status=1)
     assert {row["edition"] for row in json_rows(result.stdout)} == {"v2.36-2024-11|v2.36-2025-03"}
-    assert "fits as well; --set 3:edition=NAME decides" in result.stderr
-    decode(frames, *specs, "--set", "edition=v2.36-2024-11")
+    assert "with other meanings of read_control_parameter; --set 3:edition=NAME decides)" in result.stderr
 
 
 def stream(log: str) -> Result:

@@ -126,25 +126,24 @@ def _same_value(wanted: Value, result: Mapping[str, Any], frame: GoldenFrame) ->
         assert all(each in (one, float(one) if isinstance(one, Fraction) else one) for one, each in pairs), frame
 
 
-def test_a_case_outside_the_range_of_its_raw_integers_has_no_value(tmp_path: Path) -> None:
+def test_a_case_outside_the_range_of_its_raw_integers_is_marked(tmp_path: Path) -> None:
     """An encoder of 14 bits is never at 720 degrees."""
     (tmp_path / "lamp.yaml").write_text(CASES, "utf-8")
     folder = write_files(explorer([EditionSource(specification(tmp_path / "lamp.yaml"))]), tmp_path)
-    lines = [f"100#{data}00000000" for data in ("FF3F013F", "00400140", "FFFF0101")]
+    lines = [f"100#{data}00000000" for data in ("FF3F013F", "00400140", "00800101")]
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in lines])
-    cases = [[field["cases"] for field in one["found"][0]["fields"]] for one in answers]
-    outside = {"value": None, "reason": "out_of_range"}
+    cases = [
+        [[(case["value"], case["isOutside"]) for case in field["cases"]] for field in one["found"][0]["fields"]]
+        for one in answers
+    ]
     assert [angle for angle, _ in cases] == [
-        [
-            {"values": ["14"], "value": 16383 * 360 / 16384, "reason": None},
-            {"values": ["15"], "value": 16383 * 360 / 32768, "reason": None},
-        ],
-        [{"values": ["14"], **outside}, {"values": ["15"], "value": 180, "reason": None}],
-        [{"values": ["14", "15"], **outside}],
+        [(16383 * 360 / 16384, False), (16383 * 360 / 32768, False)],
+        [(360, True), (180, False)],
+        [(720, True), (360, True)],
     ]
     assert [shares for _, shares in cases[:2]] == [
-        [{"values": ["14"], "value": [1, 63], "reason": None}, {"values": ["15"], "value": [2, 126], "reason": None}],
-        [{"values": ["14"], **outside}, {"values": ["15"], "value": [2, 128], "reason": None}],
+        [([1, 63], False), ([2, 126], False)],
+        [([1, 64], True), ([2, 128], False)],
     ]
 
 
@@ -165,9 +164,9 @@ def test_a_value_is_not_encoded_without_its_parameter(tmp_path: Path) -> None:
     assert {one.get("entered_raw") for one in first[:3]} == {"141#A1323601F4010080"}
     assert [one["obstacle"] for one in first] == ["needs", "", "", "", "absent"]
     assert first[0]["fields"][1]["cases"] == [
-        {"values": ["MF"], "value": 155 * 16.5 / 2048, "reason": None},
-        {"values": ["MH"], "value": None, "reason": "no_scale"},
-        {"values": ["MG"], "value": 155 * 33 / 2048, "reason": None},
+        {"values": ["MF"], "value": 155 * 16.5 / 2048, "reason": None, "isOutside": False},
+        {"values": ["MH"], "value": None, "reason": "no_scale", "isOutside": False},
+        {"values": ["MG"], "value": 155 * 33 / 2048, "reason": None, "isOutside": False},
     ]
 
 

@@ -486,8 +486,9 @@
   }
 
   /** `MG: 2.5 A`: the result under some values of a parameter that is not given; without these if all have one result. */
-  function caseLine({ values, value, reason }, { unit, cases }) {
-    const result = reason === null ? inUnit(value, unit) : say(reason);
+  function caseLine({ values, value, reason, isOutside }, { unit, cases }) {
+    const known = reason === null ? inUnit(value, unit) : say(reason);
+    const result = isOutside ? `${known} (${say("out_of_range")})` : known;
     return make("span", { className: "case" }, cases.length > 1 ? say("case", values.join(", "), result) : result);
   }
 

@@ -153,8 +153,8 @@ def decode(
     At the end, a summary lists missing, late, unexpected and rejected frames for each node, implausible values, and
     everything that was skipped. With --split or --plot, rows are printed only if --format is given.
 
-    Exit status: 0 if every line and every frame of the nodes is decoded, every edition is known and does not change, every
-    value is plausible, and the directions are certain; 1 if not; 2 if it could not run.
+    Exit status: 0 if every line and every frame of the nodes is decoded, no frame has another meaning in another edition
+    that fits, no edition changes, every value is plausible, and the directions are certain; 1 if not; 2 if it could not run.
     """
     editions = [one.edition for one in read(specs, packaged=True)]
     set_ = node_settings(editions, settings)
@@ -268,11 +268,11 @@ def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> 
 
 
 def _is_clean(summary: Summary, nodes: Nodes, counts: Counts) -> bool:
-    """Whether everything was read, every edition is known, and every value is plausible."""
+    """Whether everything was read, no frame has several meanings, and every value is plausible."""
     unread = counts.skipped[Part.MALFORMED] + counts.skipped[Part.TRUNCATED]
     rejecting = [place for place, node in summary.nodes.items() if node.rejected and not nodes.is_stray(*place)]
-    implausible = any(node.implausible for node in summary.nodes.values())
-    return not (unread or rejecting or implausible) and nodes.is_complete
+    commands = {place: node.commands for place, node in summary.nodes.items()}
+    return not (unread or rejecting or summary.has_implausible) and nodes.is_complete(commands)
 
 
 def _check_fields(fields: Sequence[str], editions: Iterable[Edition]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import bus_id, counted, numbers, sent, span as value_span
@@ -92,7 +92,7 @@ def _nodes(summary: Summary, nodes: Nodes) -> Iterator[str]:
     for (bus, node), one in sorted(summary.nodes.items(), key=lambda item: (item[0][0], item[0][1] or -1)):
         editions = ", ".join(one.labels)
         place = ", ".join(filter(None, (bus_name(bus), "no node" if node is None else f"node {node}")))
-        how = _origin(nodes.identified.get((bus, node), ()), node)
+        how = _origin(nodes.identified.get((bus, node), ()), node, one.commands)
         yield f"{place}, {editions}{how}: {counted(one.requests, 'request')}, {_replies(one)}"
         yield from _findings(one)
 
@@ -139,7 +139,7 @@ def node_names(listed: Iterable[int | None]) -> str:
     return f"node{'s' if len(own) > 1 else ''} {numbers(own)}" if own else "no node"
 
 
-def _origin(choices: Sequence[Choice], node: int | None) -> str:
+def _origin(choices: Sequence[Choice], node: int | None, commands: Collection[str]) -> str:
     """How the edition of a node is known, and from which frame on it has another."""
     if not choices:
         return ""
@@ -152,7 +152,11 @@ def _origin(choices: Sequence[Choice], node: int | None) -> str:
     if not first.others:
         return " (identified)"
     fitting = ", ".join(one.name for one in first.others)
-    return f" ({fitting} fit{'' if len(first.others) > 1 else 's'} as well; --set {node or ''}:edition=NAME decides)"
+    fits = f"{fitting} fit{'' if len(first.others) > 1 else 's'} as well"
+    differing = sorted(first.differing.intersection(commands))
+    if not differing:
+        return f" ({fits}, and all frames mean the same)"
+    return f" ({fits}, with other meanings of {', '.join(differing)}; --set {node or ''}:edition=NAME decides)"
 
 
 def at_frame(place: Place) -> str:

@@ -25,7 +25,6 @@ from .recorded import Mark, Recorded
 from .results import Identification, NodeResult
 from .scoring import Kind, Kinds, Observation
 from .steps import State, Step, Waiting, meaning
-from .tally import Compared
 
 MAX_KNOWN = 1 << 16
 """The maximum number of ids, and of steps between two states, that are remembered."""
@@ -131,26 +130,25 @@ class Identifier:
         """The result of each part of the frames of a node so far."""
         node.examine()
         busiest = max(other.frames for other in self._nodes.values() if other.bus == node.bus)
-        return self._results(node, busiest, {})
+        return self._results(node, busiest)
 
     def result(self) -> Identification:
         """The identification of the frames so far."""
-        compared: Compared = {}
         busiest: Counter[str] = Counter()
         for node in self._nodes.values():
             node.examine()
             busiest[node.bus] = max(busiest[node.bus], node.frames)
         listed = sorted(self._nodes.values(), key=lambda node: (node.bus, node.number or -1))
-        results = [result for node in listed for result in self._results(node, busiest[node.bus], compared)]
+        results = [result for node in listed for result in self._results(node, busiest[node.bus])]
         nodes = tuple(_with_broadcasts(results))
         return Identification(self._number, self._foreign_count, dict(self._foreign.most_common()), nodes)
 
-    def _results(self, node: NodeFrames, busiest: int, compared: Compared) -> list[NodeResult]:
+    def _results(self, node: NodeFrames, busiest: int) -> list[NodeResult]:
         is_stray = STRAY * node.frames <= busiest and 2 * node.near < node.frames
         nothing: tuple[Waiting, ...] = ((),) * len(self.editions)
         waiting = [*(nothing for _ in node.tallies[1:]), node.state.waiting]
         return [
-            dataclasses.replace(tally.result(node.bus, node.number, open_, compared), is_stray=is_stray)
+            dataclasses.replace(tally.result(node.bus, node.number, open_), is_stray=is_stray)
             for tally, open_ in zip(node.tallies, waiting, strict=True)
         ]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ..model.edition import Edition
@@ -46,12 +46,13 @@ EDITION = "edition"
 class Choice(NamedTuple):
     """The edition of a node from a frame on, None if none fits, and the others that fit equally well.
 
-    It is assumed if most requests to the node have no reply: then it is an edition of other nodes of the bus.
+    The frames of the commands `differing` have another meaning in some of them. It is assumed if most requests to the node have no reply: then it is an edition of other nodes of the bus.
     """
 
     start: Place
     edition: Edition | None
     others: tuple[Edition, ...] = ()
+    differing: frozenset[str] = frozenset()
     is_assumed: bool = False
     is_stray: bool = False
 
@@ -133,11 +134,16 @@ class Nodes:
         choices = self.identified.get((bus, node), ())
         return bool(choices) and all(choice.is_stray for choice in choices)
 
-    @property
-    def is_complete(self) -> bool:
-        """Whether the edition of every node, apart from stray ones, is known and does not change."""
-        listed = [choices for key, choices in self.identified.items() if not self.is_stray(*key)]
-        is_known = all(len(own) == 1 and own[0].edition and not own[0].others for own in listed)
+    def is_complete(self, commands: Mapping[Key, Collection[str]]) -> bool:
+        """Whether the edition of every node, apart from stray ones, is known and does not change.
+
+        Several editions may fit a node if the frames of its `commands` have the same meaning in all of them.
+        """
+        listed = {key: choices for key, choices in self.identified.items() if not self.is_stray(*key)}
+        is_known = all(
+            len(own) == 1 and own[0].edition and own[0].differing.isdisjoint(commands.get(key, ()))
+            for key, own in listed.items()
+        )
         return is_known and not self.misread
 
 
@@ -293,7 +299,7 @@ def _choice(result: NodeResult, found: Identification | None) -> Choice:
     if fitting:
         edition = next((one for _, one in certain if one in fitting), fitting[0])
         rest = tuple(one for one in fitting if one is not edition)
-        return Choice(start, edition, rest, is_stray=result.is_stray)
+        return Choice(start, edition, rest, result.differing if rest else frozenset(), is_stray=result.is_stray)
     explained = [s.edition for s in result.scores if s.is_explained(result.judged)] if result.is_judged else []
     assumed = next((one for bus, one in certain if bus == result.bus and one in explained), None)
     return Choice(start, assumed, is_assumed=assumed is not None, is_stray=result.is_stray)

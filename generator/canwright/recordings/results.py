@@ -75,8 +75,8 @@ class NodeResult:
     """The result for one node of a bus. `editions` are those that fit; exactly one if the edition is identified.
 
     `unexplained` are frames that no edition has, the first of each kind with its count; they do not affect the scores.
-    The replies to the commands `distinguishing` differ between the editions that fit. `scores` starts with the best. A
-    node whose edition changes has several results; `start` is the first frame of all but the first. A `stray` node has
+    The frames of the commands `differing` have another meaning in some of the editions that fit; `distinguishing` are those
+    of which a reply decides. `scores` starts with the best. A node whose edition changes has several results; `start` is the first frame of all but the first. A `stray` node has
     few frames that are far apart, as frames with a damaged id are.
     """
 
@@ -87,6 +87,7 @@ class NodeResult:
     scores: tuple[EditionScore, ...]
     editions: tuple[Edition, ...]
     distinguishing: tuple[str, ...]
+    differing: frozenset[str] = frozenset()
     start: Place | None = None
     is_stray: bool = False
 

@@ -43,11 +43,12 @@ class NodeSummary:
 
     `missing` are requests that were not answered, `late` replies long after most others, `unexpected` replies without a
     request, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
-    `implausible` values by field. Latencies are in ns. `labels` name the editions that fit.
+    `implausible` values by field. Latencies are in ns. `labels` name the editions that fit, `commands` those of the frames.
     """
 
     editions: dict[Edition, None] = field(default_factory=dict)
     labels: dict[str, None] = field(default_factory=dict)
+    commands: dict[str, None] = field(default_factory=dict)
     requests: int = 0
     replies: int = 0
     missing: int = 0
@@ -113,6 +114,8 @@ class Summary:
         node = self._node(judged.recorded.bus, judged.node)
         node.editions[judged.edition] = None
         node.labels[row.edition] = None
+        if judged.message is not None:
+            node.commands[judged.edition.command(judged.message.command).group] = None
         node.decided[judged.decided_by] += 1
         for name in row.missing:
             node.without[name] = None

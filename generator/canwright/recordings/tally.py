@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+import itertools
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..compare import Change, Impact, Side, compare
+from ..compare import Impact, compare
 from ..model.edition import Edition
 from ..model.message import Command
 from ..semantics.frame import CanFrame
@@ -21,9 +23,6 @@ LEAD = 3
 """The points against an edition, in excess of those against the best one, with which it does not fit any more."""
 SHARE = Fraction(1, 20)
 """The minimum share of the frames of a kind; evidence from fewer frames is not listed first."""
-
-Compared = dict[tuple[str, str], tuple[Change, ...]]
-"""The changes between two editions, by their names: a cache, since several nodes mostly fit the same editions."""
 
 
 class Seen(NamedTuple):
@@ -101,7 +100,7 @@ class Tally:
                 for text in {reason.text for reason in one.reasons}:
                     self._found[i][text].frames += count
 
-    def result(self, bus: str, node: int | None, waiting: Sequence[Waiting], compared: Compared) -> NodeResult:
+    def result(self, bus: str, node: int | None, waiting: Sequence[Waiting]) -> NodeResult:
         """The result for the node; `waiting` are the requests without a reply at the end."""
         frames = sum(kind.frames for kind in self._kinds.values())
         judged = frames - sum(kind.unexplained for kind in self._kinds.values())
@@ -120,6 +119,7 @@ class Tally:
         limit = min((one.score for one in possible), default=0) + LEAD * max(1, math.sqrt(noise))
         fitting = tuple(one.edition for one in scores if one in possible and one.score < limit)
         seen = {name for names in self._names for name, count in names.items() if count}
+        differing = _differing(fitting)
         unexplained = [(kind.example, kind.unexplained) for kind in self._kinds.values() if kind.unexplained]
         return NodeResult(
             bus=bus,
@@ -128,7 +128,8 @@ class Tally:
             unexplained=tuple(sorted(unexplained, key=lambda item: -item[1])),
             scores=tuple(scores),
             editions=fitting,
-            distinguishing=_distinguishing(fitting, seen, compared),
+            distinguishing=_distinguishing(fitting, seen, differing),
+            differing=frozenset(differing),
             start=self.start,
         )
 
@@ -166,24 +167,29 @@ class Tally:
         return tuple(sorted(listed, key=lambda e: (not e.counts, -e.points, -e.count)))
 
 
-def _distinguishing(fitting: Sequence[Edition], seen: set[str], compared: Compared) -> tuple[str, ...]:
-    """Read commands whose replies differ between the editions that fit; those without a recorded reply first."""
-    if len(fitting) < 2:
-        return ()
-    first = fitting[0]
-    for other in fitting[1:]:
-        if (first.name, other.name) not in compared:
-            compared[first.name, other.name] = compare(first, other)
-    changes = [change for other in fitting[1:] for change in compared[first.name, other.name]]
-    counts = Counter(
+def _differing(fitting: Sequence[Edition]) -> Counter[str]:
+    """The commands whose frames have another meaning in some of the editions that fit, and the number of changes."""
+    return Counter(name for old, new in itertools.permutations(fitting, 2) for name in _with_other_meaning(old, new))
+
+
+@functools.lru_cache(maxsize=64)
+def _with_other_meaning(old: Edition, new: Edition) -> tuple[str, ...]:
+    """The commands of an edition whose frames have another meaning in another one; a command once for each change."""
+    return tuple(
         name
-        for change in changes
-        if change.verdicts.get(Side.RECEIVING, Impact.SAFE) is not Impact.SAFE and change.rule.id != "range-changed"
+        for change in compare(old, new)
+        if change.rule.id != "range-changed" and any(impact is not Impact.SAFE for impact in change.verdicts.values())
         for name in change.used_by
     )
+
+
+def _distinguishing(fitting: Sequence[Edition], seen: set[str], differing: Counter[str]) -> tuple[str, ...]:
+    """Read commands whose replies differ between the editions that fit; those without a recorded reply first."""
     known = [{c.group: c for c in edition.commands} for edition in fitting]
     names = [
-        name for name, _ in counts.most_common() if all(name in group and _only_reads(group[name]) for group in known)
+        name
+        for name, _ in differing.most_common()
+        if all(name in group and _only_reads(group[name]) for group in known)
     ]
     return tuple(sorted(names, key=lambda name: f"{name}_reply" in seen))
 

@@ -178,9 +178,9 @@ canwright.meaning = (() => {
       }
       const under = (value) => {
         const given = { ...assumed[0], [by]: value };
-        const result = decodedAs(edition, message, decoded.frame, given).fields[position];
-        const isPossible = result.reason !== null || edition.codec.allows(message.direction, message.command, field.name, field.raw, given);
-        return isPossible ? result : { value: null, reason: "out_of_range" };
+        const { value: one, reason } = decodedAs(edition, message, decoded.frame, given).fields[position];
+        const isOutside = reason === null && !edition.codec.allows(message.direction, message.command, field.name, field.raw, given);
+        return { value: one, reason, isOutside };
       };
       return { ...field, value: null, reason: "missing_parameter", missing, cases: grouped(choices, under) };
     });
@@ -194,9 +194,9 @@ canwright.meaning = (() => {
   function grouped(values, result) {
     const found = new Map();
     for (const name of values) {
-      const { value, reason } = result(name);
-      const key = `${reason} ${value}`;
-      found.set(key, { values: [...(found.get(key)?.values ?? []), name], value, reason });
+      const { value, reason, isOutside } = result(name);
+      const key = `${reason} ${value} ${isOutside}`;
+      found.set(key, { values: [...(found.get(key)?.values ?? []), name], value, reason, isOutside });
     }
     return [...found.values()];
   }
