@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ..model.message import Direction, Message
 
-LOOKED_AHEAD = 1 << 14
+LOOKED_AHEAD = 1 << 12
 """The number of frames at the start of a log from which the behaviour is learned."""
 COPIED_WITHIN = 3_000_000
 """The maximum time in ns from a frame to its copy: the host hands it to the driver, and later it is on the bus."""

@@ -312,7 +312,7 @@ class Directions:
             observed = self._observed(start, known)
             found = {bus: one.behaviour(known.get(bus, Behaviour())) for bus, one in observed.items()}
             certain = {bus: one.certain for bus, one in found.items()}
-            if certain == known:
+            if all(one == known.get(bus, Behaviour()) for bus, one in certain.items()):
                 break
             known = certain
         return found
