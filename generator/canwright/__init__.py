@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .semantics.encoder import Encoder
     from .semantics.exchange import check_reply
     from .semantics.frame import CanFrame
-    from .targets.base import NameProblem, Options, Output, Specification, Target, TargetWithOptions
+    from .targets.base import EditionInput, NameProblem, Options, Output, Target, TargetWithOptions
 
 __version__ = "0.1.0"
 
@@ -35,6 +35,7 @@ __all__ = [
     "Direction",
     "DocumentPath",
     "Edition",
+    "EditionInput",
     "Encoder",
     "Field",
     "Layout",
@@ -47,7 +48,6 @@ __all__ = [
     "Rejection",
     "Severity",
     "SpecError",
-    "Specification",
     "Target",
     "TargetWithOptions",
     "Type",
@@ -67,11 +67,11 @@ _MODULES: Mapping[str, Sequence[str]] = {
     "semantics.encoder": ("Encoder",),
     "semantics.exchange": ("check_reply",),
     "semantics.frame": ("CanFrame",),
-    "targets.base": ("NameProblem", "Options", "Output", "Specification", "Target", "TargetWithOptions"),
+    "targets.base": ("NameProblem", "Options", "Output", "EditionInput", "Target", "TargetWithOptions"),
 }
 
 
-def load(file: str | os.PathLike[str]) -> Specification:
+def load(file: str | os.PathLike[str]) -> EditionInput:
     """The edition in a spec file, with the golden frames beside it where there are any.
 
     Raises SpecError with all findings when one of them is an error, and OSError.
@@ -84,7 +84,7 @@ def load(file: str | os.PathLike[str]) -> Specification:
 
 
 def generate(
-    specifications: Sequence[Specification],
+    specifications: Sequence[EditionInput],
     targets: Sequence[str] | None = None,
     parameters: Mapping[str, str] | None = None,
     options: Options | None = None,

@@ -68,7 +68,7 @@ def _compared_with_cantools() -> Iterable[Measure]:
     item = specification(SPECS / "v2.35.yaml")
     assert item.frames is not None
     known = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=18)
-    peers = {m.keys[0].value: can_message(m) for m in item.edition.messages(Direction.REPLY) if m.claims}
+    peers = {m.keys[0].value: can_message(m) for m in item.edition.messages(Direction.REPLY) if m.identifying_codes}
     golden = {
         frame.command: frame
         for frame in item.frames.frames

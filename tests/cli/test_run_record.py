@@ -244,7 +244,7 @@ def test_nothing_is_recorded_with_no_cache_or_after_a_finding() -> None:
 
 def test_nothing_is_recorded_with_a_target_of_another_package(project: Path) -> None:
     run(*GENERATE)
-    installed(project, "other-1.dist-info", "[other.group]\nx = y:z\n")
+    installed(project, "other-1.dist-info", "[other.spec_name]\nx = y:z\n")
     run(*CHECK)
     assert is_known(*CHECK)
     (project / "site/other-1.dist-info/entry_points.txt").write_text(
@@ -326,7 +326,7 @@ def test_without_a_cache_folder_runs_work(place: str, project: Path, monkeypatch
 
 
 def test_old_records_are_removed(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run_record, "MOST_RECORDS", 2)
+    monkeypatch.setattr(run_record, "MAX_RECORDS", 2)
     for option in ("--force", "--format=json", "--format=sarif"):
         run(*GENERATE, option)
     assert len(list((project / "cache/canwright").iterdir())) == 2

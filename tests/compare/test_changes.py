@@ -15,9 +15,9 @@ from canwright.project.loader import load, specification
 from canwright.templating.resources import CHANGE_EXAMPLES
 from click.testing import CliRunner
 
-from ..assurance.compare import dumped
-from ..assurance.edits import reordered
 from ..spec_texts import MINIMAL, ROOT, SPECS, called, edition
+from ..verification.compare import dumped
+from ..verification.edits import reordered
 
 V2_35 = ROOT / "spec/mwd_motor/v2.35.yaml"
 

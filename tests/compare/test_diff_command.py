@@ -257,7 +257,7 @@ def test_editions() -> None:
 
 def test_verdicts_that_differ_by_side(tmp_path: Path) -> None:
     """The new node rejects the requests, and an old host takes the replies for those of the other command."""
-    text = (ROOT / "tests/assurance/specs/doser/v1.yaml").read_text("utf-8")
+    text = (ROOT / "tests/verification/specs/doser/v1.yaml").read_text("utf-8")
     old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"
     old.write_text(text, "utf-8")
     swapped = text.replace("code: 5", "code: X").replace("code: 6", "code: 5").replace("code: X", "code: 6")

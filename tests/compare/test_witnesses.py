@@ -16,7 +16,7 @@ V2_35 = (ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8")
 V2_36 = (ROOT / "spec/mwd_motor/v2.36-2025-03.yaml").read_text("utf-8")
 JOINT = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
 PUMP = (ROOT / "tests/specs/pump/v1.yaml").read_text("utf-8")
-WINCH = (ROOT / "tests/assurance/specs/winch/v1.yaml").read_text("utf-8")
+WINCH = (ROOT / "tests/verification/specs/winch/v1.yaml").read_text("utf-8")
 MIXER = (ROOT / "tests/specs/mixer/v2-2024-02.yaml").read_text("utf-8")
 
 
@@ -281,7 +281,7 @@ def test_an_echo_instead_of_fields_at_the_same_bits_is_silent(tmp_path: Path) ->
     assert verdicts([change]) == {"reply-form-changed command fill": {"receiving": "silent"}}
 
 
-DOSER = (ROOT / "tests/assurance/specs/doser/v1.yaml").read_text("utf-8")
+DOSER = (ROOT / "tests/verification/specs/doser/v1.yaml").read_text("utf-8")
 RINSE = '  rinse: {code: 2, manual: "1", request: {layout: {doser: {at: 1, raw: u8, holds: node}'
 
 
@@ -375,7 +375,7 @@ def test_a_frame_with_unknown_bits_in_its_id_is_loud(tmp_path: Path) -> None:
 
 def test_a_request_that_is_rejected_has_no_reply(tmp_path: Path) -> None:
     """Without the other message, a constant no longer distinguishes; the new node still rejects another value."""
-    oven = (ROOT / "tests/assurance/specs/oven/v1.yaml").read_text("utf-8")
+    oven = (ROOT / "tests/verification/specs/oven/v1.yaml").read_text("utf-8")
     (change,) = found(tmp_path, oven, (oven[oven.index("  erase_recipe:") :], ""))
     assert verdicts([change]) == {"command-removed command erase_recipe": {"sending": LOUD}}
 

@@ -14,7 +14,7 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.semantics.frame import CanFrame as CanFrame
-from canwright.targets.base import Output, Specification
+from canwright.targets.base import EditionInput, Output
 
 Raw = int | list[int]
 Value = float | str | list[str] | list[float] | None
@@ -78,7 +78,7 @@ class Adapter(ABC):
 
     @classmethod
     @abstractmethod
-    def create(cls, specification: Specification, workdir: Path) -> Adapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> Adapter:
         """The adapter of an edition; what it generates goes below `workdir`."""
 
     @abstractmethod

@@ -129,7 +129,7 @@ class Questions:
 
     def _with_fields(self, message: Message) -> Iterator[CanFrame]:
         """Frames with raw integers at the limits of each field and beyond them, one field at a time."""
-        encoder = self._encoders.under(self._known(message))
+        encoder = self._encoders.for_parameters(self._known(message))
         for field in (encoder.fields(message) or {}).values():
             for raw in dict.fromkeys(self._candidates(encoder, field)):
                 frame = self._frame(message, self._node(message))
@@ -148,13 +148,13 @@ class Questions:
 
     def _frame(self, message: Message, node: int | None, noise: bool = False) -> CanFrame:
         """A frame of a message, or of one of its accepted keys; with `noise`, bits are random, except for constants."""
-        encoder = self._encoders.under(self._known(message))
+        encoder = self._encoders.for_parameters(self._known(message))
         raws = {name: self._raw(encoder, field) for name, field in (encoder.fields(message) or {}).items()}
         frame = encoder.encode_raws(message, node, raws)
         assert isinstance(frame, CanFrame), frame
         keys: list[tuple[Key, tuple[int, ...]]] = [(key, (key.value,)) for key in message.keys]
-        if keys and (message.accept or message.claims):
-            keys[0] = (keys[0][0], (*message.accept, *message.claims))
+        if keys and (message.accepted_codes or message.identifying_codes):
+            keys[0] = (keys[0][0], (*message.accepted_codes, *message.identifying_codes))
         id_, word = frame.id, int.from_bytes(frame.data, "little")
         if noise:
             constants = (f for f in message.layout.fields if f.space is Space.DATA and f.demanded is not None)
@@ -227,12 +227,12 @@ class Questions:
         """Every limit of every field, one field at a time, and every limit of the node."""
         known = self._having(message, self._parameters())
         for node in self._nodes(message):
-            encoder = self._encoders.under(known)
+            encoder = self._encoders.for_parameters(known)
             raws = {name: self._raw(encoder, field) for name, field in (encoder.fields(message) or {}).items()}
             if encoder.fields(message) is not None:
                 yield Question("encode raw", "encode_raw", (*_start(message), node, raws, known))
         known = self._known(message)
-        encoder = self._encoders.under(known)
+        encoder = self._encoders.for_parameters(known)
         fields = encoder.fields(message) or {}
         for name, field in fields.items():
             for candidate in self._candidates(encoder, field):
@@ -251,7 +251,7 @@ class Questions:
     def _given_values(self, message: Message) -> Iterator[Question]:
         """Values at the limits of every field, ties, and what is no number."""
         known = self._known(message)
-        encoder = self._encoders.under(known)
+        encoder = self._encoders.for_parameters(known)
         fields = encoder.fields(message) or {}
         for name, field in fields.items():
             for kind, candidate in self._values_of(encoder, field):

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
-from ..assurance.c_survivors import ask_availability, ask_unchecked
-from ..assurance.differential import compare
 from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
+from ..verification.c_survivors import ask_availability, ask_unchecked
+from ..verification.differential import compare
 from .adapter import Adapter, CanFrame, Decoded, Parameters, Refused
 from .adapters import ADAPTERS
 from .adapters.c import CAdapter
@@ -26,9 +26,9 @@ from .runner import Runner
 from .summary import REPORTS
 
 RANDOM = {("c", "cxx", "python", "javascript"): 500, ("dbc",): 12}
-"""So many random questions are asked of each target; `python -m tests.assurance.differential` asks a million."""
+"""So many random questions are asked of each target; `python -m tests.verification.differential` asks a million."""
 
-Adapters = Callable[[Path, str], tuple[Specification, Adapter]]
+Adapters = Callable[[Path, str], tuple[EditionInput, Adapter]]
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def adapters(tmp_path_factory: pytest.TempPathFactory) -> Adapters:
     """The edition of a spec and the adapter of a target, created once."""
 
     @functools.cache
-    def create(spec: Path, target: str) -> tuple[Specification, Adapter]:
+    def create(spec: Path, target: str) -> tuple[EditionInput, Adapter]:
         item = specification(spec)
         return item, ADAPTERS[target].create(item, tmp_path_factory.mktemp(target))
 

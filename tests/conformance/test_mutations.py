@@ -14,12 +14,12 @@ import yaml
 from canwright.diagnostics.diagnostic import DocumentPath, Severity, SpecError
 from canwright.document.document import Document, read_document
 from canwright.language.decoder import decode
-from canwright.language.edition import EditionSpec
+from canwright.language.edition import EditionSource
 from canwright.model.edition import Edition
 from canwright.project.loader import specification
 from canwright.rules import exchange_contradiction, frame_contradiction, refused_contradiction
-from canwright.rules.rule import Subject
-from canwright.targets.base import Specification
+from canwright.rules.rule import CheckInput
+from canwright.targets.base import EditionInput
 
 from ..spec_texts import ROOT, SMALL, SPECS, called
 from .adapter import Adapter
@@ -135,7 +135,7 @@ def _case(spec: str, mutant: str, targets: tuple[str, ...], *marks: pytest.MarkD
     return pytest.param(spec, mutant, targets, id=f"{spec}-{mutant}-{'-'.join(targets)}", marks=marks)
 
 
-def _changed(spec: str, change: Change, folder: Path) -> Specification:
+def _changed(spec: str, change: Change, folder: Path) -> EditionInput:
     """The changed edition with the golden frames as they are. Raises SpecError if the change is rejected."""
     data = copy.deepcopy(DATA[spec])
     change(data)
@@ -143,10 +143,10 @@ def _changed(spec: str, change: Change, folder: Path) -> Specification:
         erratum["where"] = ["commands"]
     file = folder / "changed.yaml"
     file.write_text(json.dumps(data, ensure_ascii=False, indent=1), "utf-8")  # YAML as well, and written fast
-    return Specification(specification(file).edition, ORIGINALS[spec].frames)
+    return EditionInput(specification(file).edition, ORIGINALS[spec].frames)
 
 
-def _replay(item: Specification, target: str, folder: Path) -> list[str]:
+def _replay(item: EditionInput, target: str, folder: Path) -> list[str]:
     """What fails. A golden frame that cannot even be asked for, as its field or command is gone, fails too."""
     assert item.frames is not None
     adapter = ADAPTERS[target].create(item, folder)
@@ -241,16 +241,16 @@ def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Pat
     assert _replay(item, target, tmp_path), f"{mutant} survives in {target}"
 
 
-def _judged(item: Specification, file: Path) -> dict[tuple[str | int, ...], str]:
+def _judged(item: EditionInput, file: Path) -> dict[tuple[str | int, ...], str]:
     """What `check` says of the golden frames, by list and place in it."""
-    spec = decode(read_document(file)[0], EditionSpec).value
+    spec = decode(read_document(file)[0], EditionSource).value
     assert spec is not None
-    subject = Subject(item.edition, spec, item.frames)
+    subject = CheckInput(item.edition, spec, item.frames)
     rules = (frame_contradiction, refused_contradiction, exchange_contradiction)
     return {finding.path[:2]: finding.message for rule in rules for finding in rule.check(subject)}
 
 
-def _fails(item: Specification, adapter: Adapter, key: str, entry: object) -> bool:
+def _fails(item: EditionInput, adapter: Adapter, key: str, entry: object) -> bool:
     """Whether one golden frame fails when it is replayed by itself, or cannot be asked for."""
     assert item.frames is not None
     entries: dict[str, Any] = {"frames": [], "refused": [], "exchanges": [], key: [entry]}

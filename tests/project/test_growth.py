@@ -11,7 +11,7 @@ import pytest
 from canwright.project.loader import specification
 from canwright.project.pipeline import generate
 from canwright.rules.bit_patterns import Known, pairs
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.registry import target_names
 from hypothesis import given, strategies as st
 
@@ -40,7 +40,7 @@ def specs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 
 @pytest.fixture(scope="module")
-def read(specs: list[Path]) -> list[Specification]:
+def read(specs: list[Path]) -> list[EditionInput]:
     return [specification(spec) for spec in specs]
 
 
@@ -50,7 +50,7 @@ def test_reading_grows_with_the_commands(specs: list[Path]) -> None:
 
 
 @pytest.mark.parametrize("target", target_names())
-def test_a_target_grows_with_the_commands(target: str, read: list[Specification]) -> None:
+def test_a_target_grows_with_the_commands(target: str, read: list[EditionInput]) -> None:
     generate(read[:1], [target], {})
     few, more, most = (calls(generate, [one], [target], {}) for one in read)
     assert most - more < MOST * (more - few)

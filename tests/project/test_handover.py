@@ -60,7 +60,7 @@ def test_every_command_is_in_the_document_and_the_matrix(made: Path) -> None:
     data = (made / "mwd_motor-v2.36-2025-03-zh.csv").read_bytes().decode("utf-8-sig")
     rows = list(csv.DictReader(io.StringIO(data)))
     for command in edition.commands:
-        assert f'<section id="commands-{command.group}">' in text
+        assert f'<section id="commands-{command.spec_name}">' in text
         own = [row for row in rows if row["命令"] == command.name]
         layouts = [message.layout for message in (command.request, command.reply) if message]
         fields = {

@@ -11,7 +11,7 @@ from canwright.diagnostics.diagnostic import SpecError
 from canwright.project import pipeline
 from canwright.project.loader import all_loaded
 from canwright.targets import registry
-from canwright.targets.base import Output, Specification, Target
+from canwright.targets.base import EditionInput, Output, Target
 
 from ..spec_texts import MINIMAL
 
@@ -76,7 +76,7 @@ class _Twice(Target):
 
 def test_two_outputs_with_one_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "lamp.yaml").write_text(MINIMAL)
-    specification: Specification = canwright.load(tmp_path / "lamp.yaml")
+    specification: EditionInput = canwright.load(tmp_path / "lamp.yaml")
     monkeypatch.setattr(registry, "target", lambda name: _Twice())
     with pytest.raises(registry.TargetError, match=r"files twice/read[.]me and twice/READ[.]ME"):
         pipeline.generate([specification], ["twice"], {})

@@ -21,15 +21,15 @@ from canwright.project.site import SiteError, build
 from canwright.project.site.build import NEEDED
 from canwright.project.site.markdown import heading_ids
 from canwright.targets import docs
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from click.testing import CliRunner
 
 from ..spec_texts import ROOT, SPECS
-from ..strangers.everything import filled
-from ..strangers.hostile import HARMLESS
+from ..untrusted.everything import filled
+from ..untrusted.hostile import HARMLESS
 
 
-def pages_of(specifications: Sequence[Specification], folder: Path) -> Path:
+def pages_of(specifications: Sequence[EditionInput], folder: Path) -> Path:
     """A folder with the pages of some specs."""
     for page in docs.generate(specifications, {}):
         file = folder / page.path
@@ -72,7 +72,7 @@ OLD, NEW = "v2-2024-02", "v3"
 
 
 @pytest.fixture(scope="module")
-def specifications(tmp_path_factory: pytest.TempPathFactory) -> list[Specification]:
+def specifications(tmp_path_factory: pytest.TempPathFactory) -> list[EditionInput]:
     """Two editions of one small family in two languages."""
     old = ROOT / f"tests/specs/mixer/{OLD}.yaml"
     text = re.sub(r"  read_drift:\n(?:    .*\n)+", "", old.read_text("utf-8"))
@@ -84,12 +84,12 @@ def specifications(tmp_path_factory: pytest.TempPathFactory) -> list[Specificati
 
 
 @pytest.fixture(scope="module")
-def site(specifications: list[Specification], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def site(specifications: list[EditionInput], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Their site, with a frame explorer; tests only read it."""
     return complete_site(specifications, tmp_path_factory.mktemp("site"))
 
 
-def complete_site(specifications: Sequence[Specification], folder: Path) -> Path:
+def complete_site(specifications: Sequence[EditionInput], folder: Path) -> Path:
     """The site of some specs, with a frame explorer."""
     (folder / "javascript/explorer").mkdir(parents=True)
     (folder / "javascript/explorer/index.html").write_text("<title>Explorer</title>")
@@ -123,7 +123,7 @@ def test_the_switch_of_editions_leads_to_the_same_page_or_to_the_first(site: Pat
 
 
 def test_the_menu_has_every_command_of_its_edition_once_with_its_code(
-    site: Path, specifications: list[Specification]
+    site: Path, specifications: list[EditionInput]
 ) -> None:
     ids = {"clock": "0x400", "time_left": "0x401"}
     for one in specifications:
@@ -132,7 +132,7 @@ def test_the_menu_has_every_command_of_its_edition_once_with_its_code(
             r'<li class="toctree-l2"><a class="reference internal" href="commands/(\w+)\.html">(?:<code>(\w+)</code> )?',
             text,
         )
-        codes = [(c.group, f"0x{c.code:02X}" if c.code is not None else ids[c.name]) for c in one.edition.commands]
+        codes = [(c.spec_name, f"0x{c.code:02X}" if c.code is not None else ids[c.name]) for c in one.edition.commands]
         assert menu == codes
 
 

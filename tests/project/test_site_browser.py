@@ -18,7 +18,7 @@ from canwright.project.site import build
 from playwright.sync_api import Browser, Page, expect
 
 from ..spec_texts import ROOT
-from ..strangers.everything import filled
+from ..untrusted.everything import filled
 from .browser import browser
 from .test_site import pages_of
 

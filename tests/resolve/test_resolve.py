@@ -11,7 +11,7 @@ from canwright.diagnostics.diagnostic import SpecError
 from canwright.model.edition import Edition
 from canwright.model.layout import Segment
 from canwright.model.message import Direction, EchoReply, OtherReply, OwnReply, SharedReply
-from canwright.model.types import Bound, Dependent, Linear, Range
+from canwright.model.types import Bound, ByParameter, Linear, Range
 from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
 
@@ -75,12 +75,12 @@ def test_reply_forms(v2_35: Edition) -> None:
 
 
 def test_the_command_of_a_code_claims_it(v2_35: Edition) -> None:
-    claims = {m.command: m.claims for m in v2_35.messages(Direction.REPLY)}
-    assert claims["read_status_1"] == (0x9A,)
-    assert claims["clear_errors"] == (0x9B,)
+    codes = {m.command: m.identifying_codes for m in v2_35.messages(Direction.REPLY)}
+    assert codes["read_status_1"] == (0x9A,)
+    assert codes["clear_errors"] == (0x9B,)
     reply = v2_35.command("clear_errors").reply
     assert reply is not None
-    assert (reply.keys[0].value, reply.accept) == (0x9A, (0x9B,))
+    assert (reply.keys[0].value, reply.accepted_codes) == (0x9A, (0x9B,))
 
 
 def test_the_multi_turn_angle_has_seven_bytes(v2_35: Edition) -> None:
@@ -94,7 +94,7 @@ def test_the_multi_turn_angle_has_seven_bytes(v2_35: Edition) -> None:
 def test_a_range_in_the_unit_is_converted_to_raw_integers(tmp_path: Path) -> None:
     text = MINIMAL.replace("scale: 0.1, raw_range: 0..1000", "scale: 0.3, offset: 1, range: 2..10")
     (level,) = edition(tmp_path, text).types
-    assert level.linear == Dependent.always(Linear(Fraction(3, 10), Fraction(1)))
+    assert level.linear == ByParameter.always(Linear(Fraction(3, 10), Fraction(1)))
     limits = level.raw_range.constant
     assert limits is not None
     assert [int(end.constant) for end in (limits.low, limits.high)] == [4, 30]
@@ -164,7 +164,7 @@ commands:
 
 def test_an_offset_may_depend_on_a_parameter(tmp_path: Path) -> None:
     angle, height = edition(tmp_path, PACKED).types
-    assert angle.linear == Dependent(
+    assert angle.linear == ByParameter(
         parameter="size",
         constant=None,
         cases={
@@ -285,7 +285,7 @@ def test_a_scale_may_be_a_multiple_of_a_number(tmp_path: Path) -> None:
     assert line == Linear(Fraction(2, 65535), Fraction(-1), "top")
     assert line and line.at({"top": Fraction(25, 2)}) == Linear(Fraction(5, 13107), Fraction(-25, 2))
     assert line.at({"side": Fraction(1)}) is None
-    assert angle.raw_range == Dependent.always(Range(Bound(Fraction(16384)), Bound(Fraction(65535))))
+    assert angle.raw_range == ByParameter.always(Range(Bound(Fraction(16384)), Bound(Fraction(65535))))
     assert (angle.numbers, width.numbers, bare.numbers, bare.times) == (("top",), ("top",), ("side",), ())
     assert width.linear.at({"size": "large"}) == Linear(Fraction(1, 2), Fraction(0))
     assert linear_of(angle, {"top": "12.5"}) == Linear(Fraction(5, 13107), Fraction(-25, 2))

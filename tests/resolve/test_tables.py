@@ -34,7 +34,7 @@ def test_a_command_has_a_form_for_each_entry(tmp_path: Path) -> None:
         "write_setting_level",
     ]
     write = commands["write_setting_level"]
-    assert (write.group, write.title["en"]) == ("write_setting", "Write setting: Level")
+    assert (write.spec_name, write.title["en"]) == ("write_setting", "Write setting: Level")
     assert write.request and [(k.segments[0].byte, k.value) for k in write.request.keys] == [(0, 0x42), (1, 5), (2, 10)]
     assert [k.value for k in commands["read_setting_gains"].reply.keys] == [0x40, 0xA0]  # type: ignore[union-attr]
 

@@ -11,7 +11,7 @@ from canwright.cli import main
 from canwright.compare import CHANGES
 from canwright.diagnostics.diagnostic import Diagnostic, Position, Severity, SpecError
 from canwright.project.loader import load
-from canwright.rules import EVERY
+from canwright.rules import ALL_RULES
 from canwright.templating.resources import EXAMPLES, SCHEMA
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator
@@ -36,7 +36,7 @@ def found(folder: Path, name: str, rule: str, monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_every_rule_has_examples() -> None:
-    assert set(FOLDERS) | set(ELSEWHERE) == set(EVERY)
+    assert set(FOLDERS) | set(ELSEWHERE) == set(ALL_RULES)
     assert not set(FOLDERS) & set(ELSEWHERE)
 
 
@@ -45,7 +45,7 @@ def test_what_a_rule_finds(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = EXAMPLES / rule
     bad = found(folder, "bad.yaml", rule, monkeypatch)
     assert "\n".join(map(str, bad)) + "\n" == (folder / "expected.txt").read_text("utf-8")
-    assert {(finding.rule, finding.severity) for finding in bad} == {(rule, EVERY[rule].severity)}
+    assert {(finding.rule, finding.severity) for finding in bad} == {(rule, ALL_RULES[rule].severity)}
     assert all(finding.hint for finding in bad) or rule in ("value", "yaml")
     assert found(folder, "good.yaml", rule, monkeypatch) == []
 
@@ -72,18 +72,18 @@ def test_the_json_schema_rejects_what_has_a_wrong_shape(rule: str, json_schema: 
     assert not json_schema.is_valid(yaml.load((EXAMPLES / rule / "bad.yaml").read_text("utf-8"), yaml.CSafeLoader))
 
 
-@pytest.mark.parametrize("rule", EVERY)
+@pytest.mark.parametrize("rule", ALL_RULES)
 def test_explain(rule: str) -> None:
     result = CliRunner().invoke(main, ["explain", rule])
     assert result.exit_code == 0
-    assert result.output.startswith(f"{rule} ({EVERY[rule].severity.value})\n\n{EVERY[rule].purpose}\n")
+    assert result.output.startswith(f"{rule} ({ALL_RULES[rule].severity.value})\n\n{ALL_RULES[rule].purpose}\n")
     assert ("Bad, bad.yaml:" in result.output) == (rule in FOLDERS)
     assert f"[{rule}]" in result.output or rule in ELSEWHERE
 
 
 def test_explain_lists_all_and_names_the_nearest() -> None:
     listed = CliRunner().invoke(main, ["explain"]).output
-    assert [line.split()[0] for line in listed.splitlines()] == [*EVERY, *CHANGES]
+    assert [line.split()[0] for line in listed.splitlines()] == [*ALL_RULES, *CHANGES]
     result = CliRunner().invoke(main, ["explain", "overlp"])
     assert (result.exit_code, "did you mean `overlap`?" in result.output) == (2, True)
 

@@ -26,7 +26,12 @@ def random_frame(message: Message, other: Message, chance: random.Random) -> Can
     length = message.dlc if chance.random() < 0.9 else chance.choice((other.dlc, chance.randrange(9)))
     word = chance.getrandbits(8 * length) * (chance.random() < 0.6)
     for key in (*message.keys, *(other.keys if chance.random() < 0.2 else ())):
-        values = (key.value,) * 8 + (*message.accept, *message.claims, 0, chance.getrandbits(key.width))
+        values = (key.value,) * 8 + (
+            *message.accepted_codes,
+            *message.identifying_codes,
+            0,
+            chance.getrandbits(key.width),
+        )
         value = chance.choice(values)
         for number, bit in enumerate(bits_of(key.segments)):
             change = (value >> number & 1) << bit

@@ -13,7 +13,7 @@ from canwright.model.message import Direction, Key, Message
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Rejection
-from canwright.semantics.dispatch import Match, Node, Select, dispatch_plan
+from canwright.semantics.dispatch import DispatchNode, Match, Select, dispatch_plan
 from canwright.semantics.frame import CanFrame
 
 from ..resolve.test_tables import TABLE
@@ -97,10 +97,10 @@ def test_the_tree_has_every_message_that_claims_a_code(spec: Path) -> None:
     for direction in Direction:
         routes = dispatch_plan(of_spec, direction).routes
         there = {name for route in routes for name in names(route.then)}
-        assert there == {m.name for m in of_spec.messages(direction) if m.claims or not m.keys}
+        assert there == {m.name for m in of_spec.messages(direction) if m.identifying_codes or not m.keys}
 
 
-def names(node: Node) -> Iterator[str]:
+def names(node: DispatchNode) -> Iterator[str]:
     """The messages below a node."""
     if isinstance(node, Match):
         yield node.message.name
@@ -121,7 +121,7 @@ def compare(of_spec: Edition, frames: Sequence[CanFrame]) -> None:
             wanted = expected(by_rule[direction], frame)
             assert outcome == wanted, (direction, frame)
             seen[wanted if isinstance(wanted, Refusal) else wanted[0]] += 1
-    assert {m.name for m in of_spec.all_messages() if m.claims or not m.keys} <= set(seen)
+    assert {m.name for m in of_spec.all_messages() if m.identifying_codes or not m.keys} <= set(seen)
     assert {Refusal.UNKNOWN_ID} < {one for one in seen if isinstance(one, Refusal)}
 
 
@@ -175,7 +175,7 @@ def _nodes(group: Sequence[Message], open_bits: set[int], frame: CanFrame) -> li
 
 def _keys_match(message: Message, frame: CanFrame) -> bool:
     first, *others = message.keys
-    return _held(first, frame) in message.claims and all(_held(key, frame) == key.value for key in others)
+    return _held(first, frame) in message.identifying_codes and all(_held(key, frame) == key.value for key in others)
 
 
 def _held(key: Key, frame: CanFrame) -> int:

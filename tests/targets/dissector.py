@@ -8,7 +8,7 @@ from typing import Any
 
 from canwright.model.edition import Edition
 from canwright.recordings.recorded import Mark, Recorded
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.wireshark import generate
 from lupa import lua54
 
@@ -21,7 +21,7 @@ MARKS = {Mark.SENT: "sent", Mark.RECEIVED: "received", None: None}
 @functools.cache
 def decoder(edition: Edition) -> LuaDecoder:
     """The decoder of an edition."""
-    source = next(o.text for o in generate([Specification(edition, None)], {}) if o.path.endswith(".lua"))
+    source = next(o.text for o in generate([EditionInput(edition, None)], {}) if o.path.endswith(".lua"))
     return LuaDecoder(lua54.LuaRuntime(unpack_returned_tuples=False), source, edition)
 
 

@@ -12,7 +12,7 @@ import pytest
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import c
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.c.files import PARTS
 from canwright.targets.c.names import Names, member
 
@@ -27,7 +27,7 @@ MAIN = ROOT / "spec" / "mwd_motor" / "v2.35.yaml"
 SPECS = [MAIN, CASES / "tiny.yaml", CASES / "packed.yaml"]
 
 
-def write(described_: Sequence[Specification], folder: Path) -> Path:
+def write(described_: Sequence[EditionInput], folder: Path) -> Path:
     """The generated files below a folder."""
     for output in c.generate(described_, {}):
         file = folder / output.path
@@ -36,7 +36,7 @@ def write(described_: Sequence[Specification], folder: Path) -> Path:
     return folder
 
 
-def headers(described_: Sequence[Specification]) -> list[str]:
+def headers(described_: Sequence[EditionInput]) -> list[str]:
     names = [f"{d.edition.family}/{d.edition.identifier}" for d in described_]
     return [f"{name}{part}.h" for name in names for part in PARTS]
 
@@ -92,7 +92,7 @@ def test_a_program_may_read_the_fields_of_any_frame(compiler: Compiler, spec: Pa
             compiler.check("c99", *WARNINGS, f"-I{include}", level, "-c", unit, "-o", tmp_path / "unit.o")
 
 
-def readers(item: Specification, include: Path, step: int) -> str:
+def readers(item: EditionInput, include: Path, step: int) -> str:
     """A unit with a function for each direction that reads the fields of every so many commands."""
     names = Names(item.edition)
     header = f"{item.edition.family}/{item.edition.identifier}.h"

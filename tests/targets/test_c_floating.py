@@ -12,12 +12,12 @@ import pytest
 from canwright.project.loader import specification
 from canwright.targets import c
 
-from ..assurance import floating
 from ..compilers import WARNINGS, ZIG
 from ..conformance.adapter import write_files
 from ..conformance.adapters.c_signatures import functions
 from ..spec_texts import MINIMAL, SPECS
 from ..tools import tool
+from ..verification import floating
 
 SAMPLE = 20_000
 DOUBLE_CALL = re.compile(rb"\b__aeabi_(?:d\w+|\w+2d|cd\w+)\b")

@@ -12,7 +12,7 @@ from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Order
 from canwright.project.loader import specification
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter
@@ -62,7 +62,7 @@ def with_second_keys(edition: Edition) -> Edition:
         if one.command not in INDEX:
             return one
         keys = (*one.keys, second_key(INDEX[one.command]))
-        return dataclasses.replace(one, keys=keys, claims=(one.keys[0].value,))
+        return dataclasses.replace(one, keys=keys, identifying_codes=(one.keys[0].value,))
 
     return with_messages(edition, message)
 
@@ -86,7 +86,7 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> CAdapter:
     second = edition.command("second").request
     assert second is not None
     edition = _recoded(edition)
-    return CAdapter.create(Specification(with_second_keys(edition), None), folder)
+    return CAdapter.create(EditionInput(with_second_keys(edition), None), folder)
 
 
 def _recoded(edition: Edition) -> Edition:
@@ -95,7 +95,7 @@ def _recoded(edition: Edition) -> Edition:
     def message(one: Message) -> Message:
         if one.command != "second":
             return one
-        return dataclasses.replace(one, keys=(dataclasses.replace(one.keys[0], value=1),), claims=(1,))
+        return dataclasses.replace(one, keys=(dataclasses.replace(one.keys[0], value=1),), identifying_codes=(1,))
 
     return with_messages(edition, message)
 

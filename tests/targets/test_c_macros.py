@@ -10,7 +10,7 @@ import pytest
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import c
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.c.names import Names
 from canwright.targets.c.text import literal
 
@@ -24,7 +24,7 @@ FLAGS = MINIMAL.replace(
 )
 
 
-def macros(one: Specification) -> dict[str, str]:
+def macros(one: EditionInput) -> dict[str, str]:
     header = next(o.text for o in c.generate([one], {}) if o.path.endswith(f"/{one.edition.identifier}.h"))
     return dict(re.findall(r'^#define (\w+) +(".*?"|\S+)', header, re.M))
 

@@ -14,11 +14,11 @@ from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
 from canwright.project.loader import specification
 
-from ..assurance.floating import SINGLE, bits_of, number_of
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_facts import SINGLE_ERROR
 from ..float_rule import bits_of_double, raw_of_double
+from ..verification.floating import SINGLE, bits_of, number_of
 
 TYPES = {
     "falling": "{raw: i16, scale: -0.3, offset: 5}",
@@ -190,9 +190,9 @@ def test_single_precision(name: str, size: str, made: tuple[Edition, CAdapter]) 
 
 def _headers(edition: Edition) -> list[str]:
     from canwright.targets import c
-    from canwright.targets.base import Specification
+    from canwright.targets.base import EditionInput
 
-    return [output.text for output in c.generate([Specification(edition, None)], {}) if output.path.endswith(".h")]
+    return [output.text for output in c.generate([EditionInput(edition, None)], {}) if output.path.endswith(".h")]
 
 
 def _type(edition: Edition, name: str) -> Type:

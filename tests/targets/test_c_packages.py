@@ -14,10 +14,10 @@ import pytest
 from canwright.project.loader import specification
 from canwright.targets.base import PACKAGE_VERSION
 
-from ..assurance.machines import Avr
 from ..compilers import WARNINGS, ZIG
 from ..spec_texts import ROOT, SPECS, called
 from ..tools import tool
+from ..verification.machines import Avr
 from .test_c_compiles import MAIN, cmake, write
 
 ARDUINO = Path(__file__).parent / "arduino"

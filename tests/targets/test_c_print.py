@@ -16,13 +16,13 @@ from canwright.project.loader import load
 from canwright.semantics.decoder import Decoded, Decoder, Rejection
 from canwright.semantics.encoder import Encoder
 from canwright.targets import c
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ..conformance.adapter import CanFrame, Refused, assignment
 from ..conformance.adapters.c import EXTENDED, REMOTE, CAdapter
 from ..spec_texts import SPECS, called
 
-Made = tuple[Specification, CAdapter]
+Made = tuple[EditionInput, CAdapter]
 
 
 @pytest.fixture(scope="module", params=SPECS, ids=called)
@@ -31,7 +31,7 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return one, CAdapter.create(one, tmp_path_factory.mktemp("print"))
 
 
-def frames(one: Specification) -> Iterator[tuple[Direction, CanFrame, GoldenFrame | RefusedFrame]]:
+def frames(one: EditionInput) -> Iterator[tuple[Direction, CanFrame, GoldenFrame | RefusedFrame]]:
     assert one.frames is not None
     for golden in (*one.frames.frames, *one.frames.refused):
         if isinstance(golden, (GoldenFrame, RefusedFrame)):
@@ -100,7 +100,7 @@ def test_a_short_buffer_cuts_the_end(made: Made) -> None:
     assert target.text(direction, frame, golden.parameters, 0) == (length, "")
 
 
-def _macros(one: Specification) -> dict[str, int]:
+def _macros(one: EditionInput) -> dict[str, int]:
     header = next(o.text for o in c.generate([one], {}) if o.path.endswith(f"/{one.edition.identifier}.h"))
     prefix = f"{one.edition.family}_{one.edition.identifier}_".upper()
     found = re.findall(rf"#define {prefix}(\w+_FILTER_(?:ID|MASK)) +0x(\w+)u", header)
@@ -145,7 +145,7 @@ def test_filters_compare_every_bit_that_is_the_same_in_all_ids(made: Made) -> No
             ]
             keyed = {0}
             for place, key in enumerate(message.keys):
-                values = (key.value, *message.accept) if place == 0 else (key.value,)
+                values = (key.value, *message.accepted_codes) if place == 0 else (key.value,)
                 if key.space.value == "id":
                     keyed = {
                         k | sum((value >> s.raw_low & (1 << s.width) - 1) << s.low for s in key.segments)

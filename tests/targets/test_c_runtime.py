@@ -14,8 +14,8 @@ from canwright.targets.base import header
 from canwright.targets.c import RUNTIME
 from canwright.targets.c.files import SHARED, SHARED_CXX
 
-from ..assurance import floating, integers
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
+from ..verification import floating, integers
 from .test_c_compiles import MAIN, everything, write
 
 SAMPLE = 10_000

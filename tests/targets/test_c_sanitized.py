@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 from canwright.project.loader import specification
 
-from ..assurance.sanitizers import UNDEFINED
 from ..compilers import SANITIZED, ZIG, Compiler, build, each_compiler
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_harness import harness
 from ..conformance.runner import Runner
+from ..verification.sanitizers import UNDEFINED
 from .test_c_compiles import MAIN, write
 
 

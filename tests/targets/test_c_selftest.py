@@ -10,10 +10,10 @@ import pytest
 from canwright.project.loader import specification
 from canwright.targets import c
 
-from ..assurance.targets import MACHINES, Result, main, run, write
 from ..compilers import CORTEX_M0, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
 from ..tools import tool
+from ..verification.targets import MACHINES, Result, main, run, write
 from .test_c_compiles import MAIN
 
 STEPS = {"decode": 1, "fields": 2, "decode any": 3, "encode": 4, "reject frame": 5, "reject message": 6, "reply": 7}
@@ -100,7 +100,7 @@ def test_without_golden_frames_there_is_none(tmp_path: Path) -> None:
 
 def test_a_missing_tool_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("shutil.which", lambda name: None)
-    monkeypatch.setattr("tests.assurance.targets.SPECS", SPECS[-1:])
+    monkeypatch.setattr("tests.verification.targets.SPECS", SPECS[-1:])
     with pytest.raises(SystemExit, match="avr-gcc is not installed; on Debian: apt-get install gcc-avr avr-libc"):
         main(["avr"])
     with pytest.raises(SystemExit, match="apt-get install qemu-user"):

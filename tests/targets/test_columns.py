@@ -32,8 +32,8 @@ from canwright.targets.columns.view import columns_of, tables_of
 from ..conformance.adapter import write_files
 from ..conformance.adapters.modules import load
 from ..spec_texts import MINIMAL, ROOT, edition
-from ..strangers.everything import filled
 from ..tools import tool
+from ..untrusted.everything import filled
 
 COMMITTED = ROOT / "generated/columns"
 

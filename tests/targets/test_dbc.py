@@ -18,7 +18,7 @@ from canwright.language.golden_frames import GoldenFrame, GoldenFrames
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import dbc
-from canwright.targets.base import Options, Specification
+from canwright.targets.base import EditionInput, Options
 from canwright.targets.dbc.frames import obstacle
 
 from ..spec_texts import MINIMAL, SMALL, SPECS as ALL, called
@@ -318,7 +318,7 @@ def test_several_senders_of_one_id_are_all_named() -> None:
     assert "BO_TX_BU_ 1408 : Probe4,Probe5;" in files(CASES / "packed.yaml")["drive-v1-reply.dbc"]
 
 
-def example() -> Specification:
+def example() -> EditionInput:
     """The edition with golden frames, so that the guide has examples; only one of each direction is fit for it."""
     plain = specification(MAIN)
     parameters: dict[str, int | str] = {"series": "MG"}
@@ -361,7 +361,7 @@ def example() -> Specification:
         sources={"by_hand": "By hand"},
         frames=[longer, reply, incomplete, request],
     )
-    return Specification(plain.edition, frames)
+    return EditionInput(plain.edition, frames)
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ from canwright.model.refusal import Refusal
 from canwright.model.types import Assignment, Encoding
 from canwright.project.loader import specification
 from canwright.targets import dbc
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
@@ -159,7 +159,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
 
     written = adapter(spec).encode_raw(message.direction, message.command, node, flat, assignment)
     assert written == Encoded(frame.id, frame.data, frame.extended)
-    for code in message.claims or [None]:
+    for code in message.identifying_codes or [None]:
         if code is not None and message.keys[0].space is Space.DATA:
             key = dataclasses.replace(message.keys[0], value=code)
             frame = frame._replace(data=packed(dataclasses.replace(message, keys=(key,)), raw))
@@ -173,7 +173,7 @@ def described_once(spec: Path) -> Edition:
     return specification(spec).edition
 
 
-def with_second_selector(at: int, constant: int | None = None) -> Specification:
+def with_second_selector(at: int, constant: int | None = None) -> EditionInput:
     """A small edition whose code 0x1B has two forms, told apart by byte `at`; byte 1 is constant where it is given."""
     small = specification(CASES / "tiny.yaml")
     commands = []
@@ -186,9 +186,11 @@ def with_second_selector(at: int, constant: int | None = None) -> Specification:
             code, name="index", role=KeyRole.INDEX, segments=(Segment(at, 0, 8, 0),), value=value
         )
         layout = moved(reply.layout, constant)
-        moved_reply = dataclasses.replace(reply, keys=(code, index), accept=(), claims=(0x1B,), layout=layout)
+        moved_reply = dataclasses.replace(
+            reply, keys=(code, index), accepted_codes=(), identifying_codes=(0x1B,), layout=layout
+        )
         commands.append(dataclasses.replace(command, replies=(dataclasses.replace(form, message=moved_reply),)))
-    return Specification(dataclasses.replace(small.edition, commands=tuple(commands)), None)
+    return EditionInput(dataclasses.replace(small.edition, commands=tuple(commands)), None)
 
 
 def moved(layout: Layout, constant: int | None) -> Layout:
@@ -271,7 +273,7 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
     head, gains, rest = TABLE.partition("      gains:")
     gains, level = (gains + rest).splitlines(keepends=True)
     text = head + (level + gains if longer_first else gains + level)
-    texts = {o.path: o.text for o in dbc.generate([Specification(edition(tmp_path, text), None)], {})}
+    texts = {o.path: o.text for o in dbc.generate([EditionInput(edition(tmp_path, text), None)], {})}
     plain, one, two = (loaded(texts[f"lamp-v1-command{which}.dbc"]) for which in ("", "-settings", "-settings-level"))
     short, long = bytes.fromhex("42 A0 07 00 09 00 00 00"), bytes.fromhex("42 05 0A 00 03 00 00 00")
     name = "write_setting_gains"
@@ -292,6 +294,6 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
 
 def test_no_name_is_given_to_a_selector_that_does_not_decide(tmp_path: Path) -> None:
     text = TABLE + "      hue: {index: [5, 0x0B], layout: {hue: {at: 4, raw: u8}}}\n"
-    texts = {o.path: o.text for o in dbc.generate([Specification(edition(tmp_path, text), None)], {})}
+    texts = {o.path: o.text for o in dbc.generate([EditionInput(edition(tmp_path, text), None)], {})}
     read = loaded(texts["lamp-v1-command.dbc"]).decode_message(0x101, bytes.fromhex("42 05 0B 00 03 00 00 00"))
     assert read == {"c_code": "write_setting", "c42_index": 5, "c42_data": 0x0000_0003_000B}

@@ -13,16 +13,16 @@ import pytest
 import yaml
 from canwright.compare import CHANGES, compare
 from canwright.compare.change import Fact, Word
-from canwright.language.edition import EditionSpec, json_schema
+from canwright.language.edition import EditionSource, json_schema
 from canwright.project.loader import spec_files, specification
 from canwright.targets import docs
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.docs.choice import Choice
 from canwright.templating.markup import markdown
 from canwright.templating.resources import CHANGE_EXAMPLES
 
 from ..spec_texts import ROOT, SPECS, called
-from ..strangers.everything import filled
+from ..untrusted.everything import filled
 
 Places = dict[str, str]
 """Texts of one language, by where they stand."""
@@ -30,7 +30,7 @@ Places = dict[str, str]
 
 def _text_keys() -> set[str]:
     """The keys that take a text in every language, as the JSON Schema has them."""
-    schema = json_schema(EditionSpec)
+    schema = json_schema(EditionSource)
     concepts = [schema, *schema["$defs"].values()]
     text = _choices(schema["properties"]["about"])
     found = {key for concept in concepts for key, one in concept.get("properties", {}).items() if _choices(one) == text}
@@ -59,7 +59,7 @@ def _texts(part: Any, language: str, keys: set[str], path: str = "") -> Iterator
             yield from _texts(inner, language, keys, f"{path}.{i}")
 
 
-def _missing(of: Specification, data: Any) -> list[str]:
+def _missing(of: EditionInput, data: Any) -> list[str]:
     """Where the texts stand that are on no page."""
     pages = list(docs.generate([of], {}))
     keys = _text_keys()
@@ -159,7 +159,7 @@ def test_notes_of_shown_golden_frames_are_in_every_language() -> None:
     for spec in spec_files(ROOT / "spec"):
         edition, frames = specification(spec)
         choice = Choice(edition, frames)
-        for found in map(choice.of, edition.commands):
+        for found in map(choice.select, edition.commands):
             for frame in (*found.requests, *found.replies):
                 if frame.note is not None:
                     shown += 1

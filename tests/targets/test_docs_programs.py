@@ -17,7 +17,7 @@ from canwright.language.golden_frames import GoldenFrame
 from canwright.model import formatting
 from canwright.project.loader import specification
 from canwright.targets import c, docs, python
-from canwright.targets.base import CodeExample, Output, Specification, Target, WorkedExchange
+from canwright.targets.base import CodeExample, EditionInput, Output, Target, WorkedExchange
 from canwright.targets.docs import common
 from canwright.targets.docs.choice import Choice
 
@@ -33,12 +33,12 @@ class Expected(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def specifications() -> list[Specification]:
+def specifications() -> list[EditionInput]:
     return [specification(spec) for spec in SPECS]
 
 
 @pytest.fixture(scope="module")
-def programs(specifications: list[Specification]) -> Mapping[tuple[str, str], str]:
+def programs(specifications: list[EditionInput]) -> Mapping[tuple[str, str], str]:
     """The programs by page and language."""
     pages = {output.path: output.text for output in docs.generate(specifications, {}) if "/commands/" in output.path}
     found = {}
@@ -49,15 +49,15 @@ def programs(specifications: list[Specification]) -> Mapping[tuple[str, str], st
 
 
 @pytest.fixture(scope="module")
-def expected(specifications: list[Specification]) -> Mapping[str, Expected]:
+def expected(specifications: list[EditionInput]) -> Mapping[str, Expected]:
     """What the programs of each English page show."""
     folders = docs.folders([one.edition for one in specifications])
     found = {}
     for one in specifications:
         choice = Choice(one.edition, one.frames)
         for command in one.edition.commands:
-            exchange = choice.of(command).exchange
-            path = f"en/{folders[one.edition]}/commands/{command.group}.md"
+            exchange = choice.select(command).exchange
+            path = f"en/{folders[one.edition]}/commands/{command.spec_name}.md"
             if exchange and path not in found:
                 found[path] = Expected(exchange.request, exchange.reply)
     return found
@@ -90,7 +90,7 @@ def test_every_command_with_golden_frames_has_programs(
 def test_programs_in_c(
     programs: Mapping[tuple[str, str], str],
     expected: Mapping[str, Expected],
-    specifications: list[Specification],
+    specifications: list[EditionInput],
     tmp_path: Path,
 ) -> None:
     _written(c.generate(specifications, {}), tmp_path)
@@ -116,7 +116,7 @@ def test_programs_in_c(
 def test_programs_in_python(
     programs: Mapping[tuple[str, str], str],
     expected: Mapping[str, Expected],
-    specifications: list[Specification],
+    specifications: list[EditionInput],
     tmp_path: Path,
 ) -> None:
     _written(python.generate(specifications, {}), tmp_path)

@@ -21,8 +21,8 @@ from playwright.sync_api import Browser, Page
 from ..conformance.adapter import write_files
 from ..project.browser import browser
 from ..spec_texts import MINIMAL, SPECS
-from ..strangers.everything import filled
-from ..strangers.hostile import HOSTILE
+from ..untrusted.everything import filled
+from ..untrusted.hostile import HOSTILE
 
 pytestmark = pytest.mark.machine
 

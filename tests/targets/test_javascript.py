@@ -17,7 +17,7 @@ from canwright.project.loader import specification
 from canwright.semantics.candidates import Candidates
 from canwright.semantics.frame import CanFrame
 from canwright.targets import javascript as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.javascript.package import RUNTIME, module_path
 from canwright.targets.javascript.text import printed, quoted
 
@@ -123,7 +123,7 @@ commands:
 
 
 def test_integers_above_53_bits_are_bigint(tmp_path: Path) -> None:
-    item = Specification(edition(tmp_path, WIDE), None)
+    item = EditionInput(edition(tmp_path, WIDE), None)
     folder = write_files(target.generate([item], {}), tmp_path)
     program = f"""
         import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
@@ -147,7 +147,7 @@ def test_integers_above_53_bits_are_bigint(tmp_path: Path) -> None:
 def test_messages_are_json(tmp_path: Path) -> None:
     """Also those with BigInt; integers that no number holds are texts."""
     text = WIDE.replace("commands:", "parameters: {size: {number: {}}}\ncommands:")
-    folder = write_files(target.generate([Specification(edition(tmp_path, text), None)], {}), tmp_path)
+    folder = write_files(target.generate([EditionInput(edition(tmp_path, text), None)], {}), tmp_path)
     program = f"""
         import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
         const make = (count) => lamp.encodeRequest("count", {{ raw: {{ count }}, parameters: {{ size: 2n ** 60n }} }});
@@ -187,7 +187,7 @@ commands:
 
 def test_flags_without_a_name_are_kept(tmp_path: Path) -> None:
     """They follow the names as one integer; a message with them is not sent, as in all languages, and never without them."""
-    folder = write_files(target.generate([Specification(edition(tmp_path, FLAGS), None)], {}), tmp_path)
+    folder = write_files(target.generate([EditionInput(edition(tmp_path, FLAGS), None)], {}), tmp_path)
     program = f"""
         import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
         const values = (id, data) => lamp.decodeReply({{ id, data: [...data, ...Array(8 - data.length).fill(0)] }}).values;
@@ -220,7 +220,7 @@ commands: {dim: {request: {level: {at: 0, type: level}}, reply: none}}
 
 def test_bigints_are_rounded_to_floats_once(tmp_path: Path) -> None:
     """Next to a tie of 32-bit floats, which the nearest double is."""
-    item = Specification(edition(tmp_path, FLOAT), None)
+    item = EditionInput(edition(tmp_path, FLOAT), None)
     folder = write_files(target.generate([item], {}), tmp_path)
     tie = ((1 << 24) + 1) << 40
     values = [3 * tie + 3 * step for step in (-1, 0, 1)] + [-3 * tie - 3]

@@ -15,7 +15,7 @@ from canwright.model.types import Linear, Type
 from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
 from canwright.targets import c
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter
@@ -52,7 +52,7 @@ def spec() -> str:
     return "\n".join([*lines, ""])
 
 
-Made = tuple[Specification, CAdapter, PythonAdapter]
+Made = tuple[EditionInput, CAdapter, PythonAdapter]
 
 
 @pytest.fixture(scope="module")

@@ -81,7 +81,7 @@ def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: 
         "    case SetTorqueRequest(current):\n"
         "        value: float = current\n"
     )
-    replies = [m for m in specification(SPEC).edition.messages(Direction.REPLY) if m.claims or not m.keys]
+    replies = [m for m in specification(SPEC).edition.messages(Direction.REPLY) if m.identifying_codes or not m.keys]
     others = [class_name(m.name) for m in replies if m.layout.name != "motion_feedback"]
     for name, cases in (("complete", others), ("incomplete", others[1:])):
         listed = " | ".join(f"v2_35.{one}()" for one in cases)

@@ -95,7 +95,7 @@ def _decoded(package: Package) -> Iterator[tuple[Decoded, Any, Encoder]]:
             if isinstance(found, Decoded):
                 decode = getattr(package.module, f"decode_{direction.value}")
                 decoded = decode(frame.id, frame.data, parameters, extended=frame.extended, remote=frame.remote)
-                yield found, decoded, encoders.under(assignment)
+                yield found, decoded, encoders.for_parameters(assignment)
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)

@@ -188,7 +188,7 @@ def test_the_low_bits_of_a_node_do_not_identify_it(valves: Any) -> None:
 
 
 def test_a_frame_is_decoded_with_the_parameters_of_the_node_in_its_data(tmp_path: Path) -> None:
-    spec = ROOT / "tests/assurance/specs/doser/v1.yaml"
+    spec = ROOT / "tests/verification/specs/doser/v1.yaml"
     v1, nodes = modules.load(write(tmp_path, spec), "doser.v1", "doser.nodes")
     pair = [nodes.Node(v1, number, v1.Parameters(cylinder=number * 10)) for number in (2, 4)]
     for node in pair:

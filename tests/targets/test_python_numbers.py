@@ -17,9 +17,9 @@ from canwright.semantics.encoder import Encoder, exact_value
 from canwright.targets.python.runtime._codec import CodecError, Float, Integer, Number, Real, Refusal
 from hypothesis import example, given, settings, strategies as st
 
-from ..assurance.floating import SINGLE, bits_of
 from ..float_rule import effective, raw_of_double
 from ..spec_texts import edition
+from ..verification.floating import SINGLE, bits_of
 
 WIDTHS = st.sampled_from([8, 16, 24, 31, 32, 33, 51, 52, 53, 54, 56, 63, 64])
 NUMERATORS = st.integers(-(10**6), 10**6).filter(bool) | st.sampled_from([1, -1, 10**15, 1 << 60])

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.python.examples import Example, example
 from canwright.targets.python.text import class_name
 
@@ -59,7 +59,7 @@ def run(folder: Path, *parts: str) -> subprocess.CompletedProcess[str]:
 Frame = tuple[int, bytes]
 
 
-def answers(item: Specification, x: Example) -> dict[Frame, list[Frame]]:
+def answers(item: EditionInput, x: Example) -> dict[Frame, list[Frame]]:
     """The replies of the node to the requests of the programs, as golden frames have them."""
     assert item.frames is not None
     sent = [frame for frame in item.frames.frames if class_name(f"{frame.request}_request") == x.request]

@@ -16,7 +16,7 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.frame import CanFrame
-from canwright.targets.base import Output, Specification
+from canwright.targets.base import EditionInput, Output
 from canwright.targets.wireshark import generate
 from canwright.targets.wireshark.family import preference
 from canwright.targets.wireshark.filters import filters, flag_filter
@@ -35,7 +35,7 @@ START = 1_700_000_000 * SECOND
 class Replay:
     """The golden frames of an edition through its dissector."""
 
-    def __init__(self, item: Specification, folder: Path) -> None:
+    def __init__(self, item: EditionInput, folder: Path) -> None:
         assert item.frames is not None
         self.edition, self.frames = item.edition, item.frames
         self._folder = folder

@@ -19,12 +19,12 @@ from ..model.layout import Field, Layout, ReservedRole
 from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
 from ..model.metadata import Level
 from ..semantics.dispatch import node_of_id
-from ..targets.base import Specification
+from ..targets.base import EditionInput
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
 
 
-def find(specifications: Sequence[Specification], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
+def find(specifications: Sequence[EditionInput], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
     """The commands of this name, code or fixed CAN id in every edition, and a hint if there are none.
 
     The name of a command with a table finds all its forms.
@@ -34,9 +34,11 @@ def find(specifications: Sequence[Specification], wanted: str) -> tuple[list[tup
     except ValueError:
         number = None
     pairs = [(d.edition, c) for d in specifications for c in d.edition.commands]
-    found = [(e, c) for e, c in pairs if wanted in (c.name, c.group) or (number is not None and _has_number(c, number))]
+    found = [
+        (e, c) for e, c in pairs if wanted in (c.name, c.spec_name) or (number is not None and _has_number(c, number))
+    ]
     return found, (_rules_of(pairs, number) if number is not None else "") or nearest(
-        wanted, dict.fromkeys(name for _, c in pairs for name in (c.name, c.group))
+        wanted, dict.fromkeys(name for _, c in pairs for name in (c.name, c.spec_name))
     ) or "see `canwright show --help`"
 
 
@@ -130,7 +132,7 @@ def _frame(message: Message | None, note: str) -> str:
     if message is None:
         return "none"
     keys = ", ".join(f"{formatting.place(k.space, k.segments)} = 0x{k.value:02X}" for k in message.keys)
-    accept = "".join(f" or 0x{value:02X}" for value in message.accept)
+    accept = "".join(f" or 0x{value:02X}" for value in message.accepted_codes)
     parts = (f"id {id_rule(message.id)}", f"{message.dlc} bytes", keys + accept, note)
     return ", ".join(part for part in parts if part)
 

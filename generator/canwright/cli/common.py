@@ -16,7 +16,7 @@ from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
 from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
 from ..project.loader import Loaded, all_loaded, frames_file, spec_files, specs_below
-from ..targets.base import Specification
+from ..targets.base import EditionInput
 from ..targets.registry import target_names
 from ..templating.resources import SPECS
 from . import COULD_NOT_RUN
@@ -141,7 +141,7 @@ def configuration() -> tuple[Configuration, Path]:
         stop(str(error))
 
 
-def read(specs: Sequence[Path], printer: str = "text", *, packaged: bool = False) -> list[Specification]:
+def read(specs: Sequence[Path], printer: str = "text", *, packaged: bool = False) -> list[EditionInput]:
     """The editions of the given specs, or of all specs. Errors are printed and exit the command.
 
     If `packaged`, the editions in the package are the default where there is no spec.

@@ -155,7 +155,7 @@ def editions(specs: Sequence[Path]) -> None:
     rows = [("family", "edition", "date", "commands", "title")]
     for one in load(specs):
         edition = one.specification.edition
-        groups = dict.fromkeys(command.group for command in edition.commands)
+        groups = dict.fromkeys(command.spec_name for command in edition.commands)
         title = next(iter(edition.title.values()), "")
         rows.append((edition.family, edition.name, edition.date, str(len(groups)), title))
     widths = [max(len(row[i]) for row in rows) for i in range(4)]

@@ -6,7 +6,7 @@ import click
 
 from ..compare import CHANGES
 from ..diagnostics.diagnostic import nearest
-from ..rules import EVERY
+from ..rules import ALL_RULES
 from ..templating.resources import CHANGE_EXAMPLES, EXAMPLES
 from .common import stop
 from .terminal import print_text
@@ -29,7 +29,7 @@ def explain(rule: str | None) -> None:
 
     Without an argument, list all rules. `check` and `diff` print the rule in brackets after each finding and change.
     """
-    kinds = {one.id: (one.severity.value, one.purpose) for one in EVERY.values()}
+    kinds = {one.id: (one.severity.value, one.purpose) for one in ALL_RULES.values()}
     kinds |= {one.id: (one.category.value, one.purpose) for one in CHANGES.values()}
     if rule is None:
         width = max(map(len, kinds))
@@ -51,7 +51,7 @@ def explain(rule: str | None) -> None:
 def _show_rule(rule: str, kind: str, purpose: str) -> None:
     print_text(f"{rule} ({kind})\n\n{purpose}\n")
     for heading, file in _FILES:
-        example = (EXAMPLES if rule in EVERY else CHANGE_EXAMPLES) / rule / file
+        example = (EXAMPLES if rule in ALL_RULES else CHANGE_EXAMPLES) / rule / file
         if example.is_file():
             lines = example.read_text("utf-8", errors="replace").rstrip("\n").split("\n")
             print_text(f"\n{heading}:\n" + "".join(f"    {line}".rstrip() + "\n" for line in lines))

@@ -7,7 +7,7 @@ from typing import Any
 
 from .. import __version__
 from ..diagnostics.diagnostic import Diagnostic, Position, Severity
-from ..rules import EVERY
+from ..rules import ALL_RULES
 from .terminal import bold, json_text
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow"}
@@ -77,7 +77,7 @@ def _property(written: str) -> str:
 
 def sarif(findings: Sequence[Diagnostic]) -> str:
     """SARIF 2.1.0, one run."""
-    rules = [{"id": r, "shortDescription": {"text": EVERY[r].purpose}} for r in sorted({d.rule for d in findings})]
+    rules = [{"id": r, "shortDescription": {"text": ALL_RULES[r].purpose}} for r in sorted({d.rule for d in findings})]
     driver = {"name": "canwright", "version": __version__, "rules": rules}
     return json_text(
         {

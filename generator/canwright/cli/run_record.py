@@ -32,7 +32,7 @@ RECORDED = ("generate", "check")
 ENVIRONMENT = ("CANWRIGHT_MAX_SIZE", "NO_COLOR", "_CANWRIGHT_COMPLETE")
 """Variables that affect these commands; the last one is that of shell completion."""
 
-MOST_RECORDS = 200
+MAX_RECORDS = 200
 
 _MAX_SIZE = 1 << 20
 """Bytes of a record; a larger one is neither written nor read."""
@@ -225,5 +225,5 @@ def _write(file: Path, record: _Record) -> None:
 
 def _remove_oldest(folder: Path) -> None:
     records = sorted(folder.iterdir(), key=lambda record: record.stat().st_mtime)
-    for record in records[:-MOST_RECORDS]:
+    for record in records[:-MAX_RECORDS]:
         record.unlink(missing_ok=True)

@@ -6,19 +6,19 @@ import click
 
 from ..document.builder import MAX_VALUES
 from ..document.document import MAX_BYTES
-from ..language.edition import EditionSpec, schema_text
+from ..language.edition import EditionSource, schema_text
 from ..language.golden_frames import GoldenFrames
-from ..resolve.limits import MOST_COMMANDS, MOST_FIELDS
-from ..rules.too_large import MOST_COMBINATIONS, MOST_SIZE
+from ..resolve.limits import MAX_COMMANDS, MAX_FIELDS
+from ..rules.too_large import MAX_COMBINATIONS, MAX_SIZE
 from .terminal import print_data
 
 _LIMITS = {
     "megabytes": MAX_BYTES >> 20,
     "file_values": MAX_VALUES,
-    "commands": MOST_COMMANDS,
-    "fields": MOST_FIELDS,
-    "combinations": MOST_COMBINATIONS,
-    "size": MOST_SIZE,
+    "commands": MAX_COMMANDS,
+    "fields": MAX_FIELDS,
+    "combinations": MAX_COMBINATIONS,
+    "size": MAX_SIZE,
 }
 """The limits of a spec, for the guide."""
 
@@ -33,4 +33,4 @@ def schema(frames: bool, page: bool) -> None:
 
         print_data(reference.page(_LIMITS))
         return
-    print_data(schema_text(GoldenFrames if frames else EditionSpec))
+    print_data(schema_text(GoldenFrames if frames else EditionSource))

@@ -9,12 +9,12 @@ from ..model.edition import Edition
 from ..model.message import Direction
 from ..model.types import Assignment
 from ..semantics import parameters
-from ..targets.base import Options, Specification, TargetWithOptions
+from ..targets.base import EditionInput, Options, TargetWithOptions
 from ..targets.registry import target, target_names
 from .common import stop
 
 
-def assignment(specifications: Sequence[Specification], settings: Sequence[str]) -> Assignment:
+def assignment(specifications: Sequence[EditionInput], settings: Sequence[str]) -> Assignment:
     """`--set` as an assignment; each name and value must be valid in some edition."""
     result: dict[str, str] = {}
     for setting in settings:
@@ -25,7 +25,7 @@ def assignment(specifications: Sequence[Specification], settings: Sequence[str])
     return result
 
 
-def options(specifications: Sequence[Specification], targets: Sequence[str], nodes: str, language: str) -> Options:
+def options(specifications: Sequence[EditionInput], targets: Sequence[str], nodes: str, language: str) -> Options:
     """`--nodes` and `--comments`; each node must exist in every edition that has nodes, and each target must accept them."""
     if nodes or language:
         option = "--nodes" if nodes else "--comments"
@@ -40,7 +40,7 @@ def options(specifications: Sequence[Specification], targets: Sequence[str], nod
     return Options(tuple(_nodes(specifications, nodes)) if nodes else (), language)
 
 
-def _nodes(specifications: Sequence[Specification], written: str) -> Sequence[int]:
+def _nodes(specifications: Sequence[EditionInput], written: str) -> Sequence[int]:
     """The nodes of `5,7` and `1..8`, in ascending order."""
     selected: set[int] = set()
     for part in written.split(","):

@@ -77,7 +77,7 @@ class Collector:
         """The commands whose reply is that of a command."""
         for command in old.commands:
             if command.reply is not None and command.reply.command != command.name:
-                self._sharing[old.command(command.reply.command).group].append(command.group)
+                self._sharing[old.command(command.reply.command).spec_name].append(command.spec_name)
         self._changes: dict[object, Change] = {}
         self._texts: dict[object, Places] = {}
         self.moved: dict[DocumentPath, DocumentPath] = {}

@@ -27,9 +27,9 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
     kept = _tables(found, old, new)
     matched = dataclasses.replace(
         matched,
-        pairs=tuple((a, b) for a, b in matched.pairs if a.group not in kept and b.group not in kept),
-        removed=tuple(c for c in matched.removed if c.group not in kept),
-        added=tuple(c for c in matched.added if c.group not in kept),
+        pairs=tuple((a, b) for a, b in matched.pairs if a.spec_name not in kept and b.spec_name not in kept),
+        removed=tuple(c for c in matched.removed if c.spec_name not in kept),
+        added=tuple(c for c in matched.added if c.spec_name not in kept),
     )
     repurposed = matched.also(lambda a, b: match.code_of(a) == match.code_of(b))
     both = Editions(
@@ -51,7 +51,7 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
 
 def _tables(found: Collector, old: Edition, new: Edition) -> set[str]:
     """The commands that use another table, or one in one edition alone: all their forms are others."""
-    before, after = ({c.group: c for c in edition.commands} for edition in (old, new))
+    before, after = ({c.spec_name: c for c in edition.commands} for edition in (old, new))
     kept = {name for name in before.keys() & after.keys() if _is_other_table(before[name], after[name], new)}
     for name in before:
         if name in kept:
@@ -68,7 +68,7 @@ def _is_other_table(old: Command, new: Command, edition: Edition) -> bool:
 
 def _other_table(found: Collector, old: Command, new: Command) -> None:
     facts = {"old": _table(old), "new": _table(new)}
-    use = Use(tuple(Side), (old.group,))
+    use = Use(tuple(Side), (old.spec_name,))
     found.add("table-of-command-changed", _item(old), at(paths(old, new), "table"), Impact.SILENT, use, **facts)
 
 
@@ -77,7 +77,7 @@ def _table(command: Command) -> Fact:
 
 
 def _item(command: Command) -> Item:
-    return Item("command", command.group)
+    return Item("command", command.spec_name)
 
 
 def _code(command: Command) -> str:
@@ -85,19 +85,19 @@ def _code(command: Command) -> str:
 
 
 def _repurposed(found: Collector, old: Command, new: Command) -> None:
-    use = Use(tuple(Side), (old.group,))
-    if old.entry and new.entry and old.group == new.group:
+    use = Use(tuple(Side), (old.spec_name,))
+    if old.entry and new.entry and old.spec_name == new.spec_name:
         facts = {"index": discriminators.index(old), "old": old.entry.name, "new": new.entry.name}
         places = paths(old.entry, new.entry)
         found.add("entry-repurposed", Item.of_entry(old.entry), places, Impact.SILENT, use, **facts)
         return
-    facts = {"code": _code(old), "old": old.group, "new": new.group}
-    found.add("command-repurposed", _item(old), paths(old, new), Impact.SILENT, use, **facts, meaning=new.group_title)
+    facts = {"code": _code(old), "old": old.spec_name, "new": new.spec_name}
+    found.add("command-repurposed", _item(old), paths(old, new), Impact.SILENT, use, **facts, meaning=new.spec_title)
 
 
 def _removed(found: Collector, command: Command, new: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, new)
-    use, places = Use((Side.SENDING,), (command.group,)), (path, parent)
+    use, places = Use((Side.SENDING,), (command.spec_name,)), (path, parent)
     if kind == "command":
         found.removed("command-removed", item, places, Impact.LOUD, use, command.deprecated, **facts)
     else:
@@ -106,28 +106,30 @@ def _removed(found: Collector, command: Command, new: Edition) -> None:
 
 def _added(found: Collector, command: Command, old: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, old)
-    found.add(f"{kind}-added", item, (parent, path), Impact.SAFE, Use((), (command.group,)), **facts)
+    found.add(f"{kind}-added", item, (parent, path), Impact.SAFE, Use((), (command.spec_name,)), **facts)
 
 
 def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
     """Kind, item, path, parent and facts of a command that the other edition lacks, or of its entry alone."""
     entry = command.entry
-    if entry is not None and other.forms(command.group):
+    if entry is not None and other.forms(command.spec_name):
         facts = {"name": entry.name, "index": discriminators.index(command)}
         return "entry", Item.of_entry(entry), entry.path, ("tables", entry.table), facts
-    facts = {"name": command.group, "code": _code(command)}
+    facts = {"name": command.spec_name, "code": _code(command)}
     return "command", _item(command), command.path, ("commands",), facts
 
 
 def _command(found: Collector, both: Editions, old: Command, new: Command) -> None:
-    use = Use((Side.SENDING if old.request else Side.RECEIVING,), (old.group,))
+    use = Use((Side.SENDING if old.request else Side.RECEIVING,), (old.spec_name,))
     if old.entry and new.entry and old.entry.name != new.entry.name:
         names = {"old": old.entry.name, "new": new.entry.name}
         found.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)
     else:
-        found.renamed("command-renamed", _item(old), paths(old, new), use, old=old.group, new=new.group)
-    if old.group == new.group:
-        found.renamed("short-name-changed", _item(old), paths(old, new), use, old=old.short_group, new=new.short_group)
+        found.renamed("command-renamed", _item(old), paths(old, new), use, old=old.spec_name, new=new.spec_name)
+    if old.spec_name == new.spec_name:
+        found.renamed(
+            "short-name-changed", _item(old), paths(old, new), use, old=old.short_spec_name, new=new.short_spec_name
+        )
     discriminators.compare(found, both, old, new)
     if old.entry and new.entry:
         _entry(found, both, old, new, old.entry, new.entry)
@@ -141,17 +143,17 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
         found.attributes(
             _OF_CONDITIONS, Item.of_entry(old.entry), paths(old.entry, new.entry), of_entry, new_of_entry, use
         )
-    found.deprecation(_item(old), paths(old, new), new.group, old.deprecated, new.deprecated)
+    found.deprecation(_item(old), paths(old, new), new.spec_name, old.deprecated, new.deprecated)
     _texts(found, old, new)
     _forms(found, both, old, new)
     _address(found, old, new)
     for direction, one, other in messages(old, new):
-        used = Use((Side.of(direction),), (old.group,))
+        used = Use((Side.of(direction),), (old.spec_name,))
         is_other = _other_layout(found, both, old, new, direction, used)
         _message(found, both, old, new, one, other, used, is_other=is_other)
         if not is_other:
             _layout_name(found, both, old, one, other, used)
-            fields.compare(found, both, old.group, one, other, used)
+            fields.compare(found, both, old.spec_name, one, other, used)
 
 
 def _address(found: Collector, old: Command, new: Command) -> None:
@@ -163,7 +165,7 @@ def _address(found: Collector, old: Command, new: Command) -> None:
         directions = [direction for direction, _, _ in group]
         facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": one.address, "new": other.address}
         places = paths(old, new) if follows else paths(one, other)
-        use = Use(tuple(map(Side.of, directions)), (old.group,))
+        use = Use(tuple(map(Side.of, directions)), (old.spec_name,))
         found.add("address-of-command-changed", _item(old), at(places, "address"), Impact.LOUD, use, **facts)
 
 
@@ -212,10 +214,10 @@ def _entry(found: Collector, both: Editions, old: Command, new: Command, one: En
     """Changes of the table and the entry that a form of a command is of."""
     before, after = both.old.table(one.table), both.new.table(other.table)
     table, item = Item("table", one.table), Item.of_entry(one)
-    use = Use((), (old.group,))
+    use = Use((), (old.spec_name,))
     names = {"old": one.table, "new": other.table}
     places = one.path[:2], other.path[:2]
-    found.renamed("table-renamed", table, places, Use((Side.SENDING,), (old.group,)), **names)
+    found.renamed("table-renamed", table, places, Use((Side.SENDING,), (old.spec_name,)), **names)
     found.texts(table, paths(before, after), before, after)
     found.section(table, paths(before, after), before.manual, after.manual, use)
     found.texts(item, paths(one, other), one, other)
@@ -278,7 +280,7 @@ _OF_CONDITIONS = (
 
 def _conditions(both: Editions, old: Command, new: Command) -> Iterator[tuple[_Conditions, _Conditions]]:
     """The conditions of a command in each edition: what all its entries have in common in both, and the rest."""
-    forms = [edition.forms(command.group) for edition, command in ((both.old, old), (both.new, new))]
+    forms = [edition.forms(command.spec_name) for edition, command in ((both.old, old), (both.new, new))]
     effects = {e.name for c in (*forms[0], *forms[1]) for e in c.effects}
     parameters = {p for c in (*forms[0], *forms[1]) for p in c.only}
     alike = {name for name in effects if all(_alike([name in {e.name for e in c.effects} for c in f]) for f in forms)}
@@ -298,16 +300,16 @@ def _alike(values: list[object]) -> bool:
 
 def _texts(found: Collector, old: Command, new: Command) -> None:
     item, places = _item(old), paths(old, new)
-    found.title(item, at(places, "title"), new.group, old.group_title, new.group_title)
-    found.text("text-changed", item, at(places, "about"), old.group, old.about, new.about)
+    found.title(item, at(places, "title"), new.spec_name, old.spec_title, new.spec_title)
+    found.text("text-changed", item, at(places, "about"), old.spec_name, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
-    found.text("text-changed", item, at(places, "notes"), old.group, *notes)
-    found.section(item, places, old.manual, new.manual, Use((), (old.group,)))
+    found.text("text-changed", item, at(places, "notes"), old.spec_name, *notes)
+    found.section(item, places, old.manual, new.manual, Use((), (old.spec_name,)))
 
 
 def _forms(found: Collector, both: Editions, old: Command, new: Command) -> None:
     """Adds the changes of the forms of request and reply."""
-    receiving, sending = (Use((side,), (old.group,)) for side in (Side.RECEIVING, Side.SENDING))
+    receiving, sending = (Use((side,), (old.spec_name,)) for side in (Side.RECEIVING, Side.SENDING))
     emptied = {direction for direction, one, other in forms.own_messages(old, new) if forms.is_emptied(one, other)}
 
     def request(command: Command) -> str:
@@ -357,7 +359,9 @@ def _other_form(old: Command, new: Command) -> Impact:
 
 _REPLIERS = Attribute[Command]("repliers-changed", "from_each", _repliers, Impact.LOUD)
 _OF_MESSAGE = (
-    Attribute[Message]("accept-changed", "accept", lambda m: listed(map(discriminators.code, m.accept)), Impact.SAFE),
+    Attribute[Message](
+        "accept-changed", "accept", lambda m: listed(map(discriminators.code, m.accepted_codes)), Impact.SAFE
+    ),
     Attribute[Message](
         "frame-kind-changed", "remote", lambda m: Word("remote frame" if m.remote else "data frame"), Impact.LOUD
     ),
@@ -366,7 +370,7 @@ _REPLY_CODE = Attribute[Message](
     "reply-code-changed",
     "code",
     lambda m: discriminators.code(discriminators.code_sent(m)),
-    lambda old, new: Impact.SAFE if discriminators.code_sent(new) in old.accept else Impact.LOUD,
+    lambda old, new: Impact.SAFE if discriminators.code_sent(new) in old.accepted_codes else Impact.LOUD,
 )
 _DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc), Impact.LOUD)
 

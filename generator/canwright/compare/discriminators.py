@@ -48,15 +48,21 @@ _INDEX = Attribute[Command]("index-changed", "index", index, Impact.SILENT)
 def compare(found: Collector, both: Editions, old: Command, new: Command) -> None:
     """All changes of codes, indices and constants that distinguish messages."""
     if same_kind(old, new) and old.code != new.code:
-        item, use, places = Item("command", old.group), Use(tuple(Side), (old.group,)), at(paths(old, new), "code")
+        item, use, places = (
+            Item("command", old.spec_name),
+            Use(tuple(Side), (old.spec_name,)),
+            at(paths(old, new), "code"),
+        )
         facts = {"old": code(old.code), "new": code(new.code)}
-        taken = [c.group for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None)]
+        taken = [
+            c.spec_name for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None)
+        ]
         if taken:
             found.add("code-taken", item, places, Impact.SILENT, use, **facts, other=min(taken))
         else:
             found.add("code-changed", item, places, Impact.LOUD, use, **facts)
     if old.entry and new.entry:
-        use = Use(tuple(Side), (old.group,))
+        use = Use(tuple(Side), (old.spec_name,))
         found.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
         if not same_kind(old, new):
             facts = {"old": given(old.entry.kind), "new": given(new.entry.kind)}
@@ -66,9 +72,9 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
         if one and another and (one.address == another.address or one.id == another.id):
             of_replies = side is Side.RECEIVING and not _like_requests(old, new)
             key = "reply_selector" if of_replies else "selector"
-            _code_moved(found, both, one, another, key, Use((side,), (old.group,)))
+            _code_moved(found, both, one, another, key, Use((side,), (old.spec_name,)))
     for direction, one, another in messages(old, new):
-        use = Use((Side.of(direction),), (old.group,))
+        use = Use((Side.of(direction),), (old.spec_name,))
         _index_moved(found, both, old, new, one, another, use)
         _constants(found, one, another, use)
 

@@ -222,7 +222,7 @@ def _parameters(found: Collector, old: Sequence[Parameter], new: Sequence[Parame
 
 
 def _states(found: Collector, old: Edition, new: Edition) -> None:
-    now = {c.former_group: c.group for c in new.commands if c.former_group}
+    now = {c.previous_name: c.spec_name for c in new.commands if c.previous_name}
     before = [replace(one, entered_by=tuple(now.get(name, name) for name in one.entered_by)) for one in old.states]
     _items(found, "state", ("states",), by_name(before, new.states), _OF_STATE, Use((Side.SENDING,)))
 

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 
-MOST_DISAPPEARED = 3
+MAX_DISAPPEARED = 3
 """So many names that disappear are shown for each target; the others are counted."""
 
 Names = Mapping[DocumentPath, Sequence[str]]
@@ -72,7 +72,7 @@ class ExportedNames:
         for exported in self._names:
             names = {name: path for path, name in exported.missing() if path in wanted}
             found.append(
-                _listed(exported.title, [_with_successor(exported, *item) for item in names.items()], MOST_DISAPPEARED)
+                _listed(exported.title, [_with_successor(exported, *item) for item in names.items()], MAX_DISAPPEARED)
             )
         return ", ".join(filter(None, found))
 

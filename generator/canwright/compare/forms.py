@@ -52,7 +52,7 @@ def is_emptied(old: Message, new: Message) -> bool:
 
 def _frame(message: Message) -> tuple[object, ...]:
     codes = tuple(key.value for key in message.keys if key.role is KeyRole.CODE)
-    return codes, message.accept, message.dlc
+    return codes, message.accepted_codes, message.dlc
 
 
 def is_named(layout: Layout) -> bool:

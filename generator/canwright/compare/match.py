@@ -129,12 +129,12 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
     What has another name and another title has another meaning.
     """
 
-    before, after = ({n for c in edition.commands for n in (c.group, c.name)} for edition in (old, new))
+    before, after = ({n for c in edition.commands for n in (c.spec_name, c.name)} for edition in (old, new))
 
     def may_be_renamed(one: Command, other: Command) -> bool:
         if one.name in after or other.name in before:
             return False
-        return one.group == other.group or not (one.group in after or other.group in before)
+        return one.spec_name == other.spec_name or not (one.spec_name in after or other.spec_name in before)
 
     def same_names(one: Command, other: Command) -> bool:
         return code_of(one) == code_of(other) and _same_titles(one, other) and may_be_renamed(one, other)
@@ -164,7 +164,7 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
 def _same_titles(one: Command, other: Command) -> bool:
     if one.entry is not None and other.entry is not None and not same_title(one.entry, other.entry):
         return False
-    return _is_same_title(one.group_title, other.group_title)
+    return _is_same_title(one.spec_title, other.spec_title)
 
 
 def fields(old: Layout, new: Layout) -> Matched[Field]:

@@ -86,5 +86,5 @@ def _users(edition: Edition) -> dict[DocumentPath, frozenset[str]]:
             *(("addresses", message.address) for message in (command.request, command.reply) if message is not None),
         )
         for path in used:
-            found[path[:2]].add(command.group)
+            found[path[:2]].add(command.spec_name)
     return {path: frozenset(commands) for path, commands in found.items()}

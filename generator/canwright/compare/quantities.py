@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Generic, TypeVar
 
 from ..model import formatting
-from ..model.types import Assignment, Bound, Dependent, Linear, Member, Range, Type
+from ..model.types import Assignment, Bound, ByParameter, Linear, Member, Range, Type
 from . import match
 from .change import Impact, Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at, listed
@@ -109,14 +109,14 @@ def _offsets(found: Collector, pair: Pair) -> bool:
     return changed
 
 
-def _offsets_of(linear: Dependent[Linear]) -> Dependent[Linear]:
+def _offsets_of(linear: ByParameter[Linear]) -> ByParameter[Linear]:
     """The offsets of some scales alone."""
 
     def offset(one: Linear | None) -> Linear | None:
         return one and Linear(Fraction(1), one.offset, one.times if one.offset else None)
 
     cases = {name: offset(one) for name, one in linear.cases.items()}
-    return Dependent(parameter=linear.parameter, constant=offset(linear.constant), cases=cases)
+    return ByParameter(parameter=linear.parameter, constant=offset(linear.constant), cases=cases)
 
 
 def _offset_shown(linear: Linear, type_: Type) -> str:
@@ -156,7 +156,7 @@ def _ranges(found: Collector, pair: Pair) -> bool:
 
 def _same_values(old: Type, new: Type) -> bool:
     """Whether the raw ranges differ only because the scales do: the same values are allowed, rounded to a raw integer."""
-    dependents: tuple[Dependent[Linear] | Dependent[Range], ...]
+    dependents: tuple[ByParameter[Linear] | ByParameter[Range], ...]
     dependents = (old.linear, new.linear, old.raw_range, new.raw_range)
     parameters = {d.parameter for d in dependents} - {None}
     if old.linear == new.linear or len(parameters) > 1:
@@ -196,7 +196,7 @@ def _within(inner: Range, outer: Range) -> bool:
     return outer.low.constant <= inner.low.constant and inner.high.constant <= outer.high.constant
 
 
-def _cases(old: Dependent[T], new: Dependent[T]) -> Iterator[Case[T]]:
+def _cases(old: ByParameter[T], new: ByParameter[T]) -> Iterator[Case[T]]:
     """Where two differ, cases that differ alike together."""
     groups: list[tuple[list[str], list[Assignment], T | None, T | None]] = []
     for name, assignment in _assignments(old, new):
@@ -213,7 +213,7 @@ def _cases(old: Dependent[T], new: Dependent[T]) -> Iterator[Case[T]]:
         yield Case(when, tuple(assignments) if when else (), one, other)
 
 
-def _assignments(old: Dependent[T], new: Dependent[T]) -> Iterator[tuple[str, Assignment]]:
+def _assignments(old: ByParameter[T], new: ByParameter[T]) -> Iterator[tuple[str, Assignment]]:
     """Every value of the parameters that two depend on, with a name; in an order that does not depend on the specs."""
     if old.parameter and new.parameter and old.parameter != new.parameter:
         for a, b in itertools.product(_ordered(old.cases), _ordered(new.cases)):

@@ -13,7 +13,7 @@ from ..model.edition import Edition
 from ..model.layout import Layout
 from ..model.message import Command
 from ..model.metadata import Effect, Mode, Setting
-from ..model.types import Bound, Dependent, ImpliedTitle, Linear, Member, Parameter
+from ..model.types import Bound, ByParameter, ImpliedTitle, Linear, Member, Parameter
 from .change import Item
 from .collector import BOTH_SIDES, Collector
 from .match import Matched, Named, by_name
@@ -132,7 +132,7 @@ def _own(names: _Names, part: Any) -> dict[str, Any]:
         return {"parameter": part.parameter and names.new(Parameter, part.parameter)}
     if isinstance(part, Linear):
         return {"times": part.times and names.new(Parameter, part.times)}
-    if isinstance(part, Dependent) and part.parameter is not None:
+    if isinstance(part, ByParameter) and part.parameter is not None:
         cases = {names.value(part.parameter, name): _in(names, case) for name, case in part.cases.items()}
         return {"parameter": names.new(Parameter, part.parameter), "cases": cases}
     if isinstance(part, Layout) and part.parameter is not None:

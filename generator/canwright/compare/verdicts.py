@@ -12,7 +12,7 @@ from .catalogue import CHANGES
 from .change import Category, Change, Impact, Item, Side, Word, worst
 from .witnesses.witness import Aspect, Observation, Witness
 
-MOST_WITNESSES = 16
+MAX_WITNESSES = 16
 """So many witnesses of one change are kept; the worst of each side first."""
 
 _IDENTIFIED = frozenset({Aspect.IDENTITY, Aspect.ANSWER})
@@ -225,7 +225,7 @@ def _with(change: Change, observations: Sequence[Observation]) -> Change:
     first = dict.fromkeys((w.side, w.impact) for w in ordered)
     leading = [next(w for w in ordered if (w.side, w.impact) == kind) for kind in first]
     rest = [w for w in ordered if not any(w is one for one in leading)]
-    kept = tuple((*leading, *rest)[:MOST_WITNESSES])
+    kept = tuple((*leading, *rest)[:MAX_WITNESSES])
     return dataclasses.replace(change, verdicts=verdicts, witnesses=kept)
 
 

@@ -15,13 +15,13 @@ from typing import NamedTuple
 DocumentPath = tuple[str | int, ...]
 """The path to an item of a YAML document: keys and indices from the top."""
 
-MOST_FINDINGS = 500
+MAX_FINDINGS = 500
 """The maximum number of findings of one kind of check that one run lists; the last of them states how many follow."""
 
-MOST_NAMES = 1000
+MAX_NAMES = 1000
 """The maximum number of names that are compared with a misspelled one."""
 
-MOST_MATCHES = 50
+MAX_MATCHES = 50
 """The maximum number of names that are compared in detail: those with the most pairs of characters in common."""
 
 WIDTH = 160
@@ -116,7 +116,7 @@ class SpecError(Exception):
 
 def near(name: str, known: Iterable[str]) -> str | None:
     """The name in `known` that `name` is probably a misspelling of; None without one."""
-    names = (sorted(known) if isinstance(known, (set, frozenset)) else list(dict.fromkeys(known)))[:MOST_NAMES]
+    names = (sorted(known) if isinstance(known, (set, frozenset)) else list(dict.fromkeys(known)))[:MAX_NAMES]
     same = next((n for n in names if n.casefold() == name.casefold()), None)
     if same is not None:
         return same
@@ -132,15 +132,15 @@ CUTOFF = 0.61
 
 
 def _likely(name: str, names: Sequence[str]) -> Sequence[str]:
-    """At most `MOST_MATCHES` names, in their order: a detailed comparison with all of many names takes too long."""
-    if len(names) <= MOST_MATCHES:
+    """At most `MAX_MATCHES` names, in their order: a detailed comparison with all of many names takes too long."""
+    if len(names) <= MAX_MATCHES:
         return names
     pairs = _pairs(name)
-    likely = set(heapq.nlargest(MOST_MATCHES, names, key=lambda other: len(pairs & _pairs(other))))
+    likely = set(heapq.nlargest(MAX_MATCHES, names, key=lambda other: len(pairs & _pairs(other))))
     return [other for other in names if other in likely]
 
 
-@functools.lru_cache(maxsize=4 * MOST_NAMES)
+@functools.lru_cache(maxsize=4 * MAX_NAMES)
 def _pairs(name: str) -> frozenset[str]:
     """The adjacent characters of a name, and the single ones, so that a short name with swapped letters is found."""
     return frozenset((*map("".join, itertools.pairwise(name)), *name))

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from decimal import Decimal
 from typing import Any
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, with_number_of_others
+from ..diagnostics.diagnostic import MAX_FINDINGS, Diagnostic, DocumentPath, with_number_of_others
 from ..document.document import Document
 
 
@@ -17,7 +17,7 @@ class Findings:
         self._document = document
         self._listed = list(document.findings)
         self.invalid = set(document.unreadable)
-        self._most = len(self._listed) + MOST_FINDINGS
+        self._most = len(self._listed) + MAX_FINDINGS
         self._more = 0
 
     @property

@@ -17,8 +17,8 @@ LONGEST = 200
 """The maximum number of characters of a notation. It limits the computing time for untrusted text."""
 DIGITS = 40
 """The maximum number of characters of one number."""
-MOST_NODES = 1 << 16
-MOST_ELEMENTS = MAX_DATA_BYTES * 8
+MAX_NODES = 1 << 16
+MAX_ELEMENTS = MAX_DATA_BYTES * 8
 """The maximum number of array elements: one for each bit of a frame."""
 LAST_BYTE = MAX_DATA_BYTES * 8 - 1
 """The last position that is accepted. It is beyond a frame, so that a rule reports a bit number used as a byte number."""
@@ -123,16 +123,16 @@ def _bound(text: str) -> Bound:
 def nodes(text: str) -> range:
     """Nodes `1..32`, both ends included."""
     numbers = _numbers(text)
-    if len(numbers) > MOST_NODES:
-        raise ValueError(f"the {len(numbers)} nodes of `{text}` exceed the maximum of {MOST_NODES}")
+    if len(numbers) > MAX_NODES:
+        raise ValueError(f"the {len(numbers)} nodes of `{text}` exceed the maximum of {MAX_NODES}")
     return numbers
 
 
 def indices(text: str) -> range:
     """Indices of an array `1..4`, both ends included."""
     numbers = _numbers(text)
-    if len(numbers) > MOST_ELEMENTS:
-        raise ValueError(f"the {len(numbers)} array elements of `{text}` exceed the maximum of {MOST_ELEMENTS}")
+    if len(numbers) > MAX_ELEMENTS:
+        raise ValueError(f"the {len(numbers)} array elements of `{text}` exceed the maximum of {MAX_ELEMENTS}")
     return numbers
 
 

@@ -128,7 +128,7 @@ class _Index:
         self.commands = {command.name: command for command in reversed(edition.commands)}
         self.forms: dict[str, list[Command]] = {}
         for command in edition.commands:
-            self.forms.setdefault(command.group, []).append(command)
+            self.forms.setdefault(command.spec_name, []).append(command)
         self.addresses = {address.name: address for address in reversed(edition.addresses)}
         self.messages: dict[Direction, list[Message]] = {direction: [] for direction in Direction}
         for command in edition.commands:

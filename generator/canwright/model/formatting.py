@@ -10,9 +10,9 @@ from typing import NamedTuple, Protocol
 from .layout import Field, Segment, Space
 from .message import Command, IdRule, Key
 from .metadata import Effect
-from .types import Bound, Dependent, Encoding, Linear, Order, Parameter, Range, Type
+from .types import Bound, ByParameter, Encoding, Linear, Order, Parameter, Range, Type
 
-MOST_DIGITS = 24
+MAX_DIGITS = 24
 """So many characters of a number are read before it is rounded."""
 
 
@@ -31,7 +31,7 @@ def exact(number: Fraction) -> str:
 def decimal(number: Fraction) -> str:
     """A decimal; one of at most six significant digits after `≈` where that is rounded: `0.01`, `≈0.333333`."""
     written = exact(number)
-    return written if "/" not in written and len(written) <= MOST_DIGITS else f"≈{float(number):.6g}"
+    return written if "/" not in written and len(written) <= MAX_DIGITS else f"≈{float(number):.6g}"
 
 
 def counted(count: int, noun: str) -> str:
@@ -190,7 +190,7 @@ def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
 @functools.lru_cache(maxsize=1 << 12)
 def ranges(type_: Type) -> Sequence[tuple[str, str]]:
     """Allowed raw integers: (parameter values, `-2048..2048`)."""
-    limits_of: Dependent[Range] = type_.raw_range
+    limits_of: ByParameter[Range] = type_.raw_range
     return [(", ".join(names), span(limits)) for names, limits in limits_of.distinct() if limits is not None]
 
 

@@ -92,7 +92,7 @@ class Key(BitRun):
 class Message:
     """A request or a reply: its id, its keys and its layout.
 
-    A frame with the values of all `keys` is this message; `accept` are further accepted values of `keys[0]`. `claims`
+    A frame with the values of all `keys` is this message; `accepted_codes` are further accepted values of `keys[0]`. `identifying_codes`
     are the values of `keys[0]` that identify this message without its request: where several messages accept one
     value, it identifies the message whose command has that code.
 
@@ -105,8 +105,8 @@ class Message:
     address: str
     id: IdRule
     keys: tuple[Key, ...]
-    accept: tuple[int, ...]
-    claims: tuple[int, ...]
+    accepted_codes: tuple[int, ...]
+    identifying_codes: tuple[int, ...]
     dlc: int
     remote: bool
     layout: Layout
@@ -218,15 +218,15 @@ class Command:
     """A code with its request and its replies, at most one today.
 
     `code` is None without a selector. `only` maps a parameter to the values under which the command exists.
-    `group` is the name of the command in the spec. A command with a table has one form for each `entry`; the name of
-    such a form is `GROUP_ENTRY`. `short_group` stands for `group` where the length of names is limited, `former_group`
-    is `group` in previous editions.
+    `spec_name` is the name of the command in the spec. A command with a table has one form for each `entry`; the name of
+    such a form is `COMMAND_ENTRY`. `short_spec_name` stands for `spec_name` where the length of names is limited, `previous_name`
+    is `spec_name` in previous editions.
     """
 
     name: str
-    short_group: str
-    group: str
-    former_group: str | None
+    short_spec_name: str
+    spec_name: str
+    previous_name: str | None
     deprecated: Deprecation | None
     entry: Entry | None
     code: int | None
@@ -250,22 +250,22 @@ class Command:
     @property
     def short_name(self) -> str:
         """The name where the length of names is limited."""
-        return self.short_group + self.name.removeprefix(self.group)
+        return self.short_spec_name + self.name.removeprefix(self.spec_name)
 
     @property
     def former_names(self) -> tuple[str, ...]:
         """Names in previous editions, where the command, its entry or both were renamed."""
         if self.entry is None:
-            return (self.former_group,) if self.former_group else ()
+            return (self.previous_name,) if self.previous_name else ()
         groups, entries = (
             (one or now, now)
-            for one, now in ((self.former_group, self.group), (self.entry.renamed_from, self.entry.name))
+            for one, now in ((self.previous_name, self.spec_name), (self.entry.renamed_from, self.entry.name))
         )
         names = dict.fromkeys(f"{group}_{entry}" for group in groups for entry in entries)
         return tuple(name for name in names if name != self.name)
 
     @property
-    def group_title(self) -> Text:
+    def spec_title(self) -> Text:
         """The title of the command without that of the entry."""
         if self.entry is None:
             return self.title

@@ -91,7 +91,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dependent(Generic[T]):
+class ByParameter(Generic[T]):
     """A value that is constant, depends on one choice parameter, or is unknown."""
 
     parameter: str | None
@@ -99,7 +99,7 @@ class Dependent(Generic[T]):
     cases: Mapping[str, T | None]
 
     @classmethod
-    def always(cls, value: T | None) -> Dependent[T]:
+    def always(cls, value: T | None) -> ByParameter[T]:
         return cls(parameter=None, constant=value, cases={})
 
     def at(self, assignment: Assignment) -> T | None:
@@ -212,8 +212,8 @@ class Type:
     encoding: Encoding
     order: Order
     unit: Unit | None
-    linear: Dependent[Linear]
-    raw_range: Dependent[Range]
+    linear: ByParameter[Linear]
+    raw_range: ByParameter[Range]
     enum: tuple[Member, ...]
     flags: tuple[Member, ...]
     plausible: Range | None
@@ -242,7 +242,7 @@ class Type:
     @property
     def is_plain(self) -> bool:
         """True if the value is the raw integer."""
-        return self.is_number and self.encoding is not Encoding.FLOAT and self.linear == Dependent.always(IDENTITY)
+        return self.is_number and self.encoding is not Encoding.FLOAT and self.linear == ByParameter.always(IDENTITY)
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, nearest
 from ..document.toml import read_toml
 from ..language.concept import Concept, Doc, Limits, Notation
 from ..language.decoder import decode
-from ..rules import EVERY
+from ..rules import ALL_RULES
 
 NAME = "canwright.toml"
 
@@ -24,7 +24,7 @@ BREAKING, NEVER = "breaking", "none"
 KINDS = (BREAKING, *(c.value for c in Category), Impact.SILENT.value, Impact.LOUD.value, NEVER)
 """What makes `diff` fail: `breaking` changes are the silent and loud ones of wire and value, except removals that were announced."""
 
-WARNINGS = {rule.id: rule for rule in EVERY.values() if rule.severity is Severity.WARNING}
+WARNINGS = {rule.id: rule for rule in ALL_RULES.values() if rule.severity is Severity.WARNING}
 
 
 class RuleSeverity(str, Enum):
@@ -43,7 +43,7 @@ def _change_rule(text: str) -> str:
 
 def _warning_rule(text: str) -> str:
     if text not in WARNINGS:
-        fixed = text in EVERY
+        fixed = text in ALL_RULES
         raise ValueError(f"`{text}` is always an error" if fixed else _unknown(text, WARNINGS, "canwright check"))
     return text
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..output.writer import Content, refuse_occupied, write
-from ..targets.base import Specification
+from ..targets.base import EditionInput
 from ..targets.docs import folders, generate
 from ..templating.environment import environment
 from ..templating.markup import xml
@@ -39,7 +39,7 @@ class Section(NamedTuple):
     html: str
 
 
-def build(specifications: Sequence[Specification], out: Path, *, force: bool = False) -> Sequence[str]:
+def build(specifications: Sequence[EditionInput], out: Path, *, force: bool = False) -> Sequence[str]:
     """Writes the documents into `out`, a new or empty folder or that of an earlier run; returns their names.
 
     Raises HandoverError, and OutputError for other files in `out`.
@@ -54,7 +54,7 @@ def build(specifications: Sequence[Specification], out: Path, *, force: bool = F
     return sorted(files)
 
 
-def _files(specifications: Sequence[Specification], pages: Mapping[str, str]) -> Iterator[tuple[str, bytes]]:
+def _files(specifications: Sequence[EditionInput], pages: Mapping[str, str]) -> Iterator[tuple[str, bytes]]:
     template = environment("handover", {"xml": xml}).get_template("document.html.j2")
     for edition, folder in folders([one.edition for one in specifications]).items():
         for language in edition.languages:

@@ -11,11 +11,11 @@ from pathlib import Path
 from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document.document import Document, read_document
 from ..language.decoder import decode
-from ..language.edition import EditionSpec
+from ..language.edition import EditionSource
 from ..resolve.edition import resolve
 from ..rules.checker import check
-from ..rules.rule import Subject
-from ..targets.base import Specification
+from ..rules.rule import CheckInput
+from ..targets.base import EditionInput
 from ..targets.registry import targets
 from ..templating.resources import SYNONYMS, UNITS
 from .golden_file import GoldenFile, read_golden_file
@@ -28,7 +28,7 @@ _NO_SPECS = (UNITS.name, SYNONYMS.name)
 class Loaded:
     """A valid spec: the input of targets, the document, and warnings."""
 
-    specification: Specification
+    specification: EditionInput
     document: Document
     warnings: tuple[Diagnostic, ...]
 
@@ -49,7 +49,7 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
 
 def _load(file: Path, name: str | None, golden_file: GoldenFile) -> Loaded:
     document, content = read_document(file, name)
-    decoded = decode(document, EditionSpec)
+    decoded = decode(document, EditionSource)
     if decoded.value is None:
         raise SpecError(decoded.findings)
     spec = decoded.value
@@ -61,14 +61,14 @@ def _load(file: Path, name: str | None, golden_file: GoldenFile) -> Loaded:
     names = {"family": edition.family, "edition": edition.name}
     others = golden_file.other_edition({key: text for key, text in names.items() if (key,) not in decoded.invalid})
     errors = [*decoded.findings, *unresolved.findings, *golden_file.findings, *others]
-    subject = Subject(edition, spec, golden_file.golden)
+    subject = CheckInput(edition, spec, golden_file.golden)
     errors, warnings = check(subject, document, golden_file.document, errors, decoded.invalid, unresolved)
     if errors:
         raise SpecError([*errors, *warnings])
-    return Loaded(Specification(edition, golden_file.golden), document, tuple(sorted(warnings, key=lambda d: d.place)))
+    return Loaded(EditionInput(edition, golden_file.golden), document, tuple(sorted(warnings, key=lambda d: d.place)))
 
 
-def specification(file: Path) -> Specification:
+def specification(file: Path) -> EditionInput:
     """The input of targets for the edition in `file`. Raises as `load`."""
     return load(file).specification
 

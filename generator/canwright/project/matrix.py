@@ -108,7 +108,7 @@ class _Rows:
         layout = self._message.layout
         fields = [field for field in layout.fields if is_available(layout, field, self._command)]
         for number, key in enumerate(self._message.keys):
-            yield self._of_key(key, self._message.accept if number == 0 else ())
+            yield self._of_key(key, self._message.accepted_codes if number == 0 else ())
         for field in fields:
             yield from self._of_field(layout, field)
         if not self._message.keys and not fields:

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from ..model.types import Assignment
 from ..output.writer import Content
 from ..targets import registry
-from ..targets.base import EVERYTHING, Options, Output, Specification, Target, TargetWithOptions
+from ..targets.base import EVERYTHING, EditionInput, Options, Output, Target, TargetWithOptions
 
 
 def generate(
-    specifications: Sequence[Specification],
+    specifications: Sequence[EditionInput],
     targets: Sequence[str],
     set_parameters: Assignment,
     options: Options = EVERYTHING,
@@ -37,7 +37,7 @@ def generate(
 
 
 def _outputs(
-    target: Target, specifications: Sequence[Specification], set_parameters: Assignment, options: Options
+    target: Target, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
 ) -> Iterator[Output]:
     if isinstance(target, TargetWithOptions):
         return target.generate(specifications, set_parameters, options)

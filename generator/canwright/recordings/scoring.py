@@ -130,7 +130,7 @@ class Kinds:
             for message in self.messages(frame)
             if first == slice(0, 0)
             or not message.keys
-            or read_bits(message.keys[0], frame) in (*message.accept, *message.claims)
+            or read_bits(message.keys[0], frame) in (*message.accepted_codes, *message.identifying_codes)
             for key in message.keys
         )
         return bits & ~((1 << 8 * first.stop) - (1 << 8 * first.start))

@@ -115,7 +115,7 @@ class Summary:
         node.editions[judged.edition] = None
         node.labels[row.edition] = None
         if judged.message is not None:
-            node.commands[judged.edition.command(judged.message.command).group] = None
+            node.commands[judged.edition.command(judged.message.command).spec_name] = None
         node.decided[judged.decided_by] += 1
         for name in row.missing:
             node.without[name] = None

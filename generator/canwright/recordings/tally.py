@@ -185,7 +185,7 @@ def _with_other_meaning(old: Edition, new: Edition) -> tuple[str, ...]:
 
 def _distinguishing(fitting: Sequence[Edition], seen: set[str], differing: Counter[str]) -> tuple[str, ...]:
     """Read commands whose replies differ between the editions that fit; those without a recorded reply first."""
-    known = [{c.group: c for c in edition.commands} for edition in fitting]
+    known = [{c.spec_name: c for c in edition.commands} for edition in fitting]
     names = [
         name
         for name, _ in differing.most_common()

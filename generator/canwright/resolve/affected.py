@@ -63,7 +63,7 @@ class Affected:
         """The edition with its unaffected commands."""
         if not self._definitions:
             return edition
-        commands = tuple(c for c in edition.commands if ("commands", c.group) not in self._definitions)
+        commands = tuple(c for c in edition.commands if ("commands", c.spec_name) not in self._definitions)
         return dataclasses.replace(edition, commands=commands)
 
 

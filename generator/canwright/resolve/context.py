@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, nearest, with_number_of_others
+from ..diagnostics.diagnostic import MAX_FINDINGS, Diagnostic, DocumentPath, nearest, with_number_of_others
 from ..document.document import Document
 from ..language import edition as schema
 from ..model import formatting
@@ -41,7 +41,7 @@ class Context:
     @property
     def is_full(self) -> bool:
         """Whether further findings are only counted."""
-        return len(self.diagnostics) >= MOST_FINDINGS
+        return len(self.diagnostics) >= MAX_FINDINGS
 
     @property
     def findings(self) -> list[Diagnostic]:

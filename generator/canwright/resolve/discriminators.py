@@ -139,15 +139,15 @@ def _without(layout: Layout, names: frozenset[str]) -> Layout:
 
 
 def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
-    """The commands with `claims`: the codes that identify a message if several messages accept them."""
-    claims: dict[str, list[int]] = {}
+    """The commands with `identifying_codes`: the codes that identify a message if several messages accept them."""
+    codes: dict[str, list[int]] = {}
     for direction in Direction:
         messages = [(c, c.message(direction)) for c in commands]
         own = [(c.code, m) for c, m in messages if m is not None and m.command == c.name and m.keys]
         taken: set[tuple[object, ...]] = set()
         by_right = [(m.keys[0].value, m) for code, m in own if code == m.keys[0].value]
         by_sending = [(m.keys[0].value, m) for _, m in own]
-        by_accepting = [(value, m) for _, m in own for value in m.accept]
+        by_accepting = [(value, m) for _, m in own for value in m.accepted_codes]
         for value, message in by_right + by_sending + by_accepting:
             first, *others = message.keys
             rest = tuple((k.segments, k.value) for k in others)
@@ -155,6 +155,6 @@ def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
             place = (message.id, message.remote, length, first.space, first.segments, rest, value)
             if place not in taken:
                 taken.add(place)
-                claims.setdefault(message.name, []).append(value)
+                codes.setdefault(message.name, []).append(value)
 
-    return _with_messages(commands, lambda m: dataclasses.replace(m, claims=tuple(claims.get(m.name, ()))))
+    return _with_messages(commands, lambda m: dataclasses.replace(m, identifying_codes=tuple(codes.get(m.name, ()))))

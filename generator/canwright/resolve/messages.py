@@ -40,7 +40,7 @@ class MessageResolver:
     def __init__(
         self,
         context: Context,
-        spec: schema.EditionSpec,
+        spec: schema.EditionSource,
         layouts: LayoutResolver,
         addresses: Mapping[str, Address],
     ) -> None:
@@ -233,8 +233,8 @@ class MessageResolver:
             address=address.name,
             id=address.rule(direction),
             keys=(*keys, *form.keys),
-            accept=tuple(spec.accept or ()),
-            claims=(),
+            accepted_codes=tuple(spec.accept or ()),
+            identifying_codes=(),
             dlc=self._dlc(path, spec, of_entry),
             remote=bool(spec.remote),
             layout=layout,

@@ -14,7 +14,7 @@ from ..document.document import Document, read_document
 from ..language import edition as schema, suggestions
 from ..language.notation import Multiple
 from ..model.deprecation import Deprecation
-from ..model.types import IDENTITY, Bound, Dependent, Encoding, Linear, Member, Order, Parameter, Range, Type, Unit
+from ..model.types import IDENTITY, Bound, ByParameter, Encoding, Linear, Member, Order, Parameter, Range, Type, Unit
 from ..templating import resources
 from .context import Context
 
@@ -35,7 +35,7 @@ def read_units() -> tuple[Document, dict[str, Unit]]:
 
 
 def resolve_types(
-    context: Context, spec: schema.EditionSpec, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
+    context: Context, spec: schema.EditionSource, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
 ) -> dict[str, Type]:
     return {
         name: _TypeResolver(context, spec.byte_order, units, parameters, spec.effects, ("types", name)).resolve(
@@ -50,7 +50,7 @@ def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: D
     encoding, width = raw
     letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[encoding]
     empty = context.text(path, None)
-    always = Dependent.always
+    always = ByParameter.always
     return Type(
         name=f"{letter}{width}",
         width=width,
@@ -139,7 +139,7 @@ class _TypeResolver:
         )
         return tuple(name for name, effect in zip(names, found, strict=True) if effect is not None)
 
-    def _linear(self, spec: schema.TypeSpec) -> Dependent[Linear]:
+    def _linear(self, spec: schema.TypeSpec) -> ByParameter[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)
         offset = self._multiples("offset", 0 if spec.offset is None else spec.offset)
         if scale.parameter and offset.parameter not in (None, scale.parameter):
@@ -149,12 +149,12 @@ class _TypeResolver:
                 "scale and offset depend on two parameters",
                 "use one parameter for both",
             )
-            offset = Dependent.always(_number(0))
+            offset = ByParameter.always(_number(0))
         by = scale.parameter or offset.parameter
         if by is None:
-            return Dependent.always(self._line(scale.constant, offset.constant))
+            return ByParameter.always(self._line(scale.constant, offset.constant))
         names = scale.cases if scale.parameter else offset.cases
-        return Dependent(
+        return ByParameter(
             parameter=by, constant=None, cases={n: self._line(scale.at({by: n}), offset.at({by: n})) for n in names}
         )
 
@@ -172,15 +172,15 @@ class _TypeResolver:
 
     def _multiples(
         self, key: str, written: int | Literal["none"] | Multiple | schema.ScaleBy | schema.OffsetBy
-    ) -> Dependent[Multiple]:
+    ) -> ByParameter[Multiple]:
         if isinstance(written, (schema.ScaleBy, schema.OffsetBy)):
             cases = self._cases(key, written.by, written.by_value)
             for name, case in cases.items():
                 self._need_number((key, name), case.parameter if case else None)
-            return Dependent(parameter=written.by, constant=None, cases=cases)
+            return ByParameter(parameter=written.by, constant=None, cases=cases)
         if isinstance(written, Multiple):
             self._need_number((key,), written.parameter)
-        return Dependent.always(_number(written) if isinstance(written, int) else _none_or(written))
+        return ByParameter.always(_number(written) if isinstance(written, int) else _none_or(written))
 
     def _need_number(self, at: DocumentPath, name: str | None) -> None:
         """Reports a factor that is not a known number parameter."""
@@ -218,7 +218,7 @@ class _TypeResolver:
             self.context.report(path, "incomplete-choice", text, hint, key=True)
         return {name: _none_or(written[name]) for name in known if name in written}
 
-    def _raw_range(self, spec: schema.TypeSpec, linear: Dependent[Linear]) -> Dependent[Range]:
+    def _raw_range(self, spec: schema.TypeSpec, linear: ByParameter[Linear]) -> ByParameter[Range]:
         if spec.raw_range is not None and spec.range is not None:
             self.context.report(
                 (*self.path, "range"), "two-ranges", "there are both `range` and `raw_range`", "keep one"
@@ -239,7 +239,7 @@ class _TypeResolver:
             text = "both scale and raw range depend on number parameters"
             hint = "write `raw_range` in integers, or `range` in multiples of the parameter of the scale"
             self.context.report((*self.path, "raw_range"), "two-parameters", text, hint)
-            return Dependent.always(None)
+            return ByParameter.always(None)
         if spec.range is None:
             return raw
         if spec.scale == "none":
@@ -266,7 +266,9 @@ class _TypeResolver:
             return raw
         raw_cases = {name: _raw_of(*pair) for name, pair in cases.items()}
         return (
-            Dependent.always(raw_cases[""]) if by is None else Dependent(parameter=by, constant=None, cases=raw_cases)
+            ByParameter.always(raw_cases[""])
+            if by is None
+            else ByParameter(parameter=by, constant=None, cases=raw_cases)
         )
 
     def _is_like_scale(self, limits: Range | None, line: Linear | None) -> bool:
@@ -285,7 +287,7 @@ class _TypeResolver:
             return True
         return False
 
-    def _plausible(self, spec: schema.TypeSpec, linear: Dependent[Linear]) -> Range | None:
+    def _plausible(self, spec: schema.TypeSpec, linear: ByParameter[Linear]) -> Range | None:
         plausible = self._spans("plausible", spec.plausible).constant
         times = any(line.times for _, line in linear.distinct() if line is not None)
         if plausible is None or (plausible.is_constant and not times):
@@ -296,14 +298,14 @@ class _TypeResolver:
         )
         return None
 
-    def _spans(self, key: str, written: Range | schema.RangeBy | None) -> Dependent[Range]:
+    def _spans(self, key: str, written: Range | schema.RangeBy | None) -> ByParameter[Range]:
         if isinstance(written, schema.RangeBy):
             cases = self._cases(key, written.by, written.by_value)
             for name, case in cases.items():
                 self._need_numbers((key, name), case)
-            return Dependent(parameter=written.by, constant=None, cases=cases)
+            return ByParameter(parameter=written.by, constant=None, cases=cases)
         self._need_numbers((key,), written)
-        return Dependent.always(written)
+        return ByParameter.always(written)
 
     def _need_numbers(self, at: DocumentPath, limits: Range | None) -> None:
         for name in dict.fromkeys((limits.low.parameter, limits.high.parameter) if limits else ()):

@@ -8,7 +8,7 @@ incorrect and a correct example in `examples/`. Imports `diagnostics`, `document
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import Severity
-from ..resolve.limits import MOST_COMMANDS, MOST_FIELDS
+from ..resolve.limits import MAX_COMMANDS, MAX_FIELDS
 from . import (
     ambiguous_message,
     beyond_frame,
@@ -40,7 +40,7 @@ from . import (
     unused,
     zero_scale,
 )
-from .reading_catalogue import READING
+from .reading_catalogue import LOAD_RULES
 from .rule import Phase, Rule
 
 WARNING = Severity.WARNING
@@ -48,8 +48,8 @@ WARNING = Severity.WARNING
 RULES: tuple[Rule, ...] = (
     Rule(
         "too-large",
-        f"A spec has at most {MOST_COMMANDS} commands, {MOST_FIELDS} fields, {too_large.MOST_COMBINATIONS} combinations of "
-        f"choices and a size of {too_large.MOST_SIZE}, which is the sum of the sizes of its parts.",
+        f"A spec has at most {MAX_COMMANDS} commands, {MAX_FIELDS} fields, {too_large.MAX_COMBINATIONS} combinations of "
+        f"choices and a size of {too_large.MAX_SIZE}, which is the sum of the sizes of its parts.",
         too_large.check,
         phase=Phase.SIZE,
     ),
@@ -171,5 +171,5 @@ RULES: tuple[Rule, ...] = (
     Rule("long-name", "A name does not exceed the maximum length of a target, such as DBC.", long_name.check, WARNING),
 )
 
-EVERY: dict[str, Rule] = {rule.id: rule for rule in (*READING, *RULES)}
+ALL_RULES: dict[str, Rule] = {rule.id: rule for rule in (*LOAD_RULES, *RULES)}
 """All rules by id, those of reading first."""

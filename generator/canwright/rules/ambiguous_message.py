@@ -6,15 +6,15 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
-from ..language.edition import EditionSpec
+from ..language.edition import EditionSource
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Direction, Message
 from . import bit_patterns, can_ids
 from .duplicate_code import without_duplicates
-from .rule import Finding, Findings, RelatedItem, Subject
+from .rule import CheckInput, Finding, Findings, RelatedItem
 
-MOST_PAIRS = 2000
+MAX_PAIRS = 2000
 """The maximum number of ambiguous pairs that findings are about; there are more only if very many commands are wrong."""
 
 _ID_KEYS = 32
@@ -22,7 +22,7 @@ _DATA = 2 * _ID_KEYS
 """Where the bits of keys stand: behind the id, those in the id first, as many as the id has room for."""
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     try:
         yield from _findings(subject)
     except bit_patterns.TooManyPairsError:
@@ -31,16 +31,16 @@ def check(subject: Subject) -> Findings:
         yield Finding(("commands",), text, hint, key=True)
 
 
-def _findings(subject: Subject) -> Findings:
+def _findings(subject: CheckInput) -> Findings:
     edition = subject.edition
     without_code: set[str] = set()
     """Commands reported as lacking a code; their ambiguous replies follow from that and are not reported."""
     for direction in Direction:
         messages = {m.command: m for m in edition.messages(direction)}
-        groups = {name: edition.command(name).group for name in messages}
+        groups = {name: edition.command(name).spec_name for name in messages}
         others: dict[str, set[str]] = {}
         first = dict(zip(reversed(groups.values()), reversed(messages.values()), strict=True))
-        for one, other in islice(_ambiguous(edition, direction), MOST_PAIRS):
+        for one, other in islice(_ambiguous(edition, direction), MAX_PAIRS):
             pair = groups[one.command], groups[other.command]
             if without_code.isdisjoint(pair):
                 for group, its in (pair, pair[::-1]):
@@ -92,7 +92,7 @@ def _frames(message: Message) -> _Frames:
     return _Frames(message, ids, free_bits, _fixed(message), fields)
 
 
-def _without_explicit_request(spec: EditionSpec, direction: Direction, commands: Sequence[str]) -> str:
+def _without_explicit_request(spec: EditionSource, direction: Direction, commands: Sequence[str]) -> str:
     """The first command with a reply but without a code and `request`; its request may not exist. Empty without one."""
     written = {name: spec.commands[name] for name in commands if direction is Direction.REQUEST}
     bare = (name for name, one in written.items() if one.code is None and one.request is None and one.reply != "none")

@@ -7,10 +7,10 @@ from ..model.layout import MAX_DATA_BYTES, Field, Segment, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Order
 from .byte_order import highest_byte
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     seen: set[DocumentPath | str | tuple[str, tuple[Segment, ...]]] = set()
     for message in subject.edition.all_messages():
         limit = {Space.DATA: 0 if message.remote else message.dlc * 8, Space.ID: 29 if message.id.extended else 11}

@@ -6,16 +6,16 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import ReservedRole
 from ..model.types import Encoding, Range, Type
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     yield from _ranges(subject)
     yield from _plausible(subject.edition)
     yield from _constants(subject.edition)
 
 
-def _ranges(subject: Subject) -> Findings:
+def _ranges(subject: CheckInput) -> Findings:
     for type_ in subject.edition.types:
         if type_.encoding is Encoding.FLOAT:
             continue

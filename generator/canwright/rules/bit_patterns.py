@@ -14,12 +14,12 @@ class Known(NamedTuple):
     value: int
 
 
-MOST_STEPS = 1_000_000
+MAX_STEPS = 1_000_000
 """The maximum number of steps of one search, a few seconds; very few protocols need more than a thousand."""
 
 
 class TooManyPairsError(Exception):
-    """A search ended after `MOST_STEPS` steps; pairs may be missing."""
+    """A search ended after `MAX_STEPS` steps; pairs may be missing."""
 
 
 def pairs(known: Sequence[Known]) -> Iterator[tuple[int, int]]:
@@ -34,7 +34,7 @@ def pairs(known: Sequence[Known]) -> Iterator[tuple[int, int]]:
     for index, (mask, value) in enumerate(known):
         agreeing = [match for other in masks for match in earlier.get((other, mask, value & other), ())]
         steps += len(masks) + len(agreeing)
-        if steps > MOST_STEPS:
+        if steps > MAX_STEPS:
             raise TooManyPairsError
         yield from ((index, match) for match in sorted(agreeing))
         for other in masks:

@@ -6,16 +6,16 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from ..diagnostics.diagnostic import MOST_FINDINGS, Diagnostic, DocumentPath, Related, Severity, with_number_of_others
+from ..diagnostics.diagnostic import MAX_FINDINGS, Diagnostic, DocumentPath, Related, Severity, with_number_of_others
 from ..document.document import Document
 from ..resolve.affected import Affected, decides_code
 from ..resolve.edition import Unresolved
 from . import RULES
-from .rule import Finding, Phase, Rule, Subject
+from .rule import CheckInput, Finding, Phase, Rule
 
 
 def check(
-    subject: Subject,
+    subject: CheckInput,
     document: Document,
     frames: Document | None,
     errors: Sequence[Diagnostic],
@@ -42,7 +42,7 @@ def check(
     return checker.errors, checker.warnings
 
 
-MOST_COUNTED = 9500
+MAX_COUNTED = 9500
 """The maximum number of findings of a phase that are counted besides the listed ones."""
 
 
@@ -50,7 +50,7 @@ class _Checker:
     """Collects the findings of one phase after the other."""
 
     def __init__(
-        self, subject: Subject, document: Document, frames: Document | None, errors: Sequence[Diagnostic]
+        self, subject: CheckInput, document: Document, frames: Document | None, errors: Sequence[Diagnostic]
     ) -> None:
         self._subject = subject
         self._document = document
@@ -70,10 +70,10 @@ class _Checker:
         )
         relevant = (one for one in found if one[1].path not in affected or one[1].in_frames)
         listed = self.warnings
-        for rule, finding in itertools.islice(relevant, MOST_FINDINGS):
+        for rule, finding in itertools.islice(relevant, MAX_FINDINGS):
             listed = self._add(rule, finding)
-        others = sum(1 for _ in itertools.islice(relevant, MOST_COUNTED))
-        listed[:] = with_number_of_others(listed, others, at_least=others == MOST_COUNTED)
+        others = sum(1 for _ in itertools.islice(relevant, MAX_COUNTED))
+        listed[:] = with_number_of_others(listed, others, at_least=others == MAX_COUNTED)
 
     def _add(self, rule: Rule, finding: Finding) -> list[Diagnostic]:
         """Adds a finding, unless it is about a key that another rule has reported; returns the list of its severity."""

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.suggestions import DATE, is_day
 from ..model.deprecation import Deprecation, is_before, is_date
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for path, deprecation in _deprecations(subject):
         for key, name in (("since", deprecation.since), ("until", deprecation.until)):
             if name is not None and is_date(name) and not _exists(name):
@@ -26,7 +26,7 @@ def check(subject: Subject) -> Findings:
                 yield Finding((*path, "until"), text, "write the first edition, or its date, that may lack the item")
 
 
-def _deprecations(subject: Subject) -> Iterator[tuple[DocumentPath, Deprecation]]:
+def _deprecations(subject: CheckInput) -> Iterator[tuple[DocumentPath, Deprecation]]:
     edition, found = subject.edition, dict[DocumentPath, Deprecation | None]()
     found |= {command.path: command.deprecated for command in edition.commands}
     for message in edition.all_messages():

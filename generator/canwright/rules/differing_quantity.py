@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ..model import formatting
 from ..model.types import Type
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     first: dict[str, Type] = {}
     for type_ in subject.edition.types:
         written = subject.spec.types.get(type_.name)

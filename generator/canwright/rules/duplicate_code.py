@@ -8,30 +8,31 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.message import Command, Direction
 from ..semantics.dispatch import selection
-from .rule import Finding, Findings, RelatedItem, Subject
+from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     seen: set[tuple[str, str]] = set()
     entries: set[DocumentPath] = set()
     for command, other in _duplicates(subject.edition.commands):
-        pair = (command.group, other.group)
+        pair = (command.spec_name, other.spec_name)
         if pair not in seen:
             seen.add(pair)
             finding = _finding(command, other)
             if finding.path not in entries:
                 yield finding
-            entries |= {finding.path} if command.group == other.group else set()
+            entries |= {finding.path} if command.spec_name == other.spec_name else set()
     yield from _accepted_codes(subject.edition)
 
 
 def _accepted_codes(edition: Edition) -> Findings:
     """Accepted codes of a request that are the codes of others. Replies are exempt: their request decides."""
     for message in edition.all_messages():
-        for i, code in enumerate(message.accept if message.direction is Direction.REQUEST else ()):
-            others = edition.of_rule(message.direction, message.id) if code not in message.claims else ()
+        for i, code in enumerate(message.accepted_codes if message.direction is Direction.REQUEST else ()):
+            others = edition.of_rule(message.direction, message.id) if code not in message.identifying_codes else ()
             other = next(
-                (m for m in others if code in m.claims and m.keys[0].segments == message.keys[0].segments), None
+                (m for m in others if code in m.identifying_codes and m.keys[0].segments == message.keys[0].segments),
+                None,
             )
             if other is not None:
                 text = f"0x{code:02X} is the code of `{other.command}` and identifies it"
@@ -57,11 +58,11 @@ def _duplicates(commands: Sequence[Command]) -> Iterator[tuple[Command, Command]
 
 
 def _finding(command: Command, other: Command) -> Finding:
-    if command.entry is not None and other.entry is not None and command.group == other.group:
+    if command.entry is not None and other.entry is not None and command.spec_name == other.spec_name:
         text = f"`{other.entry.name}` also has this index, so `{command.name}` and `{other.name}` are one command"
         related = RelatedItem((*other.entry.path, "index"), f"the index of `{other.entry.name}`")
         return Finding((*command.entry.path, "index"), text, "give each entry its own `index`", related=(related,))
-    text = f"`{other.group}` also has the code 0x{command.code:02X}"
+    text = f"`{other.spec_name}` also has the code 0x{command.code:02X}"
     hint = "check both codes, or give one of them another `address` or `dlc`"
-    related = RelatedItem((*other.path, "code"), f"the code of `{other.group}`")
+    related = RelatedItem((*other.path, "code"), f"the code of `{other.spec_name}`")
     return Finding((*command.path, "code"), text, hint, related=(related,))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from .rule import Finding, Findings, RelatedItem, Subject
+from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     edition = subject.edition
     commands = [(c.name, c.path) for c in edition.commands]
     layouts = [(layout.name, layout.path) for layout in edition.layouts]

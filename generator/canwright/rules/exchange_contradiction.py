@@ -11,10 +11,10 @@ from ..semantics.decoder import Decoder, Rejection
 from ..semantics.exchange import check_reply
 from ..semantics.frame import CanFrame
 from .golden_entries import EntryProblem, entry_findings, named
-from .rule import Findings, Subject
+from .rule import CheckInput, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     if subject.frames is not None and subject.frames.exchanges:
         decoder = Decoder(subject.edition)
         yield from entry_findings(

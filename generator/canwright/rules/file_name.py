@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 DEVICES = frozenset({"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(10))})
 """Names of devices in Windows, which cannot be names of files there, also with an extension and in upper case."""
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     edition = subject.edition
     yield from _if_device(("family",), edition.family, f"{edition.family}_protocol")
     yield from _if_device(("edition",), edition.name, f"v-{edition.name}")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import nearest
-from ..language.edition import EditionSpec, MessageSpec
+from ..language.edition import EditionSource, MessageSpec
 from ..language.golden_frames import GoldenFrame
 from ..model import formatting
 from ..model.edition import Edition
@@ -18,10 +18,10 @@ from ..semantics.encoder import Encoder, Encoders
 from ..semantics.frame import CanFrame, Raw, difference, node_in_id, raws, wrong_constants
 from . import can_ids
 from .golden_entries import KEY, EntryProblem, entry_findings, named
-from .rule import Findings, RelatedItem, Subject
+from .rule import CheckInput, Findings, RelatedItem
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     if subject.frames is not None:
         yield from entry_findings(
             subject.edition, "frames", subject.frames.frames, _FrameChecker(subject.edition, subject.spec).problems
@@ -31,7 +31,7 @@ def check(subject: Subject) -> Findings:
 class _FrameChecker:
     """Checks the golden frames of an edition; encoders are cached by their parameters."""
 
-    def __init__(self, edition: Edition, spec: EditionSpec) -> None:
+    def __init__(self, edition: Edition, spec: EditionSource) -> None:
         self._edition, self._spec = edition, spec
         self._messages = {direction: _messages(edition, direction) for direction in Direction}
         self._encoders = Encoders()
@@ -52,7 +52,7 @@ class _FrameChecker:
             problem = _header(message, frame, can)
             if problem:
                 return [(*problem[:3], self._length(message)) if len(can.data) != message.dlc else problem]
-        encoder = self._encoders.under(frame.parameters)
+        encoder = self._encoders.for_parameters(frame.parameters)
         variant = message.layout.variant(encoder.assignment)
         if variant is None:
             text = f"the fields depend on `{message.layout.parameter}`, which is missing"
@@ -73,7 +73,7 @@ class _FrameChecker:
         """The definition of the length of a message, which the spec may leave to the default."""
         item = f"the length of {message.name}"
         command = self._edition.command(message.command)
-        written = getattr(self._spec.commands[command.group], message.direction.value)
+        written = getattr(self._spec.commands[command.spec_name], message.direction.value)
         if isinstance(written, MessageSpec) and written.dlc is not None:
             return RelatedItem((*message.path, "dlc"), item)
         entry = command.entry

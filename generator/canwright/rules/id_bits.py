@@ -9,10 +9,10 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.layout import Segment, Space
 from ..model.message import IdRule, KeyRole, Message
 from . import can_ids
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     seen: set[DocumentPath] = set()
     for message in subject.edition.all_messages():
         taken = _bits(message.id)
@@ -25,7 +25,7 @@ def check(subject: Subject) -> Findings:
                 yield Finding(path, text, hint)
 
 
-def _in_id(subject: Subject, message: Message) -> Iterator[tuple[str, DocumentPath, tuple[Segment, ...]]]:
+def _in_id(subject: CheckInput, message: Message) -> Iterator[tuple[str, DocumentPath, tuple[Segment, ...]]]:
     address = subject.spec.addresses[message.address]
     for key in message.keys:
         if key.space is Space.ID:

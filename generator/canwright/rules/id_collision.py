@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSpec
+from ..language.edition import EditionSource
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Address, Direction, IdRule, Message
 from ..semantics.dispatch import dispatch_plan, node_of_id
 from . import bit_patterns, can_ids
-from .rule import Finding, Findings, RelatedItem, Subject
+from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     try:
         yield from _findings(subject)
     except bit_patterns.TooManyPairsError:
@@ -24,7 +24,7 @@ def check(subject: Subject) -> Findings:
         )
 
 
-def _findings(subject: Subject) -> Findings:
+def _findings(subject: CheckInput) -> Findings:
     edition = subject.edition
     seen: set[tuple[DocumentPath, str]] = set()
     for direction in Direction:
@@ -43,12 +43,12 @@ def _findings(subject: Subject) -> Findings:
         yield from _between_addresses(subject)
 
 
-def _path(subject: Subject, address: Address, direction: Direction) -> DocumentPath:
+def _path(subject: CheckInput, address: Address, direction: Direction) -> DocumentPath:
     """The path of the id of an address, which has one id or one for each direction."""
     return (*address.path, "id" if subject.spec.addresses[address.name].id is not None else direction.value)
 
 
-def _between_directions(subject: Subject) -> Findings:
+def _between_directions(subject: CheckInput) -> Findings:
     """Findings about ids that are requests of one node and replies of another."""
     edition = subject.edition
     for address in edition.addresses:
@@ -65,7 +65,7 @@ def _between_directions(subject: Subject) -> Findings:
                 break
 
 
-def _between_addresses(subject: Subject) -> Findings:
+def _between_addresses(subject: CheckInput) -> Findings:
     """Findings about ids that are requests of one address and replies of another, for different nodes."""
     edition = subject.edition
     used = {message.address for message in edition.all_messages()}
@@ -94,7 +94,9 @@ def _between_addresses(subject: Subject) -> Findings:
             yield Finding(path, text, "check `id` and `nodes` of both addresses", related=(related,))
 
 
-def _shared_by_directions(subject: Subject, address: Address, replies: range, requests: range, shared: int) -> Finding:
+def _shared_by_directions(
+    subject: CheckInput, address: Address, replies: range, requests: range, shared: int
+) -> Finding:
     paths = {direction: _path(subject, address, direction) for direction in Direction}
     owners = {
         direction: _owner(address.rule(direction), ids, shared)
@@ -145,7 +147,7 @@ def _unreachable(edition: Edition, direction: Direction) -> Findings:
             earlier.append((route.mask, can_ids.known(can_ids.of_rule(route.rule), route.mask), route.messages[0]))
 
 
-def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int]:
+def _shared(subject: CheckInput, direction: Direction) -> dict[tuple[int, int], int]:
     """The indices of every two addresses that share an id, the later one first, with the lowest shared id."""
     edition = subject.edition
     used = {message.address for message in edition.all_messages()}
@@ -165,7 +167,7 @@ def _shared(subject: Subject, direction: Direction) -> dict[tuple[int, int], int
     return found
 
 
-def _is_selected_by_id(spec: EditionSpec, address: str) -> bool:
+def _is_selected_by_id(spec: EditionSource, address: str) -> bool:
     """Whether the ids of an address depend on its commands."""
     written = spec.addresses[address]
     selectors = (written.selector, written.reply_selector, spec.selector)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..diagnostics.diagnostic import Severity
 from .name_collision import findings
-from .rule import Findings, Subject
+from .rule import CheckInput, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     return findings(subject, Severity.WARNING)

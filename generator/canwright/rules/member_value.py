@@ -6,10 +6,10 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..language import aliases
 from ..model import formatting
 from ..model.types import Member, Range, Type
-from .rule import Finding, Findings, RelatedItem, Subject
+from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for type_ in subject.edition.types:
         low, high = type_.raw_limits
         yield from _members(type_, "enum", type_.enum, low, high)

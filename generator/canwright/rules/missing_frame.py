@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     if subject.frames is None:
         hint = "write some from the manual into a file beside it: my.frames.yaml for my.yaml"
         yield Finding((), "there are no golden frames beside this spec", hint)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     if subject.spec.manual is None:
         return
     for name, command in subject.spec.commands.items():

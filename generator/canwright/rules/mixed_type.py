@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from ..model.types import Encoding
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 _OF_NUMBERS = ("unit", "scale", "offset", "range", "plausible", "raw_range")
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for name, written in subject.spec.types.items():
         kinds = [key for key in ("enum", "flags") if getattr(written, key) is not None]
         if not kinds:

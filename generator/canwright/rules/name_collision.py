@@ -9,14 +9,14 @@ from ..diagnostics.diagnostic import Severity
 from ..model.edition import Edition
 from ..targets.base import NameProblem
 from ..targets.registry import targets
-from .rule import Finding, Findings, RelatedItem, Subject
+from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     return findings(subject, Severity.ERROR)
 
 
-def findings(subject: Subject, severity: Severity) -> Findings:
+def findings(subject: CheckInput, severity: Severity) -> Findings:
     """The problems of one severity that any target has with names."""
     for problem in _problems(subject.edition):
         if problem.severity is severity:

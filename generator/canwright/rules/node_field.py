@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ..model.layout import Field, NodeRole
 from ..model.types import Encoding
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for message in subject.edition.all_messages():
         found = [f for f in message.layout.fields if isinstance(f.role, NodeRole)]
         for i, field in enumerate(found):

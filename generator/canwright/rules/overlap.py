@@ -6,12 +6,12 @@ import itertools
 from collections.abc import Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSpec
+from ..language.edition import EditionSource
 from ..model.layout import Field, Space, Variant, bits_of
 from ..model.message import Direction, Key, KeyRole, Message
 from ..model.types import Order
 from .byte_order import highest_byte
-from .rule import Finding, Findings, RelatedItem, Subject
+from .rule import CheckInput, Finding, Findings, RelatedItem
 
 HIGHEST = "; `at` is the highest bit of a big-endian field"
 INDEX = "the table's index"
@@ -22,12 +22,12 @@ WITHOUT_INDEX = (
 )
 
 
-MOST_OVERLAPS = 20
+MAX_OVERLAPS = 20
 """The maximum number of findings about one message. A frame is full after a few fields, so that a search that ends
 after this number of overlaps takes a time that does not depend on the number of fields."""
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     reported: set[Finding] = set()
     compared = set()
     for message in subject.edition.all_messages():
@@ -38,18 +38,18 @@ def check(subject: Subject) -> Findings:
             continue
         compared.add(parts)
         found = (one for variant in message.layout.variants for one in _some_clashes(subject.spec, message, variant))
-        new = list(itertools.islice((one for one in dict.fromkeys(found) if one not in reported), MOST_OVERLAPS))
+        new = list(itertools.islice((one for one in dict.fromkeys(found) if one not in reported), MAX_OVERLAPS))
         reported.update(new)
-        if len(new) == MOST_OVERLAPS:
+        if len(new) == MAX_OVERLAPS:
             new[-1] = new[-1]._replace(message=f"{new[-1].message}; further overlaps of this message are not listed")
         yield from new
 
 
-def _some_clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:
-    return itertools.islice(_clashes(spec, message, variant), MOST_OVERLAPS)
+def _some_clashes(spec: EditionSource, message: Message, variant: Variant) -> Findings:
+    return itertools.islice(_clashes(spec, message, variant), MAX_OVERLAPS)
 
 
-def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:
+def _clashes(spec: EditionSource, message: Message, variant: Variant) -> Findings:
     taken: dict[Space, dict[int, RelatedItem]] = {space: {} for space in Space}
     for key in message.keys:
         bits, others = bits_of(key.segments), taken[key.space]
@@ -108,7 +108,7 @@ def _lowered(fields: Mapping[DocumentPath, Field], path: DocumentPath) -> set[in
     return found
 
 
-def _item(spec: EditionSpec, message: Message, key: Key) -> RelatedItem:
+def _item(spec: EditionSource, message: Message, key: Key) -> RelatedItem:
     """A key of a message: the index of a table, a selector or a constant."""
     if key.role is KeyRole.INDEX:
         return RelatedItem(_path_of(spec, message, key), INDEX)
@@ -118,7 +118,7 @@ def _item(spec: EditionSpec, message: Message, key: Key) -> RelatedItem:
     return RelatedItem(path, "the selector", key=True)
 
 
-def _path_of(spec: EditionSpec, message: Message, key: Key) -> DocumentPath:
+def _path_of(spec: EditionSource, message: Message, key: Key) -> DocumentPath:
     """The path of the position of a key of a table."""
     table = spec.commands[str(message.path[1])].table or ""
     path: DocumentPath = ("tables", table, "index")

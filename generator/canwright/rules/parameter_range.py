@@ -6,10 +6,10 @@ from fractions import Fraction
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for parameter in subject.edition.parameters:
         low, high = parameter.minimum, parameter.maximum
         if low is not None and high is not None and low > high:

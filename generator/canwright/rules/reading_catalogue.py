@@ -6,7 +6,7 @@ from ..document.builder import MAX_VALUES
 from ..document.document import MAX_BYTES
 from .rule import Rule
 
-READING: tuple[Rule, ...] = (
+LOAD_RULES: tuple[Rule, ...] = (
     Rule("file-size", f"A file has at most {MAX_BYTES >> 20} MiB and {MAX_VALUES} values."),
     Rule("encoding", "A file is UTF-8 text."),
     Rule("unsafe-character", "Text has no invisible characters and none that change how others are displayed."),

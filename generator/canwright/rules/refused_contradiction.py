@@ -16,10 +16,10 @@ from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import SPECIAL, Encoder, Encoders
 from ..semantics.frame import CanFrame
 from .golden_entries import KEY, EntryProblem, described, entry_findings, named
-from .rule import Findings, Subject
+from .rule import CheckInput, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     if subject.frames is not None:
         yield from entry_findings(
             subject.edition, "refused", subject.frames.refused, _RejectionChecker(subject.edition).problems
@@ -35,7 +35,7 @@ class _RejectionChecker:
         self._encoders = Encoders()
 
     def problems(self, entry: RefusedFrame | RefusedValues) -> Iterator[EntryProblem]:
-        encoder = self._encoders.under(entry.parameters)
+        encoder = self._encoders.for_parameters(entry.parameters)
         return self._frame(entry, encoder) if isinstance(entry, RefusedFrame) else self._values(entry, encoder)
 
     def _frame(self, entry: RefusedFrame, encoder: Encoder) -> Iterator[EntryProblem]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSpec, MemberSpec, MessageSpec
-from .rule import Finding, Findings, RelatedItem, Subject
+from ..language.edition import EditionSource, MemberSpec, MessageSpec
+from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for path, values in _lists(subject.spec):
         first: dict[object, int] = {}
         for i, value in enumerate(values):
@@ -26,13 +26,13 @@ def check(subject: Subject) -> Findings:
                 text = f"`{setting}` is also in `limited_by`"
                 yield Finding(at, text, "remove one of them", related=(RelatedItem(other, "the other one"),))
     for message in subject.edition.all_messages():
-        for i, code in enumerate(message.accept):
+        for i, code in enumerate(message.accepted_codes):
             if message.keys and code == message.keys[0].value:
                 text = f"0x{code:02X} is already the code of this message"
                 yield Finding((*message.path, "accept", i), text, "remove it; `accept` is for additional codes")
 
 
-def _lists(spec: EditionSpec) -> Iterator[tuple[DocumentPath, Sequence[object]]]:
+def _lists(spec: EditionSource) -> Iterator[tuple[DocumentPath, Sequence[object]]]:
     yield ("languages",), spec.languages
     for name, mode in spec.bus.modes.items():
         yield ("bus", "modes", name, "bit_rates_kbps"), mode.bit_rates_kbps

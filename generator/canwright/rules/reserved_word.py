@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.edition import MessageSpec, keys
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 LAYOUTS = {"none": "no frame", "echo": "an echo of the request", "entry": "the layout of a table's entry"}
 VALUES = {"by": "the parameter that decides", "none": "an unknown value"}
 FIELDS = {"node": "the node of a frame", **dict.fromkeys(keys(MessageSpec), "a key of a message")}
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for name in subject.spec.layouts:
         yield from _if_reserved(("layouts", name), name, LAYOUTS)
     for name, parameter in subject.spec.parameters.items():

@@ -7,19 +7,19 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath, Severity
-from ..language.edition import EditionSpec
+from ..language.edition import EditionSource
 from ..language.golden_frames import GoldenFrames
 from ..model.edition import Edition
 
 
-class Subject(NamedTuple):
+class CheckInput(NamedTuple):
     """A spec as it is written, as it resolves, and its golden frames where it has any.
 
     A `partial` one lacks the commands that errors affect.
     """
 
     edition: Edition
-    spec: EditionSpec
+    spec: EditionSource
     frames: GoldenFrames | None
     partial: bool = False
 
@@ -78,6 +78,6 @@ class Rule(NamedTuple):
 
     id: str
     purpose: str
-    check: Callable[[Subject], Findings] | None = None
+    check: Callable[[CheckInput], Findings] | None = None
     severity: Severity = Severity.ERROR
     phase: Phase = Phase.PARTS

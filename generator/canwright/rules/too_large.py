@@ -20,11 +20,11 @@ from ..model.layout import Field, Layout
 from ..model.message import LISTED_NODES, Command, Message
 from ..model.metadata import Effect, Setting
 from ..model.types import Text, Type
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
-MOST_COMBINATIONS = 64
+MAX_COMBINATIONS = 64
 """The maximum number of combinations of choices among names; each has its own files."""
-MOST_SIZE = 140_000
+MAX_SIZE = 140_000
 """The maximum size: at most about 10 seconds of processor time, and 300 MB."""
 VARIABLE = "CANWRIGHT_MAX_SIZE"
 """The environment variable with another maximum, for specs of the user's own; a spec cannot set it."""
@@ -67,11 +67,11 @@ class Size(NamedTuple):
     size: float
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     edition = subject.edition
     combinations = _combinations(edition)
-    if combinations > MOST_COMBINATIONS:
-        text = f"{combinations} combinations of choices exceed the maximum of {MOST_COMBINATIONS}"
+    if combinations > MAX_COMBINATIONS:
+        text = f"{combinations} combinations of choices exceed the maximum of {MAX_COMBINATIONS}"
         hint = "merge choices that depend on each other, or split the protocol"
         yield Finding(("parameters",), text, hint, key=True)
         return
@@ -92,7 +92,7 @@ def check(subject: Subject) -> Findings:
 def _maximum() -> int:
     """The maximum size: that of the environment, if it is a number."""
     given = os.environ.get(VARIABLE, "")
-    return int(given) if re.fullmatch(r"[0-9]{1,9}", given) else MOST_SIZE
+    return int(given) if re.fullmatch(r"[0-9]{1,9}", given) else MAX_SIZE
 
 
 def _combinations(edition: Edition) -> int:
@@ -102,7 +102,7 @@ def _combinations(edition: Edition) -> int:
 def _sizes(edition: Edition, combinations: int) -> Iterator[Size]:
     elements, listed, texts = cache(_elements), cache(_listed), cache(_texts_of_layout)
     for message in edition.all_messages():
-        yield Size(Part.MESSAGES, message.path, MESSAGE + CODE * len(message.accept) + elements(message.layout))
+        yield Size(Part.MESSAGES, message.path, MESSAGE + CODE * len(message.accepted_codes) + elements(message.layout))
         yield Size(Part.IDS, message.path, _ids(message, combinations) * listed(message.layout))
         yield Size(Part.TEXTS, message.path, texts(message.layout))
     for layout in {**dict.fromkeys(edition.layouts), **{m.layout: None for m in edition.all_messages()}}:
@@ -129,7 +129,7 @@ def _sizes(edition: Edition, combinations: int) -> Iterator[Size]:
     )
 
 
-def _sizes_of_frames(subject: Subject) -> Iterator[Size]:
+def _sizes_of_frames(subject: CheckInput) -> Iterator[Size]:
     frames = subject.frames
     number = len(frames.frames) + len(frames.refused) + len(frames.exchanges) if frames else 0
     yield Size(Part.FRAMES, ("commands",), FRAME * number)
@@ -148,7 +148,7 @@ def _listed(layout: Layout) -> float:
 def _ids(message: Message, combinations: int) -> int:
     """How often an output lists a message."""
     nodes = min(len(message.id.nodes), LISTED_NODES) + 1 if message.id.nodes else 1
-    return nodes * combinations * max(1, len(message.claims))
+    return nodes * combinations * max(1, len(message.identifying_codes))
 
 
 def _type(type_: Type) -> float:

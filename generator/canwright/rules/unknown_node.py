@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for command in subject.edition.commands:
         nodes = command.reply.id.nodes if command.reply else None
         unknown = [node for node in command.from_each if nodes is None or node not in nodes]

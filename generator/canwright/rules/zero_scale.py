@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from .rule import Finding, Findings, Subject
+from .rule import CheckInput, Finding, Findings
 
 
-def check(subject: Subject) -> Findings:
+def check(subject: CheckInput) -> Findings:
     for type_ in subject.edition.types:
         if any(linear is not None and linear.scale == 0 for _, linear in type_.linear.distinct()):
             text = "a scale of 0 makes all values equal"

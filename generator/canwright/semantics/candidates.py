@@ -15,7 +15,7 @@ def answers_by_request(edition: Edition) -> Sequence[Message]:
     return [
         reply
         for reply in edition.messages(Direction.REPLY)
-        if reply.keys and not {reply.keys[0].value, *reply.accept} <= {*reply.claims}
+        if reply.keys and not {reply.keys[0].value, *reply.accepted_codes} <= {*reply.identifying_codes}
     ]
 
 

@@ -20,7 +20,7 @@ from ..model.layout import Field, Variant
 from ..model.message import BitRun, Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Encoding, Linear, Type
-from .dispatch import Length, MaskedId, Match, Node, Route, Select, Subject, dispatch_plan
+from .dispatch import Discriminator, DispatchNode, Length, MaskedId, Match, Route, Select, dispatch_plan
 from .frame import CanFrame, Raw, difference, node_in_id, raw_of, raws, read_bits, wrong_constants
 
 Value = Fraction | str | list[str] | None
@@ -82,7 +82,7 @@ class Decoder:
             return Rejection(_REASONS.get(wrong.part, Refusal.UNKNOWN_ID), wrong.text)
         return _fields(Identified(message, node_in_id(message, frame)), frame, assignment)
 
-    def decisions(self, direction: Direction, frame: CanFrame) -> Node | None:
+    def decisions(self, direction: Direction, frame: CanFrame) -> DispatchNode | None:
         """The decisions between the messages that have the id of a frame; None without such a message."""
         found = self._route(direction, frame)
         return None if found is None else found[0].then
@@ -178,7 +178,7 @@ def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
     return linear.at({linear.times: number}) if number > 0 else None
 
 
-def _message(node: Node, direction: Direction, frame: CanFrame) -> Message | Rejection:
+def _message(node: DispatchNode, direction: Direction, frame: CanFrame) -> Message | Rejection:
     """The message of a frame: follows the tree of a route."""
     path: list[tuple[Select, int]] = []
     while isinstance(node, Select):
@@ -190,7 +190,7 @@ def _message(node: Node, direction: Direction, frame: CanFrame) -> Message | Rej
     )
 
 
-def _read(subject: Subject, frame: CanFrame) -> int:
+def _read(subject: Discriminator, frame: CanFrame) -> int:
     if isinstance(subject, Length):
         return len(frame.data)
     if isinstance(subject, MaskedId):

@@ -29,7 +29,7 @@ class Length:
     """The number of data bytes."""
 
 
-Subject = BitRun | MaskedId | Length
+Discriminator = BitRun | MaskedId | Length
 
 
 @dataclass(frozen=True)
@@ -50,24 +50,24 @@ class Case(NamedTuple):
     """The values of a subject that lead to one node."""
 
     values: tuple[int, ...]
-    then: Node
+    then: DispatchNode
 
 
 @dataclass(frozen=True)
 class Select:
     """A decision on the value of a subject: the node of its case, else `otherwise`."""
 
-    subject: Subject
+    subject: Discriminator
     cases: tuple[Case, ...]
-    otherwise: Node
+    otherwise: DispatchNode
 
     @cached_property
-    def by_value(self) -> Mapping[int, Node]:
+    def by_value(self) -> Mapping[int, DispatchNode]:
         """The next node of each value that has a case."""
         return {value: case.then for case in self.cases for value in case.values}
 
 
-Node = Select | Match | Reject
+DispatchNode = Select | Match | Reject
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Route:
     remote: bool
     mask: int
     messages: tuple[Message, ...]
-    then: Node
+    then: DispatchNode
 
     def contains(self, id_: int) -> bool:
         """Whether an id belongs to this rule, with any values of keys and fields."""
@@ -178,7 +178,7 @@ def _conditions(message: Message) -> Iterator[Conditions]:
         yield ()
         return
     first, *others = message.keys
-    for value in message.claims:
+    for value in message.identifying_codes:
         yield ((_bits(first), value), *((_bits(key), key.value) for key in others))
 
 
@@ -189,7 +189,7 @@ class _Tree:
         self._mask = mask
         self._any_length = any_length
 
-    def of(self, candidates: Sequence[_Candidate]) -> Node:
+    def of(self, candidates: Sequence[_Candidate]) -> DispatchNode:
         """The decisions between candidates: the first whose conditions are met is the result."""
         if not candidates:
             return Reject(Refusal.UNKNOWN_CODE)
@@ -197,7 +197,7 @@ class _Tree:
             return self._by_length(candidates[0].messages)
         return self._select(candidates[0].conditions[0][0], candidates)
 
-    def _select(self, subject: BitRun, candidates: Sequence[_Candidate]) -> Node:
+    def _select(self, subject: BitRun, candidates: Sequence[_Candidate]) -> DispatchNode:
         others: list[_Candidate] = []
         """Candidates without a condition on the subject: they remain for every value."""
         by_value: dict[int, list[_Candidate]] = {}
@@ -217,7 +217,7 @@ class _Tree:
                 cases.append(Case((value,), then))
         return Select(subject, tuple(cases), self.of(others))
 
-    def _by_length(self, messages: Sequence[Message]) -> Node:
+    def _by_length(self, messages: Sequence[Message]) -> DispatchNode:
         """The decision by length between messages with the same keys; no other message is tried."""
         wrong_length = Reject(Refusal.WRONG_LENGTH)
         first = messages[0]
@@ -230,7 +230,7 @@ class _Tree:
         cases = tuple(Case((m.dlc,), self._without_unused(m, Match(m))) for m in ordered)
         return Select(Length(), cases, self._without_unused(first, wrong_length))
 
-    def _without_unused(self, message: Message, then: Node) -> Node:
+    def _without_unused(self, message: Message, then: DispatchNode) -> DispatchNode:
         """Rejects ids with bits that other messages of the route fill and this message does not."""
         unused = self._mask & ~message.id_mask
         return Select(MaskedId(unused), (Case((0,), then),), Reject(Refusal.UNKNOWN_ID)) if unused else then

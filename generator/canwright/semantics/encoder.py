@@ -32,7 +32,7 @@ class Encoders:
     def __init__(self) -> None:
         self._known: dict[tuple[tuple[str, int | str], ...], Encoder] = {}
 
-    def under(self, parameters: Mapping[str, int | str]) -> Encoder:
+    def for_parameters(self, parameters: Mapping[str, int | str]) -> Encoder:
         key = tuple(parameters.items())
         known = self._known.get(key)
         if known is None:

@@ -156,4 +156,4 @@ def difference(message: Message, frame: CanFrame) -> Difference | None:
 def _has_key(message: Message, index: int, frame: CanFrame) -> bool:
     key = message.keys[index]
     found = read_bits(key, frame)
-    return found == key.value or (index == 0 and found in (*message.accept, *message.claims))
+    return found == key.value or (index == 0 and found in (*message.accepted_codes, *message.identifying_codes))

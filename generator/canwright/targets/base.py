@@ -16,7 +16,7 @@ PACKAGE_VERSION = "0.1.0"
 """The version of generated packages: that of canwright, since the names in generated code depend on it."""
 
 
-class Specification(NamedTuple):
+class EditionInput(NamedTuple):
     """An edition with its golden frames, where it has any: the input of a target."""
 
     edition: Edition
@@ -83,7 +83,7 @@ class Target(ABC):
     """What reports call the target, such as `C`."""
 
     @abstractmethod
-    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
         """The files for the editions, which may be of several families.
 
         `set_parameters` are values of parameters to fix in the output, by name; a target that leaves them to its user
@@ -121,7 +121,7 @@ class TargetWithOptions(Target):
 
     @abstractmethod
     def generate(
-        self, specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = EVERYTHING
     ) -> Iterator[Output]:
         """As in `Target`; `options` are what the user selected."""
 

@@ -14,7 +14,7 @@ from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding
 from canwright.targets import c as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ...compilers import build
 from ..adapter import (
@@ -55,7 +55,7 @@ class CAdapter(Adapter):
         weakref.finalize(self, _end, self._process)
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> CAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> CAdapter:
         """Compiles a program around the generated headers."""
         folder = write_files(target.generate([specification], {}), workdir)
         source = folder / "harness.c"

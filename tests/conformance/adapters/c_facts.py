@@ -26,8 +26,8 @@ from canwright.semantics.decoder import Rejection, linear_of
 from canwright.semantics.encoder import Encoder
 from canwright.targets.c.names import Names, layouts
 
-from ...assurance.floating import DOUBLE, SINGLE, bits_of, is_finite, number_of
 from ...float_rule import nearest_integer
+from ...verification.floating import DOUBLE, SINGLE, bits_of, is_finite, number_of
 from ..adapter import Parameters, Refused, assignment
 from .c_signatures import functions
 from .reference import as_double

@@ -13,7 +13,7 @@ from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.targets import columns as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.columns.files import package_name
 from canwright.targets.columns.view import columns_of, constant_name
 
@@ -48,7 +48,7 @@ class ColumnsAdapter(DecodeOnlyAdapter):
         self._decoders: dict[tuple[tuple[str, int | str], ...], Any] = {}
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> ColumnsAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> ColumnsAdapter:
         folder = write_files(target.generate([specification], {}), workdir)
         package = package_name(specification.edition.family)
         module, runtime = load(folder, f"{package}.{specification.edition.identifier}", f"{package}._columns")

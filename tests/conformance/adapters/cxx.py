@@ -10,7 +10,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.types import Encoding
 from canwright.targets import c as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.c.choices import enumerator_numbers
 from canwright.targets.c.cxx import CxxView, FieldView, cxx_view
 from canwright.targets.c.names import layouts, member
@@ -31,7 +31,7 @@ class CxxAdapter(CAdapter):
     reports_absent = True
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> CxxAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> CxxAdapter:
         """Compiles a program around the generated header."""
         folder = write_files(target.generate([specification], {}), workdir)
         source = folder / "harness.cpp"

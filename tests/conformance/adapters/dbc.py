@@ -19,7 +19,7 @@ from canwright.model.types import Assignment
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.dispatch import dispatch_plan
 from canwright.semantics.frame import has_id, is_message, raw_of, wrong_constants
-from canwright.targets.base import Options, Specification
+from canwright.targets.base import EditionInput, Options
 from canwright.targets.dbc.files import files, traffics
 from canwright.targets.dbc.frames import obstacle
 from canwright.targets.dbc.printer import printed
@@ -52,7 +52,7 @@ class DbcAdapter(Adapter):
         "lengths": "all messages of one id have one length",
     }
 
-    def __init__(self, specification: Specification) -> None:
+    def __init__(self, specification: EditionInput) -> None:
         super().__init__(specification.edition)
         self._decoder = Decoder(specification.edition)
         self._traffics = traffics(self.edition)
@@ -70,7 +70,7 @@ class DbcAdapter(Adapter):
         self._deciding = {name for m in self.edition.all_messages() for f in m.layout.fields for name in f.type.numbers}
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> DbcAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> DbcAdapter:
         """Needs no files: cantools loads texts."""
         return cls(specification)
 

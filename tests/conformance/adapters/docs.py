@@ -14,7 +14,7 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.targets import docs as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ..adapter import Adapter, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
 from .docs_tables import FieldRow, MessagePage, Scale, forms, message, plain, tables
@@ -45,7 +45,7 @@ class DocsAdapter(Adapter):
             self._in_id[direction, page.rule] |= page.in_id
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> DocsAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> DocsAdapter:
         """Reads the generated pages back."""
         pages = {output.path: output.text for output in target.generate([specification], {})}
         return cls(specification.edition, {path: text for path, text in pages.items() if path.startswith("en/")})

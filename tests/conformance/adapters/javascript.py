@@ -15,7 +15,7 @@ from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.targets import javascript as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.javascript.package import module_path
 
 from ...node import NODE
@@ -41,7 +41,7 @@ class JavaScriptAdapter(Adapter):
         weakref.finalize(self, _end, self._node)
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> JavaScriptAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> JavaScriptAdapter:
         folder = write_files(target.generate([specification], {}), workdir)
         return cls(specification.edition, folder / f"{module_path(specification.edition)}.js")
 

@@ -16,7 +16,7 @@ from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.semantics.decoder import Decoder, Rejection
 from canwright.targets import python as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.python.text import attribute, class_name
 
 from ..adapter import (
@@ -56,7 +56,7 @@ class PythonAdapter(Adapter):
         self._names = {attribute(f.name): f.name for m in edition.all_messages() for f in m.layout.fields}
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> PythonAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> PythonAdapter:
         """Imports the generated package under a name of its own."""
         folder = write_files(target.generate([specification], {}), workdir)
         return cls(specification.edition, load(folder, specification.edition))

@@ -15,7 +15,7 @@ from canwright.semantics.decoder import Decoder, Rejection, Value as ModelValue
 from canwright.semantics.encoder import Encoders
 from canwright.semantics.exchange import check_reply
 from canwright.semantics.frame import node_of
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ...float_rule import effective
 from ..adapter import (
@@ -43,7 +43,7 @@ class ReferenceAdapter(Adapter):
         self._encoders = Encoders()
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> ReferenceAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> ReferenceAdapter:
         """Needs no files."""
         return cls(specification.edition)
 
@@ -65,13 +65,13 @@ class ReferenceAdapter(Adapter):
         """Whether the value of a field depends on a missing parameter."""
         if not field.type.is_number or not (field.type.linear.parameter or field.type.times):
             return False
-        found = self._encoders.under(parameters).nearest_raw(field, Fraction(0))
+        found = self._encoders.for_parameters(parameters).nearest_raw(field, Fraction(0))
         return isinstance(found, Rejection) and found.reason is Refusal.MISSING_PARAMETER
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
-        encoder = self._encoders.under(parameters)
+        encoder = self._encoders.for_parameters(parameters)
         return _encoded(encoder.encode_raws(self.message_of(direction, command), node, raw))
 
     def encode_values(
@@ -83,7 +83,7 @@ class ReferenceAdapter(Adapter):
         parameters: Parameters,
     ) -> Encoded | Refused:
         """Fractions that are doubles are converted as targets convert doubles."""
-        encoder = self._encoders.under(parameters)
+        encoder = self._encoders.for_parameters(parameters)
         message = self.message_of(direction, command)
         fields = {field.name: field for field in message.layout.fields}
         given = {

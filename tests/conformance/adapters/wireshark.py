@@ -12,7 +12,7 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.targets import wireshark as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ..adapter import CanFrame, Cannot, Decoded, DecodeOnlyAdapter, Parameters, Refused, Value
 
@@ -121,7 +121,7 @@ class WiresharkAdapter(DecodeOnlyAdapter):
         self._decoders = [LuaDecoder(runtime(unpack_returned_tuples=False), source, edition) for runtime in RUNTIMES]
 
     @classmethod
-    def create(cls, specification: Specification, workdir: Path) -> WiresharkAdapter:
+    def create(cls, specification: EditionInput, workdir: Path) -> WiresharkAdapter:
         """Loads the generated file in each version of Lua."""
         outputs = {output.path: output.text for output in target.generate([specification], {})}
         return cls(specification.edition, outputs[f"{specification.edition.family}.lua"])

@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Iterator, Mapping, Sequence
 
-from canwright import DocumentPath, Edition, NameProblem, Output, Specification, Target
+from canwright import DocumentPath, Edition, EditionInput, NameProblem, Output, Target
 
 COLUMNS = ("message", "direction", "field", "bits", "type", "unit")
 RESERVED = frozenset({"group", "order", "select"})
@@ -18,7 +18,7 @@ class CsvTarget(Target):
 
     title = "CSV"
 
-    def generate(self, specifications: Sequence[Specification], set_parameters: Mapping[str, str]) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[EditionInput], set_parameters: Mapping[str, str]) -> Iterator[Output]:
         for edition, _ in specifications:
             table = io.StringIO()
             writer = csv.writer(table, lineterminator="\n")

@@ -29,9 +29,9 @@ from .nodes import Nodes
 from .reading import Reading, Transfer, parameters_of, shown
 from .witness import Aspect, Observation, Witness
 
-MOST_NODES = 64
+MAX_NODES = 64
 """So many nodes are tried where an id rule differs: the first ones, and as many of the last ones."""
-MOST_FIELDS = 4
+MAX_FIELDS = 4
 """So many fields of a foreign message are shown."""
 
 
@@ -146,7 +146,7 @@ class Behaviour:
                     yield self._absent(missing, "received-removed", old.reply, assignment)
 
     def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
-        groups = tuple(dict.fromkeys((*(command.group for command in case.both), *self._owners(case))))
+        groups = tuple(dict.fromkeys((*(command.spec_name for command in case.both), *self._owners(case))))
         available, same = [command.only for command in case.both], self._has_same_origin(case.side, sent, read)
         receiver = self._decoders[case.side][1]
         transfer = Transfer(case.side, groups, available, sent, read, self._nodes.of(sent), same, receiver)
@@ -182,7 +182,7 @@ class Behaviour:
         self, old: Command, new: Command, sent: Message, read: Message
     ) -> Iterator[tuple[CanFrame, int | None, CanFrame]]:
         """Requests of the old host with a node and its reply; for an echo also replies with the data of the request."""
-        encoder = self._encoders.under(self._assignments.first)
+        encoder = self._encoders.for_parameters(self._assignments.first)
         if old.request is None:
             return
         node = self._nodes.first(old.request, sent, read)
@@ -209,7 +209,7 @@ class Behaviour:
                 continue
             seen: set[object] = set()
             for known in (assignment, *self._with_other_ranges(assignment, sent)):
-                encoder = self._encoders.under({**self._assignments.first, **known})
+                encoder = self._encoders.for_parameters({**self._assignments.first, **known})
                 for aspect, node, frame, exists in self._frames(case.side, encoder, sent, read):
                     observation = self._outcome(case, known, encoder, sent, read, aspect, node, frame)
                     if observation is not None:
@@ -285,7 +285,7 @@ class Behaviour:
                 if self._is_valid(side, encoder, sent, original):
                     yield Aspect.IDENTITY, common, one, one == original
                     if side is Side.RECEIVING:
-                        for code in sent.accept:
+                        for code in sent.accepted_codes:
                             yield Aspect.IDENTITY, common, candidates.with_first_key(sent, one, code), one == original
         if read is not None and read.id != sent.id:
             for node in _nodes(sent.id):
@@ -395,7 +395,7 @@ class Behaviour:
             return
         host = self._decoders[Side.SENDING][0]
         for assignment in self._assignments.of(case.parameters):
-            encoder = self._encoders.under({**self._assignments.first, **assignment})
+            encoder = self._encoders.for_parameters({**self._assignments.first, **assignment})
             node = self._nodes.first(request, sent, read)
             asked = next(iter(self._samples(encoder, request, node)), None)
             repliers = new.from_each[:1] or self._asked(new, node)
@@ -406,7 +406,7 @@ class Behaviour:
                 (replier, one)
                 for replier in repliers
                 for reply in self._replies(encoder, new, asked, replier)
-                for one in (reply, *(candidates.with_first_key(sent, reply, code) for code in sent.accept))
+                for one in (reply, *(candidates.with_first_key(sent, reply, code) for code in sent.accepted_codes))
             )
             for replier, reply in replies:
                 placed = _moved(reply, sent.id, read.id, replier)
@@ -474,14 +474,14 @@ class Behaviour:
         """The commands whose replies those of a case are."""
         for edition, command in zip(self._editions[Side.SENDING], (case.old, case.new), strict=True):
             if command is not None and command.reply is not None:
-                yield edition.command(command.reply.command).group
+                yield edition.command(command.reply.command).spec_name
 
     def _absent(self, case: _Case, sentence: str, read: Message, assignment: Assignment | None = None) -> Observation:
         facts = {"read": f"`{read.command}`"}
         return self._made(case, Aspect.PRESENCE, Impact.LOUD, assignment or {}, None, sentence, facts)
 
     def _first(self, message: Message) -> CanFrame | None:
-        encoder = self._encoders.under(self._assignments.first)
+        encoder = self._encoders.for_parameters(self._assignments.first)
         return next(iter(self._samples(encoder, message, self._common_node(message, message))), None)
 
     def _made(
@@ -499,7 +499,7 @@ class Behaviour:
         messages = [m for c in case.both for m in (c.request, c.reply) if m is not None]
         paths: list[DocumentPath] = [("addresses", m.address) for m in messages]
         paths += [c.entry.path for c in commands if c.entry is not None]
-        groups = tuple(dict.fromkeys((*(c.group for c in commands), *self._owners(case))))
+        groups = tuple(dict.fromkeys((*(c.spec_name for c in commands), *self._owners(case))))
         witness = Witness(case.side, impact, assignment, frame, sentence, facts)
         return Observation(aspect, witness, groups, tuple(dict.fromkeys(paths)))
 
@@ -519,7 +519,7 @@ def _stated(known: Assignment, encoder: Encoder, *messages: Message) -> Assignme
 def _first_fields(message: Message, encoder: Encoder) -> list[Field]:
     """The fields of a message that are shown: the first ones, by their bits."""
     fields = (encoder.fields(message) or {}).values()
-    return sorted(fields, key=lambda field: (field.space, field.elements[0].bits))[:MOST_FIELDS]
+    return sorted(fields, key=lambda field: (field.space, field.elements[0].bits))[:MAX_FIELDS]
 
 
 def _whole(message: Message, encoder: Encoder, frame: CanFrame) -> str:
@@ -532,9 +532,9 @@ def _nodes(rule: IdRule) -> Sequence[int | None]:
     """Nodes of a rule: all, or the first and the last ones."""
     if rule.nodes is None:
         return [None]
-    if len(rule.nodes) <= 2 * MOST_NODES:
+    if len(rule.nodes) <= 2 * MAX_NODES:
         return list(rule.nodes)
-    return [*rule.nodes[:MOST_NODES], *rule.nodes[-MOST_NODES:]]
+    return [*rule.nodes[:MAX_NODES], *rule.nodes[-MAX_NODES:]]
 
 
 def _moved(frame: CanFrame, old: IdRule, new: IdRule, node: int | None) -> CanFrame | None:

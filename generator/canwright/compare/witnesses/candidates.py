@@ -11,13 +11,13 @@ from ...model.layout import Field, NodeRole, Segment, Space
 from ...model.message import BitRun, Direction, Message
 from ...model.types import Assignment, Bound, Encoding, Type
 from ...semantics.decoder import Decoder, Identified
-from ...semantics.dispatch import Length, MaskedId, Node, Select
+from ...semantics.dispatch import DispatchNode, Length, MaskedId, Select
 from ...semantics.encoder import Encoder
 from ...semantics.frame import CanFrame, Raw, data_bits, read_bits
 
-MOST_FRAMES = 64
+MAX_FRAMES = 64
 """So many frames of one message are tried for the decisions of the other edition."""
-MOST_MEMBERS = 256
+MAX_MEMBERS = 256
 """So many members of an enum are tried; of two editions, those that differ come first."""
 
 
@@ -43,7 +43,7 @@ def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:
             (m.name, m.value) for m in other.enum or other.flags
         }
         first = sorted(value for _, value in differing)
-        values = list(dict.fromkeys((*first, *sorted(named))))[:MOST_MEMBERS]
+        values = list(dict.fromkeys((*first, *sorted(named))))[:MAX_MEMBERS]
         yield from (values if one.enum else (1 << value for value in values if 0 <= value < one.width))
         if one.flags:
             yield from (0, sum(1 << m.value for m in one.flags))
@@ -93,13 +93,13 @@ def variable_bits(encoder: Encoder, message: Message) -> int:
 
 
 def reaching(decoder: Decoder, direction: Direction, frame: CanFrame, variable: int) -> Iterator[CanFrame]:
-    """Frames as this one, with other values in `variable` data bits, for each decision on them; at most `MOST_FRAMES`."""
+    """Frames as this one, with other values in `variable` data bits, for each decision on them; at most `MAX_FRAMES`."""
     node = decoder.decisions(direction, frame)
     if node is None or frame.remote:
         yield frame
         return
     size = len(frame.data)
-    left = MOST_FRAMES
+    left = MAX_FRAMES
     for data in _data(node, frame, int.from_bytes(frame.data, "little"), variable):
         yield CanFrame(frame.id, data.to_bytes(size, "little"), frame.extended)
         left -= 1
@@ -107,7 +107,7 @@ def reaching(decoder: Decoder, direction: Direction, frame: CanFrame, variable: 
             return
 
 
-def _data(node: Node, frame: CanFrame, data: int, variable: int) -> Iterator[int]:
+def _data(node: DispatchNode, frame: CanFrame, data: int, variable: int) -> Iterator[int]:
     """The data of a frame for each leaf that the variable bits can reach."""
     while isinstance(node, Select):
         subject = node.subject

@@ -11,7 +11,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.layout import MAX_DATA_BYTES, ConstantRole, Element, Field, NodeRole, ReservedRole, Space
 from ...model.message import Direction, Key, KeyRole, Message
-from ...model.types import IDENTITY, Assignment, Dependent, Encoding, Type
+from ...model.types import IDENTITY, Assignment, ByParameter, Encoding, Type
 from ...semantics.decoder import Decoder, Identified, Value, field_value, is_finite, rejects_constants, value_of
 from ...semantics.encoder import Encoder, Encoders
 from ...semantics.frame import CanFrame, Raw, data_bits, difference, has_id_rule, raw_of, wrong_constants
@@ -75,7 +75,7 @@ class Reading:
                 yield from self._under(transfer, assignment)
 
     def _under(self, transfer: Transfer, assignment: Assignment) -> Iterator[Observation]:
-        encoder = self._encoders.under({**self._assignments.first, **assignment})
+        encoder = self._encoders.for_parameters({**self._assignments.first, **assignment})
         fields, read = encoder.fields(transfer.sent), transfer.read.layout.variant(encoder.assignment)
         nodes = transfer.nodes
         base = candidates.base_raws(encoder, transfer.sent, nodes[0] if nodes else None)
@@ -135,7 +135,7 @@ class Reading:
         names = [name for f in fields for name in parameters_of(f.type) if name not in known]
         for more in self._assignments.of(names):
             assignment = {**known, **more}
-            yield assignment, self._encoders.under({**encoder.assignment, **assignment})
+            yield assignment, self._encoders.for_parameters({**encoder.assignment, **assignment})
 
 
 class _Pair:
@@ -406,8 +406,8 @@ def _constant(key: Key) -> Field:
         encoding=Encoding.UNSIGNED,
         order=key.order,
         unit=None,
-        linear=Dependent.always(IDENTITY),
-        raw_range=Dependent.always(None),
+        linear=ByParameter.always(IDENTITY),
+        raw_range=ByParameter.always(None),
         enum=(),
         flags=(),
         plausible=None,

@@ -12,7 +12,7 @@ from jinja2 import Environment, Template
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import PACKAGE_VERSION, CodeExample, Output, Specification, WorkedExchange
+from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
 from .command_example import command_example
 from .cxx import cxx_example, cxx_view
 from .examples import example
@@ -46,7 +46,7 @@ class FamilyView(NamedTuple):
     examples: tuple[str, ...]
 
 
-def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+def generate(specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
     """Headers, packages for CMake, pkg-config, Arduino and PlatformIO, and examples; nothing without an edition.
 
     Parameters are not fixed; they are arguments of functions.
@@ -107,7 +107,7 @@ def _program_template() -> Template:
 
 
 def _headers(
-    env: Environment, family: FamilyView, editions: Sequence[tuple[Specification, EditionView]]
+    env: Environment, family: FamilyView, editions: Sequence[tuple[EditionInput, EditionView]]
 ) -> Iterator[Output]:
     """The headers of a family, and those through which Arduino finds them."""
     lines = "".join(f"/* {line} */\n" for line in family.headers)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from ...model.edition import Edition
-from ...model.types import Dependent, Parameter
+from ...model.types import ByParameter, Parameter
 from .names import Names, member
 from .text import english
 
@@ -66,7 +66,7 @@ class ParameterView(NamedTuple):
     enumerators: tuple[EnumeratorView, ...]
 
 
-def choose(names: Names, dependent: Dependent[T], view: Callable[[T | None], A], unknown: A) -> Choice[A]:
+def choose(names: Names, dependent: ByParameter[T], view: Callable[[T | None], A], unknown: A) -> Choice[A]:
     """The views of a dependent value by parameter value; `unknown` if the parameter is not given."""
     if dependent.parameter is None:
         return Choice(subject=None, cases=(), otherwise=view(dependent.constant))

@@ -8,7 +8,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field, NodeRole, Space
-from ...model.types import IDENTITY, Dependent, Encoding, Linear, Type
+from ...model.types import IDENTITY, ByParameter, Encoding, Linear, Type
 from .text import english
 
 
@@ -50,7 +50,7 @@ def _scale(type_: Type, among: Sequence[str]) -> str:
     unit = type_.unit.dbc if type_.unit else ""
     if not type_.is_number:
         return ""
-    if type_.encoding is Encoding.FLOAT and type_.linear == Dependent.always(IDENTITY):
+    if type_.encoding is Encoding.FLOAT and type_.linear == ByParameter.always(IDENTITY):
         return f"In {unit}, as the bits of an IEEE 754 number." if unit else "The bits of an IEEE 754 number."
     known = [(_among(names, among), linear) for names, linear in type_.linear.distinct()]
     given = [

@@ -138,7 +138,7 @@ class _Printer:
         self._numbers = command_numbers(edition)
         self._type = names.lower("command_t")
 
-    def node(self, node: dispatch.Node, *, has_nodes: bool) -> NodeView:
+    def node(self, node: dispatch.DispatchNode, *, has_nodes: bool) -> NodeView:
         """The view of a node of the plan; with `has_nodes`, each message writes the node that its fields contain."""
         if isinstance(node, dispatch.Reject):
             return RejectView(node.reason.name)
@@ -175,7 +175,7 @@ class _Printer:
             yield CaseView(_labels(node.subject, values), then_)
 
 
-def _read(subject: dispatch.Subject) -> str:
+def _read(subject: dispatch.Discriminator) -> str:
     if isinstance(subject, dispatch.Length):
         return "frame->dlc"
     if isinstance(subject, dispatch.MaskedId):
@@ -183,11 +183,11 @@ def _read(subject: dispatch.Subject) -> str:
     return bits.key_value(subject)
 
 
-def _labels(subject: dispatch.Subject, values: Sequence[int]) -> tuple[str, ...]:
+def _labels(subject: dispatch.Discriminator, values: Sequence[int]) -> tuple[str, ...]:
     return tuple(bits.labels(subject, values) if isinstance(subject, BitRun) else (f"{value}u" for value in values))
 
 
-def _differs(subject: dispatch.Subject, values: Sequence[int]) -> str:
+def _differs(subject: dispatch.Discriminator, values: Sequence[int]) -> str:
     """The condition for a subject with none of the values."""
     read = operand(_read(subject))
     return joined("&&", [f"{read} != {label}" for label in _labels(subject, values)])
@@ -250,7 +250,7 @@ def _answering_codes(
     request: Message, reply: Message, codes: tuple[tuple[str, ...], ...]
 ) -> tuple[tuple[str, ...], ...]:
     """The codes of a reply; if the request has the same, the expressions that read them, equal for all commands."""
-    if request.keys == reply.keys and not reply.accept:
+    if request.keys == reply.keys and not reply.accepted_codes:
         return (tuple(operand(bits.key_value(key, "request")) for key in request.keys),)
     return codes
 

@@ -12,7 +12,7 @@ from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Encoding, Type
-from ..base import Specification
+from ..base import EditionInput
 from .names import Names, member
 from .numbers import integer
 from .types import TypeView
@@ -80,13 +80,13 @@ class ExampleView(NamedTuple):
         return [s.type_ for one in self.exchanges for s in one.reply.shown]
 
 
-def example(specification: Specification, view: EditionView) -> ExampleView:
+def example(specification: EditionInput, view: EditionView) -> ExampleView:
     """The example of an edition: the first commands with different replies, with golden frames if any."""
     return _Example(specification, view).view()
 
 
 class _Example:
-    def __init__(self, specification: Specification, view: EditionView) -> None:
+    def __init__(self, specification: EditionInput, view: EditionView) -> None:
         self._edition = specification.edition
         self._view = view
         self._names = Names(specification.edition)

@@ -70,7 +70,7 @@ def _patterns(message: Message) -> Iterator[tuple[int, int]]:
 def _key_values(message: Message, place: int) -> list[int]:
     """The bits of a key in the id, for each of its accepted values."""
     key = message.keys[place]
-    values = (key.value, *(message.accept if place == 0 else ()))
+    values = (key.value, *(message.accepted_codes if place == 0 else ()))
     return [_bits(key.segments, value) if key.space is Space.ID else 0 for value in values]
 
 

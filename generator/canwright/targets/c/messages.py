@@ -252,7 +252,7 @@ def _codes(message: Message) -> Iterator[tuple[str, ...]]:
         yield ()
         return
     rest = [bits.labels(key, [key.value])[0] for key in message.keys[1:]]
-    for value in dict.fromkeys((message.keys[0].value, *message.accept)):
+    for value in dict.fromkeys((message.keys[0].value, *message.accepted_codes)):
         yield (*bits.labels(message.keys[0], [value]), *rest)
 
 

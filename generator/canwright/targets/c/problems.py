@@ -39,7 +39,7 @@ def _headers(edition: Edition) -> Iterator[NameProblem]:
         yield NameProblem(("edition",), text, f"choose another name, for example v-{edition.name}")
 
 
-def between(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
+def edition_collisions(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
     """Names that two editions would have: the later edition, and a sentence."""
     owners: dict[str, Edition] = {}
     for edition in editions if len(editions) > 1 else ():

@@ -13,7 +13,7 @@ from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.frame import CanFrame, node_of
-from ..base import Specification
+from ..base import EditionInput
 from .names import Names, member
 from .numbers import integer
 from .view import DirectionView, EditionView, FrameView
@@ -68,12 +68,12 @@ class SelfTestView(NamedTuple):
     tables: tuple[Table, ...]
 
 
-def has_self_test(specification: Specification) -> bool:
+def has_self_test(specification: EditionInput) -> bool:
     """True if there are golden frames to replay."""
     return specification.frames is not None and bool(specification.frames.frames)
 
 
-def self_test(specification: Specification, view: EditionView) -> SelfTestView:
+def self_test(specification: EditionInput, view: EditionView) -> SelfTestView:
     """The self-test of an edition with golden frames.
 
     Omitted are values in units, and raw integers that the members of a struct cannot contain.

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import CodeExample, NameProblem, Output, Specification, Target, WorkedExchange
+from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
 from . import generate, program
 from .exported import exported_names
-from .problems import between, problems
+from .problems import edition_collisions, problems
 
 
 class CTarget(Target):
@@ -18,14 +18,14 @@ class CTarget(Target):
 
     title = "C"
 
-    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
         return problems(edition)
 
     def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
-        return between(editions)
+        return edition_collisions(editions)
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         return exported_names(edition)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.types import Bound, Dependent, Encoding, Linear, Member, Range, Type
+from ...model.types import Bound, ByParameter, Encoding, Linear, Member, Range, Type
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
 from .expressions import joined
@@ -159,13 +159,13 @@ def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
     return f"{ratio}.denominator == 0u", within
 
 
-def _float_ranges(type_: Type) -> Dependent[Range]:
+def _float_ranges(type_: Type) -> ByParameter[Range]:
     """The ranges of a float without its scale; those of the spec apply to the scaled value."""
     by = type_.linear.parameter or type_.raw_range.parameter
     if by is None:
-        return Dependent.always(_raw(type_.raw_range.constant, type_.linear.constant))
+        return ByParameter.always(_raw(type_.raw_range.constant, type_.linear.constant))
     cases = type_.linear.cases or type_.raw_range.cases
-    return Dependent(
+    return ByParameter(
         parameter=by,
         constant=None,
         cases={n: _raw(type_.raw_range.at({by: n}), type_.linear.at({by: n})) for n in cases},

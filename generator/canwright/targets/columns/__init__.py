@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import PACKAGE_VERSION, Output, Specification
+from ..base import PACKAGE_VERSION, EditionInput, Output
 from ..python.text import literal
 from . import bits, view
 from .files import SHARED, package_name
@@ -16,7 +16,7 @@ RUNTIME = Path(__file__).parent / "runtime"
 """The code that is the same for every protocol."""
 
 
-def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+def generate(specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
     """The distribution with a package for each family; nothing without an edition."""
     if not specifications:
         return

@@ -150,7 +150,7 @@ def route_views(
     return [(route, _node(route.then, numbers)) for route in routes]
 
 
-def _node(node: dispatch.Node, numbers: Mapping[Message, int]) -> NodeView:
+def _node(node: dispatch.DispatchNode, numbers: Mapping[Message, int]) -> NodeView:
     if isinstance(node, dispatch.Match):
         return str(numbers[node.message])
     if isinstance(node, dispatch.Reject):
@@ -160,7 +160,7 @@ def _node(node: dispatch.Node, numbers: Mapping[Message, int]) -> NodeView:
     return SelectView(read=_subject(node.subject), cases=tuple(cases), otherwise=_node(node.otherwise, numbers))
 
 
-def _subject(subject: dispatch.Subject) -> str:
+def _subject(subject: dispatch.Discriminator) -> str:
     if isinstance(subject, dispatch.Length):
         return "lengths"
     if isinstance(subject, dispatch.MaskedId):

@@ -10,14 +10,14 @@ from collections.abc import Iterator, Sequence
 
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import EVERYTHING, Options, Output, Specification
+from ..base import EVERYTHING, EditionInput, Options, Output
 from .files import files, traffics
 from .guide import Made, guide
 from .printer import printed
 
 
 def generate(
-    specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
+    specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = EVERYTHING
 ) -> Iterator[Output]:
     """The files of every edition, and a README.md with instructions."""
     made = [_made(one, set_parameters, options) for one in specifications]
@@ -28,7 +28,7 @@ def generate(
     yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(made)))
 
 
-def _made(specification: Specification, set_parameters: Assignment, options: Options) -> Made:
+def _made(specification: EditionInput, set_parameters: Assignment, options: Options) -> Made:
     both = traffics(specification.edition)
     own = tuple(files(specification.edition, both, set_parameters, options))
     return Made(specification, both, own, set_parameters)

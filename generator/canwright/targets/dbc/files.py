@@ -25,7 +25,7 @@ _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY
 _NO_NODE = "Vector__XXX"
 _VERSION_LENGTH = 32
 """A longer VERSION is an error in some readers, and so is a comma in it."""
-_MOST_NODES_IN_NAME = 8
+_MAX_NODES_IN_NAME = 8
 
 
 Traffics = Mapping[Direction, Traffic]
@@ -221,7 +221,7 @@ class _Files:
         """The selected nodes and the language, as parts of a file name."""
         nodes = self._options.nodes
         if nodes:
-            listed = "_".join(map(str, nodes)) if len(nodes) <= _MOST_NODES_IN_NAME else f"{nodes[0]}_to_{nodes[-1]}"
+            listed = "_".join(map(str, nodes)) if len(nodes) <= _MAX_NODES_IN_NAME else f"{nodes[0]}_to_{nodes[-1]}"
             yield f"node{listed}"
         if self._comments.language != ENGLISH:
             yield self._comments.language

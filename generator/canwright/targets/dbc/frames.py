@@ -120,7 +120,7 @@ def _parts(edition: Edition, direction: Direction) -> Iterator[Part]:
     for message in edition.messages(direction):
         if not obstacle(message):
             command, rest = edition.command(message.command), tuple(key.value for key in message.keys[1:])
-            for values in [(code, *rest) for code in message.claims] if message.keys else [()]:
+            for values in [(code, *rest) for code in message.identifying_codes] if message.keys else [()]:
                 yield Part(command, message, values)
 
 

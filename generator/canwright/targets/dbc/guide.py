@@ -11,7 +11,7 @@ from ...model.edition import Edition
 from ...model.message import LISTED_NODES, Direction
 from ...model.types import Assignment, Parameter
 from ...semantics import parameters
-from ..base import Specification, header
+from ..base import EditionInput, header
 from .comments import ENGLISH, languages
 from .fields import LETTER
 from .files import Traffics
@@ -69,7 +69,7 @@ class Example(NamedTuple):
 class Made(NamedTuple):
     """An edition with its files, and the parameters that are set."""
 
-    specification: Specification
+    specification: EditionInput
     traffics: Traffics
     files: tuple[File, ...]
     set_parameters: Assignment
@@ -132,7 +132,7 @@ def _selection(made: Made) -> Iterator[str]:
     yield from (f"--set {p.name}={p.values[-1].name}" for p in edition.parameters if p.is_choice)
 
 
-def _usual(specification: Specification, parameter: Parameter) -> str:
+def _usual(specification: EditionInput, parameter: Parameter) -> str:
     """A typical value of a number parameter: that of the first golden frame with one."""
     golden = specification.frames.frames if specification.frames else ()
     texts = (str(f.parameters[parameter.name]) for f in golden if parameter.name in f.parameters)
@@ -167,7 +167,7 @@ def _section(made: Made) -> Section:
 
 def _commands(edition: Edition, files: Sequence[File]) -> Iterable[str]:
     """The commands of the files of a table, by their names in the spec."""
-    groups = {command.name: command.group for command in edition.commands}
+    groups = {command.name: command.spec_name for command in edition.commands}
     selectors = (message.signals[0] for file in files for message in file.messages[:1])
     return dict.fromkeys(groups[name] for signal in selectors for _, name in signal.values if name in groups)
 
@@ -210,7 +210,7 @@ def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, s
                     )
 
 
-def _examples(specification: Specification, files: Sequence[File], direction: Direction) -> Iterator[Example]:
+def _examples(specification: EditionInput, files: Sequence[File], direction: Direction) -> Iterator[Example]:
     """Golden frames that a file describes without other parameters than those in its name."""
     golden = [f for f in specification.frames.frames if f.direction is direction] if specification.frames else []
     whole = [

@@ -92,7 +92,9 @@ def _shared_name(parts: Sequence[Part]) -> str:
     first, *others = parts
     if len(first.selectors) == 1:
         return first.command.name
-    return first.command.group if all(other.command.group == first.command.group for other in others) else ""
+    return (
+        first.command.spec_name if all(other.command.spec_name == first.command.spec_name for other in others) else ""
+    )
 
 
 def _names(named: Iterable[tuple[int, str, str]]) -> list[tuple[int, str]]:

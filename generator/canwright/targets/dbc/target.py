@@ -12,10 +12,10 @@ from ...model.types import Assignment
 from ..base import (
     EVERYTHING,
     CodeExample,
+    EditionInput,
     NameProblem,
     Options,
     Output,
-    Specification,
     TargetWithOptions,
     WorkedExchange,
 )
@@ -33,7 +33,7 @@ class DbcTarget(TargetWithOptions):
     languages = tuple(languages())
 
     def generate(
-        self, specifications: Sequence[Specification], set_parameters: Assignment, options: Options = EVERYTHING
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = EVERYTHING
     ) -> Iterator[Output]:
         return generate(specifications, set_parameters, options)
 

@@ -15,7 +15,7 @@ from ...templating import resources
 from ...templating.data_files import read_data
 from ...templating.environment import environment
 from ...templating.markup import block, code, markdown, xml
-from ..base import Output, Specification, header
+from ..base import EditionInput, Output, header
 from . import editions, guides
 from .common import Common
 from .links import COMMANDS, PICTURES, command_page, entry_anchor
@@ -42,7 +42,7 @@ class _Book(NamedTuple):
     """Variables of every template."""
 
 
-def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+def generate(specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
     """One folder for each language, with one folder for each edition; and data for the site."""
     env = environment(
         "docs",
@@ -79,7 +79,7 @@ def folders(editions: Sequence[Edition]) -> Mapping[Edition, str]:
     return {one: one.name if len(families) == 1 else f"{one.family}-{one.name}" for one in editions}
 
 
-def _books(specifications: Sequence[Specification], folders: Mapping[Edition, str]) -> Iterator[_Book]:
+def _books(specifications: Sequence[EditionInput], folders: Mapping[Edition, str]) -> Iterator[_Book]:
     wordings: Mapping[str, editions.Wording] = _words("changes")
     for language, labels in _words("labels").items():
         here = editions.in_order(d.edition for d in specifications if language in d.edition.languages)

@@ -19,7 +19,7 @@ from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame
 from ..base import WorkedExchange
 
-MOST_TRIED = 12
+MAX_TRIED = 12
 """Most frames of a direction that are tried as half of an exchange."""
 
 
@@ -38,10 +38,10 @@ class Choice:
         self._golden = golden
         self._decoder = Decoder(edition)
 
-    def of(self, command: Command) -> Chosen:
+    def select(self, command: Command) -> Chosen:
         """The frames of a command."""
         requests, replies = (self._ranked(command, direction) for direction in Direction)
-        exchange = self._exchange(command, requests[:MOST_TRIED], replies[:MOST_TRIED])
+        exchange = self._exchange(command, requests[:MAX_TRIED], replies[:MAX_TRIED])
         return Chosen(
             list(_shown(command.request, requests, exchange and exchange.request)),
             [] if command.is_echoed and requests else list(_shown(command.reply, replies, exchange and exchange.reply)),

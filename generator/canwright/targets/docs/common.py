@@ -107,7 +107,7 @@ class Common:
         groups = list(self.edition.groups.values())
         for previous, group, following in zip((None, *groups), groups, (*groups[1:], None), strict=False):
             first, entry = group[0], group[0].entry
-            chosen = [self._choice.of(command) for command in group]
+            chosen = [self._choice.select(command) for command in group]
             exchange = next((one.exchange for one in chosen if one.exchange), None)
             errata = list(dict.fromkeys(erratum for one in group for erratum in self._errata[one.name]))
             only = first.only if all(one.only == first.only for one in group) else {}
@@ -134,7 +134,7 @@ class Common:
                 )
                 for one, found in zip(group, chosen, strict=True)
             ]
-            yield Sheet(first.group, forms, exchange, list(self._programs(exchange)), view)
+            yield Sheet(first.spec_name, forms, exchange, list(self._programs(exchange)), view)
 
     def _programs(self, exchange: WorkedExchange | None) -> Iterator[Program]:
         for target in targets() if exchange else ():
@@ -153,7 +153,8 @@ class Common:
         drawn = list(self._drawn(command, message))
         request = command.request if direction is Direction.REPLY else None
         is_repeated = request is not None and (
-            command.is_echoed or (layout is request.layout and (message.keys, message.accept) == (request.keys, ()))
+            command.is_echoed
+            or (layout is request.layout and (message.keys, message.accepted_codes) == (request.keys, ()))
         )
         nodes = message.id.nodes
         return Side(

@@ -100,7 +100,7 @@ def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, st
     found: dict[tuple[str, str], list[tuple[str, Edition]]] = {}
     for folder, edition in editions:
         for command in edition.commands:
-            listed = found.setdefault((edition.family, command.group), [])
+            listed = found.setdefault((edition.family, command.spec_name), [])
             if (folder, edition) not in listed:
                 listed.append((folder, edition))
     return found
@@ -156,7 +156,7 @@ class Changed(NamedTuple):
     further: int
 
 
-MOST_CHANGES = 8
+MAX_CHANGES = 8
 """Most changes that are shown on the page of a command."""
 
 
@@ -177,7 +177,7 @@ def changed(
         verdict = labels[f"verdict_{change.impact.value}"]
         lines.append(f"**{verdict}** {line.what}{labels['colon']}{line.change}")
     distinct = tuple(dict.fromkeys(lines))
-    return Changed(old, distinct[:MOST_CHANGES], len(distinct[MOST_CHANGES:]))
+    return Changed(old, distinct[:MAX_CHANGES], len(distinct[MAX_CHANGES:]))
 
 
 def _frames(change: Change, language: str, wording: Wording) -> str:
@@ -222,13 +222,13 @@ def _commands(
     titles: dict[str, str] = {}
     for at, (folder, edition) in enumerate(editions):
         for command in edition.commands:
-            key = (command.code is None, command.code or 0, command.group)
+            key = (command.code is None, command.code or 0, command.spec_name)
             cells = rows.setdefault(key, ["—"] * len(editions))
             if cells[at] == "—":
                 cells[at] = _cell(folder, command, labels)
                 if command.name in changed.get(edition, ()):
                     cells[at] += f" {labels['changed_mark']}"
-                titles.setdefault(command.group, command.group_title[language])
+                titles.setdefault(command.spec_name, command.spec_title[language])
     return tuple(
         SupportLine(f"{code(name)}<br>{markdown(titles[name])}", tuple(cells))
         for (_, _, name), cells in sorted(rows.items())
@@ -236,7 +236,7 @@ def _commands(
 
 
 def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:
-    text = f"[{code_of(command)}]({folder}/{COMMANDS}{command.group}.md)"
+    text = f"[{code_of(command)}]({folder}/{COMMANDS}{command.spec_name}.md)"
     only = formatting.condition(command.only)
     text += f" {code(only)}" if only else ""
     return text if command.implemented else f"{text} {labels['unimplemented']}"

@@ -115,8 +115,8 @@ def _load(edition: Edition, language: str) -> Mapping[str, Any]:
         "nodes": edition.bus.max_nodes or 1,
         "commands": [
             {
-                "name": command.group,
-                "title": command.group_title[language],
+                "name": command.spec_name,
+                "title": command.spec_title[language],
                 "perNode": command.request is None or command.request.id.nodes is not None,
                 "request": message_bits(command.request) if command.request else None,
                 "reply": message_bits(command.reply) if command.reply else None,

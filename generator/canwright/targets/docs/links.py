@@ -18,7 +18,7 @@ PICTURES = "pictures"
 
 def command_page(command: Command) -> str:
     """The page of a command in the folder of command pages; an entry of a table is a section of it."""
-    return f"{command.group}.md" + (f"#{entry_anchor(command)}" if command.entry else "")
+    return f"{command.spec_name}.md" + (f"#{entry_anchor(command)}" if command.entry else "")
 
 
 def entry_anchor(command: Command) -> str:
@@ -47,8 +47,8 @@ def pages_of(edition: Edition, names: Sequence[str]) -> Mapping[str, str]:
     found: dict[str, str] = {}
     listed = set(names)
     for command in (edition.command(name) for name in names):
-        if command.entry is None or listed.issuperset(one.name for one in edition.forms(command.group)):
-            found[command.group] = f"{command.group}.md"
+        if command.entry is None or listed.issuperset(one.name for one in edition.forms(command.spec_name)):
+            found[command.spec_name] = f"{command.spec_name}.md"
         else:
             found[command.name] = command_page(command)
     return found

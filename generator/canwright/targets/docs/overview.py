@@ -50,7 +50,7 @@ def _line(edition: Edition, forms: Sequence[Command], labels: Labels, language: 
     replies = {tables.reply_form(edition, form, labels, COMMANDS) for form in forms}
     return Line(
         "<br>".join(dict.fromkeys(code(tables.code_of(form)) for form in forms if form.code is not None)),
-        f"[{markdown(first.group)}]({COMMANDS}{first.group}.md)<br>{markdown(first.group_title[language])}",
+        f"[{markdown(first.spec_name)}]({COMMANDS}{first.spec_name}.md)<br>{markdown(first.spec_title[language])}",
         replies.pop() if len(replies) == 1 else labels["of_entry"],
         code(formatting.condition(first.only)) if all(form.only == first.only for form in forms) else "",
         _effects(_common(forms)),

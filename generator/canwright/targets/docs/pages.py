@@ -174,7 +174,7 @@ class Pages:
 
     def states_after(self, command: Command) -> Sequence[State]:
         """The states that a command leads to."""
-        return [state for state in self._common.edition.states if command.group in state.entered_by]
+        return [state for state in self._common.edition.states if command.spec_name in state.entered_by]
 
     def states_without(self, effects: Sequence[Effect]) -> Iterator[tuple[State, Sequence[Effect]]]:
         """The states in which some of these effects do not occur, with those."""

@@ -89,7 +89,7 @@ def _commands(edition: Edition) -> Iterator[Record]:
             "kind": "command",
             "name": name,
             "code": ", ".join(dict.fromkeys(code for form in forms for code in _codes(form))),
-            "title": dict(first.group_title),
+            "title": dict(first.spec_title),
             "about": dict(first.about),
             "notes": [dict(note) for note in first.notes],
             "pages": [page_of(first).partition("#")[0]],

@@ -18,7 +18,7 @@ from .links import command_link
 
 Labels = Mapping[str, str]
 _FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
-MOST_MEMBERS = 8
+MAX_MEMBERS = 8
 """Most members shown in a row of a byte table; the page of types has all members with their titles."""
 
 
@@ -87,8 +87,8 @@ def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels:
     """The rows of the keys of a frame."""
     for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
         note = labels["selector_of_entry" if command.entry and key.role is KeyRole.INDEX else "selector"]
-        if i == 0 and message.accept:
-            accepted = ", ".join(code(f"0x{value:02X}") for value in message.accept)
+        if i == 0 and message.accepted_codes:
+            accepted = ", ".join(code(f"0x{value:02X}") for value in message.accepted_codes)
             note += f"{labels['and']}{labels['accepted']} {accepted}"
         yield Row(start.place, "", f"{start.raw}<br>{code(constant(key.value))}", "", "", "", note)
 
@@ -144,7 +144,7 @@ def deprecation(deprecated: Deprecation, labels: Labels) -> str:
 def _members(type_: Type, labels: Labels) -> str:
     """The names of values or bits if there are few: `0` `on` · `16` `off`."""
     members = type_.enum or type_.flags
-    if not members or len(members) > MOST_MEMBERS:
+    if not members or len(members) > MAX_MEMBERS:
         return ""
     listed = " · ".join(f"{code(str(member.value))} {code(member.name)}" for member in members)
     return f"<br>{labels['bits'] if type_.flags else ''}{listed}"

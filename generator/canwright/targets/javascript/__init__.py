@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import Output, Specification
+from ..base import EditionInput, Output
 from . import text
 from .declarations import declarations
 from .edition_source import EditionSource
@@ -19,7 +19,7 @@ from .package import RUNTIME, TEXTS, import_name, module_path, package, package_
 from .page import explorer
 
 
-def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+def generate(specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
     """The package; nothing without an edition."""
     if not specifications:
         return

@@ -7,7 +7,7 @@ from functools import cached_property
 from ...diagnostics.unicode_safety import visible
 from ...language.golden_frames import GoldenFrames
 from ...model.edition import Edition
-from ..base import Specification, header
+from ..base import EditionInput, header
 from . import text
 from .tables import EditionTables
 from .titles import titles
@@ -16,7 +16,7 @@ from .titles import titles
 class EditionSource:
     """The sources of one edition; each is printed once."""
 
-    def __init__(self, specification: Specification) -> None:
+    def __init__(self, specification: EditionInput) -> None:
         self.edition: Edition = specification.edition
         self.frames: GoldenFrames | None = specification.frames
         self.header = visible(header(self.edition))

@@ -12,7 +12,7 @@ from ...model.message import Direction
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame
-from ..base import Specification
+from ..base import EditionInput
 from ..nested_source import Code
 from . import text
 from .package import import_name
@@ -34,7 +34,7 @@ class Example:
     """Whether the request has fields."""
 
 
-def example(specifications: Sequence[Specification]) -> Example | None:
+def example(specifications: Sequence[EditionInput]) -> Example | None:
     """The first command with fields in both directions; with fields in its reply if there is none."""
     editions = [one.edition for one in specifications]
     first: Example | None = None
@@ -45,7 +45,7 @@ def example(specifications: Sequence[Specification]) -> Example | None:
     return first
 
 
-def _examples(item: Specification, editions: Sequence[Edition]) -> Iterator[Example]:
+def _examples(item: EditionInput, editions: Sequence[Edition]) -> Iterator[Example]:
     frames = item.frames.of_command if item.frames else {}
     decoder = Decoder(item.edition)
     for command in item.edition.commands:

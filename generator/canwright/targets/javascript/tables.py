@@ -8,7 +8,7 @@ from typing import TypeVar
 from ...model.edition import Edition
 from ...model.layout import Field, Layout, Segment, Space
 from ...model.message import BitRun, Command, Direction, IdRule, Message
-from ...model.types import Bound, Dependent, Linear, Parameter, Range, Type
+from ...model.types import Bound, ByParameter, Linear, Parameter, Range, Type
 from ...semantics import dispatch
 from ...semantics.candidates import answers_by_request
 from . import text
@@ -103,7 +103,7 @@ class EditionTables:
         for route in dispatch.dispatch_plan(self._edition, direction).routes:
             yield {**_rule(route.rule, route.remote, route.mask), "plan": self._plan(route.then)}
 
-    def _plan(self, node: dispatch.Node) -> Value:
+    def _plan(self, node: dispatch.DispatchNode) -> Value:
         if isinstance(node, dispatch.Reject):
             return node.reason.value
         if isinstance(node, dispatch.Match):
@@ -115,7 +115,7 @@ class EditionTables:
         return {"on": _subject(node.subject), "cases": cases, "otherwise": self._plan(node.otherwise)}
 
 
-def _subject(subject: dispatch.Subject) -> Value:
+def _subject(subject: dispatch.Discriminator) -> Value:
     if isinstance(subject, dispatch.Length):
         return "length"
     if isinstance(subject, dispatch.MaskedId):
@@ -142,7 +142,10 @@ def _rule(rule: IdRule, remote: bool, mask: int) -> dict[str, Value]:
 def _key(message: Message, number: int) -> Table:
     """The bits of a key with all accepted values; the first is the one that is sent."""
     found = message.keys[number]
-    values: Sequence[int] = (found.value, *((*message.accept, *message.claims) if number == 0 else ()))
+    values: Sequence[int] = (
+        found.value,
+        *((*message.accepted_codes, *message.identifying_codes) if number == 0 else ()),
+    )
     accepted: list[Value] = [text.integer(value, found.width) for value in dict.fromkeys(values)]
     return {"segments": segments(found.segments, found.space), "values": accepted}
 
@@ -171,10 +174,10 @@ def _type(type_: Type) -> Table:
     }
 
 
-NO_RANGE: Dependent[Range] = Dependent.always(None)
+NO_RANGE: ByParameter[Range] = ByParameter.always(None)
 
 
-def _dependent(of: Dependent[T], table: Callable[[T], Value]) -> Value:
+def _dependent(of: ByParameter[T], table: Callable[[T], Value]) -> Value:
     """A value, or its values by those of a parameter; `null` is unknown."""
     if of.parameter is None:
         return NULL if of.constant is None else table(of.constant)

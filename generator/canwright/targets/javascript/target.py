@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import NameProblem, Output, Specification, Target
+from ..base import EditionInput, NameProblem, Output, Target
 from . import generate
 from .problems import problems
 
@@ -17,7 +17,7 @@ class JavaScriptTarget(Target):
 
     title = "JavaScript"
 
-    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:

@@ -11,7 +11,7 @@ from jinja2 import Environment
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import PACKAGE_VERSION, CodeExample, Output, Specification, WorkedExchange
+from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
 from . import code, text
 from .command_example import command_example
 from .examples import example
@@ -21,7 +21,7 @@ RUNTIME = Path(__file__).parent / "runtime"
 """The code that is the same for every protocol."""
 
 
-def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+def generate(specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
     """The distribution with a package for each family."""
     env = _environment()
     families = list(dict.fromkeys(d.edition.family for d in specifications))

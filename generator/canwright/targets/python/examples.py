@@ -15,7 +15,7 @@ from ...semantics.decoder import Decoder, Rejection
 from ...semantics.encoder import Encoder
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame
-from ..base import Specification
+from ..base import EditionInput
 from . import text, types
 from .class_bodies import depends_on_parameters
 from .imports import Imports
@@ -59,7 +59,7 @@ class Argument(NamedTuple):
     enum: str
 
 
-def example(specifications: Sequence[Specification]) -> Example | None:
+def example(specifications: Sequence[EditionInput]) -> Example | None:
     """The first command with values in both directions; where there is none, the first with values in its reply."""
     first: Example | None = None
     for one in (one for item in specifications for one in _examples(item)):
@@ -69,7 +69,7 @@ def example(specifications: Sequence[Specification]) -> Example | None:
     return first
 
 
-def _examples(specification: Specification) -> Iterator[Example]:
+def _examples(specification: EditionInput) -> Iterator[Example]:
     frames = specification.frames.of_command if specification.frames else {}
     decoder = Decoder(specification.edition)
     for command in specification.edition.commands:

@@ -75,7 +75,7 @@ class Readers:
         """The names of all others, by expression."""
         self._imports = imports
 
-    def of(self, subject: dispatch.Subject, shortest: int) -> str:
+    def of(self, subject: dispatch.Discriminator, shortest: int) -> str:
         """The name of the function that reads a subject in data of at least `shortest` bytes."""
         if isinstance(subject, dispatch.Length):
             return self._imports.use("data_length")
@@ -102,11 +102,11 @@ def route_views(edition: Edition, direction: Direction, readers: Readers) -> Ite
             mask=route.mask,
             extended=route.rule.extended,
             remote=route.remote,
-            answers=tuple(text.class_name(m.name) for m in route.messages if m.keys and not m.claims),
+            answers=tuple(text.class_name(m.name) for m in route.messages if m.keys and not m.identifying_codes),
         )
 
 
-def _node(node: dispatch.Node, shortest: int, readers: Readers) -> NodeView:
+def _node(node: dispatch.DispatchNode, shortest: int, readers: Readers) -> NodeView:
     if isinstance(node, dispatch.Match):
         return text.class_name(node.message.name)
     if isinstance(node, dispatch.Reject):
@@ -129,7 +129,7 @@ _FORMS = {dispatch.Length: "{}", dispatch.MaskedId: "0x{:X}", BitRun: "0x{:02X}"
 
 def decoded_classes(edition: Edition, direction: Direction) -> list[str]:
     """The classes of the messages that can be identified without their request."""
-    return [text.class_name(m.name) for m in edition.messages(direction) if m.claims or not m.keys]
+    return [text.class_name(m.name) for m in edition.messages(direction) if m.identifying_codes or not m.keys]
 
 
 def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
@@ -141,7 +141,7 @@ def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
             continue
         reply = command.reply
         selectors = (
-            (readers.of(key, _shortest(reply)), _hexadecimal(key.value, *(reply.accept if i == 0 else ())))
+            (readers.of(key, _shortest(reply)), _hexadecimal(key.value, *(reply.accepted_codes if i == 0 else ())))
             for i, key in enumerate(reply.keys)
         )
         yield AnswerView(

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import CodeExample, NameProblem, Output, Specification, Target, WorkedExchange
+from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
 from . import generate, program, text
 from .fields import varying
 from .messages import base_classes
@@ -19,7 +19,7 @@ class PythonTarget(Target):
 
     title = "Python"
 
-    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from ...diagnostics.unicode_safety import visible
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import Output, Specification, header
+from ..base import EditionInput, Output, header
 from . import text
 from .family import family_view
 from .guide import guide
@@ -20,10 +20,10 @@ RUNTIME = Path(__file__).parent / "runtime"
 """The code that is the same for every protocol."""
 
 
-def generate(specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+def generate(specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
     """A dissector for each family, and a README.md with instructions."""
     env = environment("wireshark", {"lua": text.printed, "quoted": text.quoted})
-    families: dict[str, list[Specification]] = {}
+    families: dict[str, list[EditionInput]] = {}
     for one in specifications:
         families.setdefault(one.edition.family, []).append(one)
     runtime = {file.stem: file.read_text("utf-8") for file in sorted(RUNTIME.glob("*.lua"))}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...model.edition import Edition
-from ..base import Specification
+from ..base import EditionInput
 from .family import example, preference
 from .filters import filters
 
@@ -28,7 +28,7 @@ class FamilyGuide:
     """The options of tshark that set an edition and all parameters."""
 
 
-def guide(specifications: Sequence[Specification]) -> tuple[FamilyGuide, ...]:
+def guide(specifications: Sequence[EditionInput]) -> tuple[FamilyGuide, ...]:
     """The families in their order."""
     families: dict[str, list[Edition]] = {}
     for one in specifications:

@@ -125,7 +125,7 @@ class EditionTables:
         for route in dispatch.dispatch_plan(self._edition, direction).routes:
             yield {**_rule(route.rule, route.remote, route.mask), "plan": self._plan(route.then)}
 
-    def _plan(self, node: dispatch.Node) -> Value:
+    def _plan(self, node: dispatch.DispatchNode) -> Value:
         if isinstance(node, dispatch.Reject):
             return node.reason.value
         if isinstance(node, dispatch.Match):
@@ -135,7 +135,7 @@ class EditionTables:
         return {"on": _subject(node.subject), "cases": cases, "otherwise": self._plan(node.otherwise)}
 
 
-def _subject(subject: dispatch.Subject) -> Value:
+def _subject(subject: dispatch.Discriminator) -> Value:
     if isinstance(subject, dispatch.Length):
         return "length"
     if isinstance(subject, dispatch.MaskedId):
@@ -188,7 +188,7 @@ def _rule(rule: IdRule, remote: bool, mask: int) -> dict[str, Value]:
 
 def _key(index: int, message: Message) -> Table:
     found = message.keys[index]
-    values = [found.value, *((*message.accept, *message.claims) if index == 0 else ())]
+    values = [found.value, *((*message.accepted_codes, *message.identifying_codes) if index == 0 else ())]
     accepted: Table = {text.key(value, found.width): True for value in values}
     return {"segments": segments(found.segments, found.space), "values": accepted}
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import Output, Specification, Target
+from ..base import EditionInput, Output, Target
 from . import generate
 from .family import preference
 from .filters import filters
@@ -18,7 +18,7 @@ class WiresharkTarget(Target):
 
     title = "Wireshark"
 
-    def generate(self, specifications: Sequence[Specification], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:

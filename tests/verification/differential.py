@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from canwright.project.loader import specification
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ..conformance.adapter import Adapter, Cannot
 from ..conformance.adapters import ADAPTERS
@@ -75,7 +75,7 @@ class Comparison:
             self.disagreements.append(f"{question.task}{question.arguments}: {wrong}")
 
 
-def compare(item: Specification, adapters: Sequence[Adapter], questions: Iterable[Question]) -> list[Comparison]:
+def compare(item: EditionInput, adapters: Sequence[Adapter], questions: Iterable[Question]) -> list[Comparison]:
     """Asks every target every question."""
     reference = ReferenceAdapter(item.edition)
     comparisons = [Comparison(adapter.name) for adapter in adapters]
@@ -106,7 +106,7 @@ def _report(name: str, comparisons: Sequence[Comparison]) -> Iterator[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """The exit status: 1 if any answer differs from that of the reference."""
     parser = argparse.ArgumentParser(
-        "python -m tests.assurance.differential",
+        "python -m tests.verification.differential",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

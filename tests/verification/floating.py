@@ -1,4 +1,4 @@
-"""Compares functions of `canwright_float.h` with exact fractions: `python -m tests.assurance.floating [COUNT]`.
+"""Compares functions of `canwright_float.h` with exact fractions: `python -m tests.verification.floating [COUNT]`.
 
 Random and boundary cases: quotients of 64-bit integers, raw integers of 52 to 64 bits, ties and their neighbours,
 subnormal and huge numbers.

@@ -27,7 +27,7 @@ from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Parameter
 from canwright.targets import python as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.python.text import attribute, class_name
 
 SAFE, LOUD, SILENT = range(3)
@@ -129,7 +129,7 @@ _COUNT = itertools.count()
 class Binding:
     """The generated Python module of an edition, and its edition."""
 
-    def __init__(self, item: Specification) -> None:
+    def __init__(self, item: EditionInput) -> None:
         _runtime()
         self.edition: Edition = item.edition
         path = f"{item.edition.family}/{item.edition.identifier}.py"
@@ -439,7 +439,7 @@ def available(command: Command, assignment: Mapping[str, Any]) -> bool:
 class Old:
     """The bindings of the old edition with their requests and periodic frames, used for many edits."""
 
-    def __init__(self, item: Specification, seed: int = 1) -> None:
+    def __init__(self, item: EditionInput, seed: int = 1) -> None:
         self.binding = Binding(item)
         self.edition = item.edition
         self.seed = seed
@@ -696,8 +696,8 @@ class _Run:
         """The frame with each code that the reply may have."""
         yield frame
         reply = command.reply
-        if reply is not None and reply.keys and reply.accept:
-            for code in reply.accept:
+        if reply is not None and reply.keys and reply.accepted_codes:
+            for code in reply.accepted_codes:
                 key = reply.keys[0]
                 if code != key.value:
                     yield overlay(frame, [key], code)

@@ -1,6 +1,6 @@
 """Checks the generated headers against MISRA C:2012 with the addon of cppcheck.
 
-    python -m tests.assurance.misra
+    python -m tests.verification.misra
 
 Every rule with a violation must have a row in the table of deviations of `templates/c/MISRA.md.j2`, which is part of the
 generated C, and every row that cppcheck can check must have a violation. The texts of the rules belong to MISRA; cppcheck

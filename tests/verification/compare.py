@@ -40,7 +40,7 @@ from .behaviour import LOUD, NAMES, SAFE, SIDES, SILENT, Behaviour, Binding, Old
 from .edits import Data, Edit, edits, reordered
 from .witnesses import learn_units, wrong_witnesses
 
-OWN = spec_files(ROOT / "tests/assurance/specs")
+OWN = spec_files(ROOT / "tests/verification/specs")
 """Specs that only this comparison uses."""
 
 FUNCTIONAL = (Category.WIRE, Category.VALUE, Category.API)
@@ -310,7 +310,9 @@ def run(files: Sequence[Path], folder: Path, sample: int | None = None, seed: in
 def main(arguments: Sequence[str] | None = None) -> int:
     """The exit status: 1 if a verdict is dangerous, or too many warn of what does not happen."""
     parser = argparse.ArgumentParser(
-        "python -m tests.assurance.compare", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        "python -m tests.verification.compare",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--sample", type=int, help="so many edits of each spec (default: all)")
     parser.add_argument("--seed", type=int, default=1)

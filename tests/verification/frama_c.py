@@ -1,6 +1,6 @@
 """Proves with Frama-C Eva that no function of an edition has undefined behaviour, whatever it is given.
 
-    python -m tests.assurance.frama_c [SPEC...]
+    python -m tests.verification.frama_c [SPEC...]
 
 Eva calls every function of the edition and float headers with all frames, messages, parameters, raw integers and finite
 values, and must find no alarm but those of BEYOND_EVA. Assertions state that a function that returns CANWRIGHT_OK has

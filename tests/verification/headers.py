@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from canwright.project.loader import specification
 from canwright.targets import c
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ..spec_texts import SPECS
 
@@ -23,7 +23,7 @@ SUFFIXES = ("", "_float", "_print")
 class Header:
     """A generated header below the folder `include`, and a C file that includes it; `name` is `FAMILY/EDITION.h`."""
 
-    specification: Specification
+    specification: EditionInput
     name: str
     include: Path
     unit: Path

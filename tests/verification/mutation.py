@@ -12,9 +12,9 @@ program of its own, which takes two seconds, so name an edition and a sample.
 
 `python`: the module of an edition and its runtime (`_codec.py`, `_dispatch.py`, `nodes.py`). Mutated are comparisons,
 arithmetic and logical operators, numbers, conditions, statements and returned values; not texts, annotations and
-docstrings. Asked are the golden frames, random questions, and the checks of `tests.assurance.python_facts`.
+docstrings. Asked are the golden frames, random questions, and the checks of `tests.verification.python_facts`.
 
-Mutants of the C runtime are shown to `tests.assurance.integers` and to `tests.assurance.floating`, those of the Python
+Mutants of the C runtime are shown to `tests.verification.integers` and to `tests.verification.floating`, those of the Python
 runtime to its unit tests; what is left, to one edition after another, the smallest first, until all that survive are
 listed. Functions that are not reached are named. `--part`, `--edition`, `--function` and `--sample` divide a run.
 Every survivor must be listed as equivalent, with a reason, in `equivalent_c.yaml`, `equivalent_cxx.yaml` or `equivalent_python.yaml`. The exit
@@ -65,7 +65,7 @@ PARTS = ("own", "runtime")
 def main(arguments: Sequence[str] | None = None) -> int:
     """The exit status: 1 for survivors that are not listed, and for listed mutants that are killed."""
     parser = argparse.ArgumentParser(
-        "python -m tests.assurance.mutation",
+        "python -m tests.verification.mutation",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from canwright.project.loader import specification
 from canwright.targets import c
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 
 from ..spec_texts import SPECS, called
 from .machines import Avr, Emulated, Machine
@@ -107,7 +107,7 @@ class Result(NamedTuple):
     step: int
 
 
-def write(item: Specification, folder: Path) -> Path:
+def write(item: EditionInput, folder: Path) -> Path:
     """Writes the headers and the program of an edition; returns the source of the program."""
     for output in c.generate([item], {}):
         file = folder / output.path
@@ -134,7 +134,7 @@ def run(machine: Machine, source: Path) -> Result:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Prints a table; the exit status."""
     parser = argparse.ArgumentParser(
-        "python -m tests.assurance.targets",
+        "python -m tests.verification.targets",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

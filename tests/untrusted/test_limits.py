@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 from canwright.cli import main
-from canwright.diagnostics.diagnostic import MOST_FINDINGS, SpecError
+from canwright.diagnostics.diagnostic import MAX_FINDINGS, SpecError
 from canwright.document.document import MAX_BYTES, read_document
 from canwright.language import notation
-from canwright.resolve.limits import MOST_COMMANDS
+from canwright.resolve.limits import MAX_COMMANDS
 from canwright.rules import bit_patterns, too_large
 from click.testing import CliRunner
 
@@ -125,7 +125,7 @@ def test_too_much_is_refused_at_once(what: str, tmp_path: Path) -> None:
     start = time.process_time()
     found = findings(tmp_path, text)
     assert time.process_time() - start < AT_ONCE
-    assert 0 < len(found) <= 2 * MOST_FINDINGS
+    assert 0 < len(found) <= 2 * MAX_FINDINGS
     assert all(len(str(finding)) < 1500 for finding in found)
 
 
@@ -155,11 +155,11 @@ def test_numbers_are_written_in_one_way(written: str, rule: str, tmp_path: Path)
 
 
 def test_limits_leave_room() -> None:
-    assert len(notation.nodes("0..65535")) == notation.MOST_NODES
-    assert len(notation.indices("0..63")) == notation.MOST_ELEMENTS
+    assert len(notation.nodes("0..65535")) == notation.MAX_NODES
+    assert len(notation.indices("0..63")) == notation.MAX_ELEMENTS
     assert notation.at("id.28").bit == notation.LAST_ID_BIT
     assert notation.number("1" * notation.DIGITS) > 0
-    assert MOST_COMMANDS >= 100 * 28
+    assert MAX_COMMANDS >= 100 * 28
 
 
 @pytest.mark.parametrize(
@@ -179,7 +179,7 @@ def test_the_environment_raises_the_maximum_size_of_a_trusted_spec(
 ) -> None:
     text = MINIMAL + many(1500, "  c#: {code: 0x20, request: {a: {at: 1, raw: u16, constant: #}}, reply: none}\n")
     assert "too-large" not in {one.rule for one in findings(tmp_path, text)}
-    monkeypatch.setattr(too_large, "MOST_SIZE", 50_000)
+    monkeypatch.setattr(too_large, "MAX_SIZE", 50_000)
     (found,) = (one for one in findings(tmp_path, text) if one.rule == "too-large")
     variable, _, size = found.hint.partition("environment variable ")[2].partition("=")
     monkeypatch.setenv(variable, "none")
@@ -204,12 +204,12 @@ def test_many_mistakes_are_counted_at_once(
     start = time.process_time()
     found = findings(tmp_path, ATTACKS[name]().spec)
     assert time.process_time() - start < AT_ONCE
-    assert len(found) <= MOST_FINDINGS
+    assert len(found) <= MAX_FINDINGS
     assert expected in found[-1].message
 
 
 def test_commands_with_too_much_in_common_are_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bit_patterns, "MOST_STEPS", 20)
+    monkeypatch.setattr(bit_patterns, "MAX_STEPS", 20)
     layout = "layouts: {l: {fields: {a: {at: 4, raw: u8}}}}\n"
     text = MINIMAL + many(9, "  c#: {code: 0x10, request: none, reply: l}\n") + layout
     assert [f.rule for f in findings(tmp_path, text)] == ["ambiguous-message"]

@@ -1,6 +1,6 @@
 """Calls every function of every generated header under the sanitizers of GCC and clang, and under libFuzzer.
 
-    python -m tests.assurance.sanitizers [--rounds N] [--seconds N] [SPEC...]
+    python -m tests.verification.sanitizers [--rounds N] [--seconds N] [SPEC...]
 
 AddressSanitizer and UndefinedBehaviorSanitizer of both compilers, and MemorySanitizer of clang, with random inputs and
 changed golden frames; then libFuzzer, which starts with the stored inputs in `corpus/`.

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from .floating import Case, any_integer
 
 WIDTH = 256
-EVERY = (1 << WIDTH) - 1
+ALL_RULES = (1 << WIDTH) - 1
 
 
 def wide_cases(chance: random.Random) -> list[Case]:
@@ -38,12 +38,12 @@ def _sums(chance: random.Random) -> Iterator[Case]:
     if chance.random() < 0.5:
         other = one ^ 1 << chance.randrange(WIDTH) if chance.random() < 0.7 else one
     given = (*_words(one), *_words(other))
-    yield Case("A", given, _shown(one + other & EVERY))
-    yield Case("B", given, _shown(one - other & EVERY))
+    yield Case("A", given, _shown(one + other & ALL_RULES))
+    yield Case("B", given, _shown(one - other & ALL_RULES))
     yield Case("E", given, str(int(one < other)))
     yield Case("G", given, str(one.bit_length()))
     factor = _number(chance, 64)
-    yield Case("K", (*_words(one), factor), _shown(one * factor & EVERY))
+    yield Case("K", (*_words(one), factor), _shown(one * factor & ALL_RULES))
 
 
 def _divided(chance: random.Random) -> Case:
@@ -62,9 +62,9 @@ def _divided(chance: random.Random) -> Case:
 def _shifted(chance: random.Random) -> Iterator[Case]:
     number, count = _number(chance), chance.choice((chance.randrange(WIDTH), 32 * chance.randrange(9)))
     if chance.random() < 0.5:
-        number = number >> count << count & EVERY
+        number = number >> count << count & ALL_RULES
     right = number >> count | bool(number & (1 << count) - 1)
-    left = number << count & EVERY
+    left = number << count & ALL_RULES
     yield Case("I", (*_words(number), 0, 0, 0, 0, count), _shown(left))
     yield Case("J", (*_words(number), 0, 0, 0, 0, count), _shown(right))
     yield Case("T", (*_words(number), 0, 0, 0, 0, 100, 100 + count), _shown(left, 100))

@@ -117,12 +117,12 @@ def _as(
     for node in nodes:
         try:
             decoded = cls.unpack(node, frame.id, frame.data, parameters)
-            sent = not is_sender or message.accept or found.is_echoed or decoded.encode() == frame.data
+            sent = not is_sender or message.accepted_codes or found.is_echoed or decoded.encode() == frame.data
             if not sent or cls.EXTENDED is not frame.extended:
                 continue
             if decoded.can_id == frame.id:
                 return meaning(decoded)
-            if message.accept and accepted is None:  # its id can contain another code
+            if message.accepted_codes and accepted is None:  # its id can contain another code
                 accepted = meaning(decoded)
         except ValueError:
             continue

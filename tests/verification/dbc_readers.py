@@ -1,6 +1,6 @@
 """Decodes the golden frames with the DBC files in readers of other projects.
 
-`python -m tests.assurance.dbc_readers [--edition NAME] [--sample] [READER ...]`
+`python -m tests.verification.dbc_readers [--edition NAME] [--sample] [READER ...]`
 
 Each reader loads the files of the editions and must return the values of the golden frames, and no other signals. The
 readers are cantools in strict mode, canmatrix, can_decoder, asammdf and Qt SerialBus (`pip install PySide6-Addons`, more
@@ -24,7 +24,7 @@ from canwright.language.golden_frames import GoldenFrame
 from canwright.model.edition import Edition
 from canwright.model.layout import Element, Field, Space
 from canwright.project.loader import specification
-from canwright.targets.base import Options, Specification
+from canwright.targets.base import EditionInput, Options
 from canwright.targets.dbc.files import files, traffics
 from canwright.targets.dbc.frames import Part
 from canwright.targets.dbc.printer import printed
@@ -66,7 +66,7 @@ def differences(reader: Reader, text: str, cases: Sequence[Case]) -> Iterator[st
                 yield f"{reader.name}: {frame} {name} is {found.get(name)}; expected {value}"
 
 
-def cases_of(one: Specification, file: File) -> list[Case]:
+def cases_of(one: EditionInput, file: File) -> list[Case]:
     """The golden frames that a file describes completely."""
     views = {message.id: message for message in file.messages}
     known = {p.name: v.name for p in one.edition.parameters for v in p.values if v.name in file.known}
@@ -138,7 +138,7 @@ def _raw(signal: Signal, data: bytes) -> int:
     return value
 
 
-def samples(one: Specification, options: Options) -> Iterator[tuple[File, Sequence[Case]]]:
+def samples(one: EditionInput, options: Options) -> Iterator[tuple[File, Sequence[Case]]]:
     """The files of an edition that have golden frames."""
     for file in files(one.edition, traffics(one.edition), {}, options):
         cases = cases_of(one, file)

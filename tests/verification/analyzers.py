@@ -1,6 +1,6 @@
 """Runs static analyzers over every function of every generated header: clang-tidy, clang's analyzer and GCC's.
 
-    python -m tests.assurance.analyzers
+    python -m tests.verification.analyzers
 
 Nothing may be found. On Debian: apt-get install clang clang-tidy gcc
 """

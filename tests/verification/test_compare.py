@@ -60,7 +60,7 @@ def test_a_sample_of_a_kind(kind: str, tmp_path: Path) -> None:
 
 def test_a_wrong_verdict_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "tests.assurance.compare.compare",
+        "tests.verification.compare.compare",
         lambda old, new: tuple(dataclasses.replace(c, verdicts={}, witnesses=()) for c in compare(old, new)),
     )
     assert _case("pump", "scale of current times 10", tmp_path).dangerous

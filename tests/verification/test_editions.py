@@ -1,4 +1,4 @@
-"""A sample of the logs of `python -m tests.assurance.editions`, and all of several seeds on request."""
+"""A sample of the logs of `python -m tests.verification.editions`, and all of several seeds on request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small specs that ask for much work, and the time and memory that they take: `python -m tests.strangers.attacks`.
+"""Small specs that ask for much work, and the time and memory that they take: `python -m tests.untrusted.attacks`.
 
 Every spec within the limits of canwright takes at most `LOOPS` times the processor time of a fixed loop, and
 `MEGABYTES` of memory, and so does the rejection of any other. The loop runs before each attack, so that a busy machine

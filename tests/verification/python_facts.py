@@ -18,7 +18,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import NodeRole, Space
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.python.text import attribute, class_name
 
 from ..conformance.adapters.python import PythonAdapter, node_in_id
@@ -27,7 +27,7 @@ EXACT = 1 << 51
 """Values of raw integers from here on are rounded to doubles, some to those of other raw integers."""
 
 
-def check_package(item: Specification, module: ModuleType) -> None:
+def check_package(item: EditionInput, module: ModuleType) -> None:
     """Raises AssertionError for whatever is not as the model has it."""
     edition = item.edition
     assert (edition.family, edition.name, edition.hash) == (module.FAMILY, module.EDITION, module.SPEC_HASH)
@@ -141,7 +141,7 @@ def _check_ids(message: Message, module: ModuleType) -> None:
     assert module.ids_of(direction, message.id.nodes[-1] + 1 << 20) == ()
 
 
-def _messages(item: Specification, module: ModuleType) -> Iterator[Any]:
+def _messages(item: EditionInput, module: ModuleType) -> Iterator[Any]:
     """The messages of the golden frames, and of these with one byte changed, whose values are often invalid."""
     assert item.frames is not None
     adapter = PythonAdapter(item.edition, module)
@@ -157,7 +157,7 @@ def _messages(item: Specification, module: ModuleType) -> Iterator[Any]:
                 yield found
 
 
-def _check_answers(item: Specification, module: ModuleType) -> None:
+def _check_answers(item: EditionInput, module: ModuleType) -> None:
     """A request accepts the replies that `check_reply` accepts, of those that its class accepts."""
     assert item.frames is not None
     adapter = PythonAdapter(item.edition, module)

@@ -24,7 +24,7 @@ from unittest import mock
 
 from canwright.cli import main as canwright
 from canwright.project.loader import spec_files, specification
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from click.testing import CliRunner
 
 from ..recordings import mixed_buses as buses
@@ -131,11 +131,11 @@ def _meanings(rows: str) -> list[tuple[object, ...]]:
 
 
 @functools.cache
-def _specifications() -> Sequence[Specification]:
+def _specifications() -> Sequence[EditionInput]:
     return [specification(file) for file in spec_files(ROOT / "spec")]
 
 
-def _read(*_: object, **__: object) -> Sequence[Specification]:
+def _read(*_: object, **__: object) -> Sequence[EditionInput]:
     """The specs, which are loaded once."""
     return _specifications()
 

@@ -1,4 +1,4 @@
-"""Decodes frames on the standard input with Qt SerialBus: `python -m tests.assurance.readers.qt FILE`.
+"""Decodes frames on the standard input with Qt SerialBus: `python -m tests.verification.readers.qt FILE`.
 
 Prints the signals of a frame on one line. The process ends at once, since Qt can abort while the interpreter unloads it;
 the exit status is 3 if Qt has a warning about the file, which is printed.

@@ -29,7 +29,7 @@ from canwright.semantics.decoder import Decoder, Identified, Rejection
 from canwright.semantics.encoder import Encoder
 from canwright.semantics.frame import node_of
 from canwright.targets import c as target
-from canwright.targets.base import Specification
+from canwright.targets.base import EditionInput
 from canwright.targets.c.names import layouts
 
 from ..compilers import SANITIZED, ZIG
@@ -44,7 +44,7 @@ from . import floating, integers
 from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, selectable, used
 from .differential import compare
 
-MOST_LINES = 40_000
+MAX_LINES = 40_000
 """So many lines of copies are compiled in one program."""
 
 SLOWER = 10
@@ -152,7 +152,7 @@ class Program:
         for mutant in chosen:
             lines += sizes[mutant.file][mutant.function]
             part.append(mutant)
-            if lines > MOST_LINES:
+            if lines > MAX_LINES:
                 yield part
                 part, lines = [], 0
         if part:
@@ -297,7 +297,7 @@ def _sizes(text: str) -> dict[str, int]:
     return {one.name: text.count("\n", one.start, one.end) + 2 for one in functions(text)}
 
 
-def _ask_everything(item: Specification, adapter: CAdapter) -> None:
+def _ask_everything(item: EditionInput, adapter: CAdapter) -> None:
     """The golden frames, the facts, and some random questions. Raises AssertionError for a wrong answer."""
     assert item.frames is not None
     report = Runner(item.edition, item.frames, adapter).run()
@@ -316,7 +316,7 @@ def _ask_everything(item: Specification, adapter: CAdapter) -> None:
     assert not comparison.disagreements, comparison.disagreements[:10]
 
 
-def _ask_filters(item: Specification, adapter: CAdapter) -> None:
+def _ask_filters(item: EditionInput, adapter: CAdapter) -> None:
     """The filters of some nodes, and whether they accept ids that differ in one bit; the constants of filters.
 
     `tests/targets/test_c_print.py` compares these constants with the ids of all messages.
@@ -379,7 +379,7 @@ def _choices(edition: Edition) -> Iterator[dict[str, str]]:
         yield {p.name: p.values[place % len(p.values)].name if p.values else "1" for p in edition.parameters}
 
 
-def _ask_absent(item: Specification, adapter: CAdapter) -> None:
+def _ask_absent(item: EditionInput, adapter: CAdapter) -> None:
     """Messages with fields that do not exist under a parameter; they have to be 0 in C."""
     edition = item.edition
     for message in (message for message in edition.all_messages() if message.layout.parameter):
@@ -401,14 +401,14 @@ def _valid(encoder: Encoder, field: Field) -> Raw:
     return [raw for _ in field.elements] if field.is_array else raw
 
 
-def _ask_milli(item: Specification, adapter: CAdapter) -> None:
+def _ask_milli(item: EditionInput, adapter: CAdapter) -> None:
     """Thousandths of raw integers with more bits than their type; these can be rejected."""
     for fact in Facts(item.edition, adapter.header).milli_beyond():
         found = adapter.milli(fact.name, "to", int(fact.rest[1]), fact.parameters)
         assert found in (int(fact.answer), Refused(Refusal.OUT_OF_RANGE)), (fact, found)
 
 
-def _ask_frames(item: Specification, adapter: CAdapter) -> None:
+def _ask_frames(item: EditionInput, adapter: CAdapter) -> None:
     """The check and the identification of frames, which must agree with the model, and their texts.
 
     `tests/targets/test_c_print.py` compares texts of golden frames with the model.
@@ -449,14 +449,14 @@ def _node(identified: Identified, frame: CanFrame) -> int:
     return node_of(identified.message, frame) or 0
 
 
-def _ask_singles(item: Specification, adapter: CAdapter) -> None:
+def _ask_singles(item: EditionInput, adapter: CAdapter) -> None:
     """Conversions of single precision, near the limits of every type; their error is limited."""
     for one in Facts(item.edition, adapter.header).singles():
         found = adapter.single(one.type, one.direction, one.number, one.parameters)
         assert one.accepts(found), (one, found)
 
 
-def _ask_rounds(item: Specification, adapter: Adapter) -> None:
+def _ask_rounds(item: EditionInput, adapter: Adapter) -> None:
     """Some rounds of random questions. Raises AssertionError for a wrong answer."""
     for seed in range(1, ROUNDS + 1):
         (comparison,) = compare(item, [adapter], Questions(item.edition, seed).round())

@@ -1,4 +1,4 @@
-"""Compares integer arithmetic and printing of the C runtime with exact fractions: `python -m tests.assurance.integers [COUNT]`.
+"""Compares integer arithmetic and printing of the C runtime with exact fractions: `python -m tests.verification.integers [COUNT]`.
 
 Random and boundary cases of the functions of `canwright.h`, `canwright_exact.h` and `canwright_print.h`: values of integers
 and of numbers in floating point under any scale, ties and their neighbours, results beyond 64 bits, wide integers, short

@@ -1,1 +1,0 @@
-"""Verification commands, one module each: `python -m tests.assurance.NAME`."""

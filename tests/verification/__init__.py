@@ -1,0 +1,1 @@
+"""Verification commands, one module each: `python -m tests.verification.NAME`."""
