@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 import yaml
 from canwright.compare import compare
-from canwright.language.edition import EditionSource, json_schema
+from canwright.language.edition import EditionSpec, json_schema
 from canwright.model.edition import Edition
 
 from ..spec_texts import edition
@@ -25,10 +25,10 @@ from .recorded import findings, record, recorded
 RECORDED = "every_key.txt"
 
 NOT_COMPARED = {
-    "EditionSource.canwright": "the version of the language, not of the protocol",
-    "EditionSource.family": "other families are not compared",
-    "EditionSource.edition": "what is compared has two names",
-    "EditionSource.date": "what is compared has two dates",
+    "EditionSpec.canwright": "the version of the language, not of the protocol",
+    "EditionSpec.family": "other families are not compared",
+    "EditionSpec.edition": "what is compared has two names",
+    "EditionSpec.date": "what is compared has two dates",
     **{
         f"{concept}.renamed_from": "what is compared with what, see test_renames.py"
         for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec")
@@ -37,26 +37,26 @@ NOT_COMPARED = {
 TEXT = "Another text"
 FIELD = "commands.dim.request.level"
 CHANGES: dict[str, dict[str, Any]] = {
-    "EditionSource.title": {"title": TEXT},
-    "EditionSource.about": {"about": TEXT},
-    "EditionSource.languages": {"languages": ["zh"]},
-    "EditionSource.manual": {"manual": TEXT},
-    "EditionSource.byte_order": {"byte_order": "big"},
-    "EditionSource.bus": {"bus": {"modes": {"usual": {"bit_rates_kbps": [250]}, "broadcast": {"bit_rates_kbps": [1]}}}},
-    "EditionSource.addresses": {"addresses.spare": {"id": 0x300}},
-    "EditionSource.selector": {"selector": {"at": 7, "raw": "u8"}},
-    "EditionSource.parameters": {"parameters.more": {"values": ["a", "b"]}},
-    "EditionSource.settings": {"settings.more": {}},
-    "EditionSource.effects": {"effects.more": {}, "commands.dim.effects": ["more"]},
-    "EditionSource.states": {"states.more": {}},
-    "EditionSource.types": {"types.more": {"raw": "u24"}, "commands.turn.request.angle.type": "more"},
-    "EditionSource.layouts": {"layouts.more": {"fields": {"x": {"at": 3, "raw": "u8"}}}, "commands.read.reply": "more"},
-    "EditionSource.tables": {
+    "EditionSpec.title": {"title": TEXT},
+    "EditionSpec.about": {"about": TEXT},
+    "EditionSpec.languages": {"languages": ["zh"]},
+    "EditionSpec.manual": {"manual": TEXT},
+    "EditionSpec.byte_order": {"byte_order": "big"},
+    "EditionSpec.bus": {"bus": {"modes": {"usual": {"bit_rates_kbps": [250]}, "broadcast": {"bit_rates_kbps": [1]}}}},
+    "EditionSpec.addresses": {"addresses.spare": {"id": 0x300}},
+    "EditionSpec.selector": {"selector": {"at": 7, "raw": "u8"}},
+    "EditionSpec.parameters": {"parameters.more": {"values": ["a", "b"]}},
+    "EditionSpec.settings": {"settings.more": {}},
+    "EditionSpec.effects": {"effects.more": {}, "commands.dim.effects": ["more"]},
+    "EditionSpec.states": {"states.more": {}},
+    "EditionSpec.types": {"types.more": {"raw": "u24"}, "commands.turn.request.angle.type": "more"},
+    "EditionSpec.layouts": {"layouts.more": {"fields": {"x": {"at": 3, "raw": "u8"}}}, "commands.read.reply": "more"},
+    "EditionSpec.tables": {
         "tables.more": {"index": {"at": 1, "raw": "u8"}, "entries": {"gain": {"index": 1, "layout": {}}}},
         "commands.store.table": "more",
     },
-    "EditionSource.commands": {"commands.more": {"code": 0x70, "reply": "none"}},
-    "EditionSource.errata": {"errata": []},
+    "EditionSpec.commands": {"commands.more": {"code": 0x70, "reply": "none"}},
+    "EditionSpec.errata": {"errata": []},
     "AddressSpec.title": {"addresses.lamp.title": TEXT},
     "AddressSpec.about": {"addresses.lamp.about": TEXT},
     "AddressSpec.id": {"addresses.lamp.id": "0x110 + node"},
@@ -213,7 +213,7 @@ CHANGES: dict[str, dict[str, Any]] = {
 
 
 def _keys() -> set[str]:
-    schema = json_schema(EditionSource)
+    schema = json_schema(EditionSpec)
     concepts = {schema["title"]: schema, **schema["$defs"]}
     return {f"{name}.{key}" for name, concept in concepts.items() for key in concept.get("properties", {})}
 

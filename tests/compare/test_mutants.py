@@ -22,7 +22,7 @@ import yaml
 from canwright.compare import Change, Impact, compare
 from canwright.compare.positions import positions
 from canwright.diagnostics.diagnostic import SpecError
-from canwright.language.edition import EditionSource, json_schema
+from canwright.language.edition import EditionSpec, json_schema
 from canwright.model.edition import Edition
 from canwright.project.loader import Loaded, load
 
@@ -125,7 +125,7 @@ def _edited(old: list[str], new: list[str]) -> tuple[set[int], set[int]]:
 
 @functools.cache
 def _keys() -> frozenset[str]:
-    schema = json_schema(EditionSource)
+    schema = json_schema(EditionSpec)
     return frozenset(key for concept in (schema, *schema["$defs"].values()) for key in concept.get("properties", {}))
 
 

@@ -121,7 +121,7 @@ class Questions:
             others = {one.dlc for one in self._messages if one.direction is message.direction}
             for length in sorted({0, 8, message.dlc - 1, message.dlc + 1, *others} & set(range(9))):
                 yield frame._replace(data=frame.data[:length].ljust(length, b"\0"))
-            fixed = (f for f in message.layout.fields if f.fixed is not None)
+            fixed = (f for f in message.layout.fields if not f.role.is_value)
             parts = [(k.space, bits_of((segment,))) for k in message.keys for segment in k.segments]
             parts += [(f.space, e.bits) for f in fixed for e in f.elements]
             for space, bits_ in parts:
@@ -157,7 +157,7 @@ class Questions:
             keys[0] = (keys[0][0], (*message.accepted_codes, *message.identifying_codes))
         id_, word = frame.id, int.from_bytes(frame.data, "little")
         if noise:
-            constants = (f for f in message.layout.fields if f.space is Space.DATA and f.demanded is not None)
+            constants = (f for f in message.layout.fields if f.space is Space.DATA and f.role.is_checked)
             fixed = sum(1 << bit for f in constants for e in f.elements for bit in e.bits)
             word |= self._chance.getrandbits(8 * len(frame.data) or 1) & ~fixed
         for key, values in keys:

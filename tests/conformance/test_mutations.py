@@ -14,7 +14,7 @@ import yaml
 from canwright.diagnostics.diagnostic import DocumentPath, Severity, SpecError
 from canwright.document.document import Document, read_document
 from canwright.language.decoder import decode
-from canwright.language.edition import EditionSource
+from canwright.language.edition import EditionSpec
 from canwright.model.edition import Edition
 from canwright.project.loader import specification
 from canwright.rules import exchange_contradiction, frame_contradiction, refused_contradiction
@@ -243,7 +243,7 @@ def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Pat
 
 def _judged(item: EditionInput, file: Path) -> dict[tuple[str | int, ...], str]:
     """What `check` says of the golden frames, by list and place in it."""
-    spec = decode(read_document(file)[0], EditionSource).value
+    spec = decode(read_document(file)[0], EditionSpec).value
     assert spec is not None
     subject = CheckInput(item.edition, spec, item.frames)
     rules = (frame_contradiction, refused_contradiction, exchange_contradiction)

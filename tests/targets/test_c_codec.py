@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import pytest
 from canwright.model.edition import Edition
-from canwright.model.layout import Field, Space
+from canwright.model.layout import Field, FixedRole, Space
 from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
@@ -102,7 +102,7 @@ def test_the_reason_for_a_rejection_is_that_of_the_reference(made: tuple[Edition
         nodes = None if message.id.nodes is None else [*message.id.nodes, message.id.nodes[-1] + 1]
         for parameters in [*_having(edition, command), {}]:
             variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
-            fields = [f for f in variant.fields if f.fixed is None] if variant else []
+            fields = [f for f in variant.fields if f.role.is_value] if variant else []
             for _ in range(ROUNDS):
                 node = chance.choice([nodes[0], nodes[-1]]) if nodes else None
                 raw = {f.name: _raw(f, chance, parameters) for f in fields}
@@ -207,7 +207,7 @@ def _assignments(edition: Edition) -> list[Parameters]:
 def _fields(message: Message, parameters: Parameters) -> list[Field]:
     variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
     assert variant is not None
-    return [field for field in variant.fields if field.fixed is None]
+    return [field for field in variant.fields if field.role.is_value]
 
 
 def _limits(type_: Type, parameters: Parameters) -> tuple[int, int]:
@@ -284,7 +284,7 @@ def _frame(message: Message, node: int | None, raw: dict[str, Raw], parameters: 
         _place(spaces[key.space], bits, key.value)
     variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
     for field in variant.fields if variant else ():
-        given = field.fixed if field.fixed is not None else raw[field.name]
+        given = field.role.raw if isinstance(field.role, FixedRole) else raw[field.name]
         numbers = given if isinstance(given, list) else [given] * len(field.elements)
         for element, number in zip(field.elements, numbers, strict=True):
             _place(spaces[field.space], element.bits, number)

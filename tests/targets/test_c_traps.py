@@ -167,7 +167,7 @@ def test_no_function_of_a_type_has_the_name_of_a_field_of_another(spec: Path) ->
     names = Names(one.edition)
     text = "".join(o.text for o in c.generate([one], {}) if o.path.endswith(".h"))
     for layout in layouts(one.edition):
-        for field in (f for f in layout.fields if f.fixed is None and names.type_stem(f.type) != f.name):
+        for field in (f for f in layout.fields if f.role.is_value and names.type_stem(f.type) != f.name):
             for ending in TYPE_ENDINGS:
                 assert f" {names.lower(field.name)}{ending}(" not in text, (layout.name, field.name)
 

@@ -17,7 +17,7 @@ import cantools
 import pytest
 from cantools.database import Database
 from canwright.model.edition import Edition
-from canwright.model.layout import ConstantRole, Element, Field, Layout, Segment, Space, Variant
+from canwright.model.layout import ConstantRole, Element, Field, FixedRole, Layout, Segment, Space, Variant
 from canwright.model.message import Direction, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Assignment, Encoding
@@ -103,7 +103,9 @@ def packed(message: Message, raw: Mapping[str, list[int]]) -> bytes:
     """The data of a message, bit by bit."""
     places = [(bits_of(key.segments), key.value) for key in message.keys if key.space is Space.DATA]
     for field in message.layout.fields:
-        values = [field.fixed] * len(field.elements) if field.fixed is not None else raw.get(field.name, [])
+        values = (
+            [field.role.raw] * len(field.elements) if isinstance(field.role, FixedRole) else raw.get(field.name, [])
+        )
         places += [(element.bits, value) for element, value in zip(field.elements, values, strict=False)]
     frame = sum(1 << bit for bits, value in places for i, bit in enumerate(bits) if value >> i & 1)
     return frame.to_bytes(message.dlc, "little")
@@ -149,7 +151,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     raw = {
         field.name: [data.draw(raw_integers(field, assignment)) for _ in field.elements]
         for field in variant.fields
-        if field.fixed is None
+        if field.role.is_value
     }
     flat = {f.name: raw[f.name] if f.is_array else raw[f.name][0] for f in variant.fields if f.name in raw}
     node = data.draw(st.sampled_from(message.id.nodes)) if message.id.nodes else None

@@ -13,7 +13,7 @@ import pytest
 import yaml
 from canwright.compare import CHANGES, compare
 from canwright.compare.change import Fact, Word
-from canwright.language.edition import EditionSource, json_schema
+from canwright.language.edition import EditionSpec, json_schema
 from canwright.project.loader import spec_files, specification
 from canwright.targets import docs
 from canwright.targets.base import EditionInput
@@ -30,7 +30,7 @@ Places = dict[str, str]
 
 def _text_keys() -> set[str]:
     """The keys that take a text in every language, as the JSON Schema has them."""
-    schema = json_schema(EditionSource)
+    schema = json_schema(EditionSpec)
     concepts = [schema, *schema["$defs"].values()]
     text = _choices(schema["properties"]["about"])
     found = {key for concept in concepts for key, one in concept.get("properties", {}).items() if _choices(one) == text}

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import yaml
 from canwright.diagnostics.diagnostic import SpecError
-from canwright.language.edition import EditionSource, json_schema
+from canwright.language.edition import EditionSpec, json_schema
 from canwright.language.golden_frames import GoldenFrames
 from canwright.project.loader import load
 from canwright.project.pipeline import generate
@@ -23,7 +23,7 @@ from ..compare.test_every_key import CHANGES, TEXT
 from ..untrusted.everything import FRAMES, SPEC
 
 NOT_SHOWN = {
-    "EditionSource.canwright": "the version of the language",
+    "EditionSpec.canwright": "the version of the language",
     "GoldenFrames.canwright": "the version of the language",
     "TypeSpec.plausible": "for `identify` and `decode`, see tests/recordings/test_identify.py",
     **{
@@ -40,9 +40,9 @@ NOT_SHOWN |= {
 
 OF_EDITION: dict[str, dict[str, Any]] = {
     **{key: changes for key, changes in CHANGES.items() if key not in NOT_SHOWN},
-    "EditionSource.family": {"family": "torch"},
-    "EditionSource.edition": {"edition": "v2"},
-    "EditionSource.date": {"date": "2024-01"},
+    "EditionSpec.family": {"family": "torch"},
+    "EditionSpec.edition": {"edition": "v2"},
+    "EditionSpec.date": {"date": "2024-01"},
     "ErratumSpec.where": {"errata.0.where": ["commands.read"]},
 }
 """`Concept.key` to what is set in the spec, by dotted path; None takes a key away."""
@@ -103,7 +103,7 @@ OF_FRAMES: dict[str, dict[str, Any]] = {
 Files = Mapping[str, str]
 
 
-def _keys(concept: type[EditionSource] | type[GoldenFrames]) -> set[str]:
+def _keys(concept: type[EditionSpec] | type[GoldenFrames]) -> set[str]:
     schema = json_schema(concept)
     concepts = {schema["title"]: schema, **schema["$defs"]}
     return {f"{name}.{key}" for name, one in concepts.items() for key in one.get("properties", {})}
@@ -159,7 +159,7 @@ def unchanged(tmp_path_factory: pytest.TempPathFactory) -> Mapping[bool, Files]:
 
 
 def test_every_key_is_known() -> None:
-    assert {*OF_EDITION, *OF_FRAMES, *NOT_SHOWN} == _keys(EditionSource) | _keys(GoldenFrames)
+    assert {*OF_EDITION, *OF_FRAMES, *NOT_SHOWN} == _keys(EditionSpec) | _keys(GoldenFrames)
     assert not {*OF_EDITION, *OF_FRAMES} & {*NOT_SHOWN}
 
 

@@ -19,7 +19,7 @@ from canwright.language.golden_frames import GoldenFrame, Value
 from canwright.model import formatting
 from canwright.project.loader import specification
 from canwright.targets import c, python
-from canwright.targets.javascript.edition_source import EditionSource
+from canwright.targets.javascript.edition_source import EditionSpec
 from canwright.targets.javascript.page import FOLDER, explorer
 from canwright.templating.resources import TEMPLATES
 
@@ -69,7 +69,7 @@ def test_golden_frames_and_their_code(spec: Path, tmp_path: Path) -> None:
     """Every golden frame is found with its raw integers; the code for one frame of each message writes its bytes."""
     item = specification(spec)
     assert item.frames is not None
-    folder = write_files(explorer([EditionSource(item)]), tmp_path)
+    folder = write_files(explorer([EditionSpec(item)]), tmp_path)
     frames = [frame for frame in item.frames.frames if len(frame.data) <= 8]
     programs: dict[tuple[str, str], tuple[str, str, str]] = {}
     for frame, answer in zip(frames, interpret(folder, list(map(_question, frames))), strict=True):
@@ -93,7 +93,7 @@ def test_no_value_depends_on_a_parameter_that_is_not_given(spec: Path, tmp_path:
     """Values are those of golden frames; without the parameters, a value that depends on them is shown for each of their values."""
     item = specification(spec)
     assert item.frames is not None
-    folder = write_files(explorer([EditionSource(item)]), tmp_path)
+    folder = write_files(explorer([EditionSpec(item)]), tmp_path)
     frames = [frame for frame in item.frames.frames if frame.values and len(frame.data) <= 8]
     given = interpret(folder, list(map(_question, frames)))
     alone = interpret(folder, [{**_question(frame), "parameters": {}} for frame in frames])
@@ -129,7 +129,7 @@ def _same_value(wanted: Value, result: Mapping[str, Any], frame: GoldenFrame) ->
 def test_a_case_outside_the_range_of_its_raw_integers_is_marked(tmp_path: Path) -> None:
     """An encoder of 14 bits is never at 720 degrees."""
     (tmp_path / "lamp.yaml").write_text(CASES, "utf-8")
-    folder = write_files(explorer([EditionSource(specification(tmp_path / "lamp.yaml"))]), tmp_path)
+    folder = write_files(explorer([EditionSpec(specification(tmp_path / "lamp.yaml"))]), tmp_path)
     lines = [f"100#{data}00000000" for data in ("FF3F013F", "00400140", "00800101")]
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in lines])
     cases = [
@@ -149,7 +149,7 @@ def test_a_case_outside_the_range_of_its_raw_integers_is_marked(tmp_path: Path) 
 
 def test_a_value_is_not_encoded_without_its_parameter(tmp_path: Path) -> None:
     """Raw integers are; a motor without the command, and a program that would have to assume a series, are named."""
-    folder = write_files(explorer([EditionSource(specification(MOTOR))]), tmp_path)
+    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
     reply, power = "141#A1329B00F4010080", "141#A000000064000000"
     entered = {"name": "iq", "value": 2.5, "raw": 310}
     answers = interpret(folder, [
@@ -245,7 +245,7 @@ LINES = {
 
 
 def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
-    folder = write_files(explorer([EditionSource(specification(MOTOR))]), tmp_path)
+    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in LINES])
     found = [one and (one["frame"], one["sent"], one["time"]) for one in answers]
     assert dict(zip(LINES, found, strict=True)) == LINES
@@ -253,7 +253,7 @@ def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
 
 def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
     """A request with its reserved bits, a reply with them set, all editions, and both layouts of a series."""
-    folder = write_files(explorer([EditionSource(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
     lines = ["141#9C00000000000000", "141#9C33640000000100", "141#A1329B00F4010080", "141#9C33640000000100"]
     lines += ["(1.0) can0 141#8000000000000000 R", "(1.0) can0 141#8000000000000000 T"]
     parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}, {}, {}]

@@ -14,7 +14,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from canwright.model import formatting
 from canwright.project.loader import specification
-from canwright.targets.javascript.edition_source import EditionSource
+from canwright.targets.javascript.edition_source import EditionSpec
 from canwright.targets.javascript.page import FOLDER, explorer
 from playwright.sync_api import Browser, Page
 
@@ -42,7 +42,7 @@ def page_of_motors(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page with the editions of the motor protocol."""
     items = [specification(spec) for spec in SPECS[:4]]
     return (
-        write_files(explorer([EditionSource(item) for item in items]), tmp_path_factory.mktemp("explorer"))
+        write_files(explorer([EditionSpec(item) for item in items]), tmp_path_factory.mktemp("explorer"))
         / FOLDER
         / "index.html"
     )
@@ -220,7 +220,7 @@ def test_parameters_can_have_the_names_of_other_keys_of_the_address(opened: Open
     names = ("frame", "edition", "direction", "command", "lang")
     parameters = ", ".join(f"{name}: {{number: {{}}}}" for name in (*names, "problem"))
     (tmp_path / "lamp.yaml").write_text(MINIMAL.replace("types:", f"parameters: {{{parameters}}}\ntypes:"), "utf-8")
-    made = explorer([EditionSource(specification(tmp_path / "lamp.yaml"))])
+    made = explorer([EditionSpec(specification(tmp_path / "lamp.yaml"))])
     page = opened(
         write_files(made, tmp_path) / FOLDER / "index.html", "#frame=101%231000E80300000000&direction=reply&problem=2"
     )
@@ -321,7 +321,7 @@ def test_the_code_is_copied(page_of_motors: Path, opened: Open) -> None:
 def test_hostile_texts_are_shown_as_text(opened: Open, tmp_path: Path) -> None:
     texts = itertools.cycle(text for text in HOSTILE if "<" in text)
     item = filled(lambda: next(texts), tmp_path)
-    file = write_files(explorer([EditionSource(item)]), tmp_path) / FOLDER / "index.html"
+    file = write_files(explorer([EditionSpec(item)]), tmp_path) / FOLDER / "index.html"
     page = opened(file)
     scripts = page.locator("script").count()
     messages = page.locator("#message option").evaluate_all("(all) => all.map((one) => one.value)")

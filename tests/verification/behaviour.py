@@ -246,7 +246,7 @@ def meaning(message: Any) -> Meaning:
 def _constants(message: Message) -> Iterator[tuple[str, Any]]:
     """The constants of a message with their values: numbers without a unit."""
     yield from ((attribute(k.name), (k.value, "")) for k in message.keys if k.role is KeyRole.CONSTANT)
-    yield from ((attribute(f.name), (f.demanded, "")) for f in message.layout.fields if f.demanded is not None)
+    yield from ((attribute(f.name), (f.role.required_raw, "")) for f in message.layout.fields if f.role.is_checked)
 
 
 def _value(type_: Any, raw: Any, parameters: Any, name: str) -> Any:
@@ -550,10 +550,10 @@ class _Run:
             now = self.new_commands.get(self.now[command.name] or "")
             if now is None or now.request is None or class_name(now.request.name) not in self.changed:
                 continue
-            demanded = [f for f in now.request.layout.fields if f.demanded is not None and not f.is_array]
+            demanded = [f for f in now.request.layout.fields if f.role.is_checked and not f.is_array]
             counts[command.name] = counts.get(command.name, 0) + 1
             if demanded and counts[command.name] <= VECTORS:
-                parts = [(f.space, f.elements[0].segments, f.demanded or 0) for f in demanded]
+                parts = [(f.space, f.elements[0].segments, f.role.required_raw or 0) for f in demanded]
                 yield from self._changed_to(command, message, known, frame, placed(frame, parts))
 
     def _limit(self, command: Command) -> int:

@@ -173,8 +173,8 @@ def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]
 
 def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
     type_ = field.type
-    if field.fixed is not None:
-        return "reserved, sent as" if isinstance(field.role, ReservedRole) else "constant", str(field.fixed)
+    if not field.role.is_value:
+        return "reserved, sent as" if isinstance(field.role, ReservedRole) else "constant", str(field.role.sent_raw)
     if type_.enum:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:

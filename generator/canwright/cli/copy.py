@@ -9,7 +9,7 @@ import click
 
 from ..diagnostics.diagnostic import SpecError
 from ..document.document import Document, read_document
-from ..language.edition import EditionSource, keys
+from ..language.edition import EditionSpec, keys
 from ..project.loader import frames_file, load
 from ..project.references import UnknownEditionError, find
 from .common import SPEC_FOLDER, show_findings, stop
@@ -63,7 +63,7 @@ def copy(old: str, new: str, date: str | None, no_frames: bool) -> None:
 
 def _fits(key: str, value: str) -> None:
     """Stops unless `value` is valid for `key`."""
-    pattern = keys(EditionSource)[key].limits.pattern
+    pattern = keys(EditionSpec)[key].limits.pattern
     if not re.fullmatch(str(pattern), value):
         stop(f"`{value}` is not a valid {key}; it must match {pattern}")
 

@@ -115,7 +115,7 @@ def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
 
 def _fields(message: Message) -> Iterator[_Field]:
     yield from (_Field(k.name, k.value, _place(k), k.order, k.path) for k in message.keys if k.role is KeyRole.CONSTANT)
-    yield from (_Field(f.name, f.fixed, place_of(f), f.type.order, f.path) for f in message.layout.fields)
+    yield from (_Field(f.name, f.role.sent_raw, place_of(f), f.type.order, f.path) for f in message.layout.fields)
 
 
 def _place(key: Key) -> str:

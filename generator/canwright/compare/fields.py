@@ -63,7 +63,7 @@ def compare(found: Collector, both: Editions, command: str, one: Message, anothe
         if fresh.name not in constant_keys(one):
             taken = any(match.overlap(fresh, f) for f in old.fields)
             impact = Impact.SILENT if taken or Side.SENDING in use.sides else Impact.SAFE
-            impact = Impact.LOUD if fresh.demanded else impact
+            impact = Impact.LOUD if fresh.role.required_raw else impact
             facts = {"name": fresh.name, "place": place_of(fresh)}
             found.add("field-added", _owner(fresh, item), (_parent(fresh, old), fresh.path), impact, use, **facts)
 
@@ -116,8 +116,8 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
         facts = {"name": new.name, "old": place_of(old), "new": place_of(new)}
         found.add("field-moved", item, at(places, "at"), Impact.SILENT, use, **facts)
     found.attributes(_OF_FIELD, item, places, old, new, use, name=new.name)
-    if (old.fixed, old.demanded) != (new.fixed, new.demanded):
-        ignored = old.demanded is None and new.demanded is None and Side.SENDING not in use.sides
+    if (old.role.sent_raw, old.role.required_raw) != (new.role.sent_raw, new.role.required_raw):
+        ignored = not old.role.is_checked and not new.role.is_checked and Side.SENDING not in use.sides
         before, after = ((*f.path, "reserved" if isinstance(f.role, ReservedRole) else "constant") for f in (old, new))
         shown = {"old": _constant(old), "new": _constant(new)}
         impact = Impact.SAFE if ignored else Impact.LOUD
@@ -131,11 +131,11 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
 
 
 def _constant(field: Field) -> Fact:
-    if field.fixed is None:
+    if field.role.is_value:
         return Word("any value")
     if isinstance(field.role, ReservedRole):
-        return (Word("any value"), ", ", Word("sent as"), f" {field.fixed}")
-    return str(field.fixed)
+        return (Word("any value"), ", ", Word("sent as"), f" {field.role.sent_raw}")
+    return str(field.role.sent_raw)
 
 
 def _moved(old: Field, new: Field) -> bool:

@@ -227,7 +227,7 @@ def content(layout: Layout, without: Collection[str] = ()) -> object:
 
 
 def _bits_and_meaning(field: Field) -> tuple[object, ...]:
-    return field.space, field.elements, field.only, field.fixed, field.demanded, _meaning(field.type)
+    return field.space, field.elements, field.only, field.role.sent_raw, field.role.required_raw, _meaning(field.type)
 
 
 def _meaning(type_: Type) -> tuple[object, ...]:

@@ -183,7 +183,7 @@ class ErratumSpec(Concept):
 
 
 @dataclass(frozen=True, kw_only=True)
-class EditionSource(Description):
+class EditionSpec(Description):
     """One exact protocol, identified by a label and a date."""
 
     called = "the edition"

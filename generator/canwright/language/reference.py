@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ..templating.environment import environment
 from . import aliases
-from .edition import EditionSource, schema_text
+from .edition import EditionSpec, schema_text
 from .golden_frames import GoldenFrames
 
 JsonSchema = Mapping[str, Any]
@@ -43,7 +43,7 @@ class ConceptReference(NamedTuple):
 def concepts() -> tuple[ConceptReference, ...]:
     """Every concept of specs and golden frames, each after a concept that contains it."""
     result: dict[str, ConceptReference] = {}
-    for root in (EditionSource, GoldenFrames):
+    for root in (EditionSpec, GoldenFrames):
         whole = json.loads(schema_text(root))
         for name, schema in _reached(root.__name__, whole):
             if "properties" in schema:

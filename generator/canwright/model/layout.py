@@ -6,10 +6,12 @@ is the least significant.
 
 from __future__ import annotations
 
+from abc import ABC
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from typing import ClassVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from .deprecation import Deprecation
@@ -58,31 +60,72 @@ class Element:
 
 
 @dataclass(frozen=True)
-class ValueRole:
-    """The role of a field whose value the sender chooses."""
+class FieldRole(ABC):
+    """The role of a field: what is sent, what is checked, and whether a user sees the field.
+
+    Each role states these facts; nothing decides by the absence of one.
+    """
+
+    is_value: ClassVar[bool]
+    """Whether messages have the field as a value, which users give to an encoder and get from a decoder."""
+    is_checked: ClassVar[bool]
+    """Whether the receiver rejects a frame because of this role."""
+
+    @property
+    def sent_raw(self) -> int | None:
+        """The raw integer that every sender writes; None if it differs from frame to frame."""
+        return None
+
+    @property
+    def required_raw(self) -> int | None:
+        """The only raw integer that a receiver accepts; None if it accepts more."""
+        return None
 
 
 @dataclass(frozen=True)
-class ConstantRole:
-    """The role of a field that always has the same raw value; any other is rejected."""
+class ValueRole(FieldRole):
+    """The sender chooses the value."""
 
+    is_value = True
+    is_checked = False
+
+
+@dataclass(frozen=True)
+class NodeRole(FieldRole):
+    """The value is the node that receives or sends the frame, or the low bits of its number."""
+
+    is_value = True
+    is_checked = False
+
+
+@dataclass(frozen=True)
+class FixedRole(FieldRole):
+    """The field is always sent as the same raw integer."""
+
+    is_value = False
     raw: int
 
-
-@dataclass(frozen=True)
-class ReservedRole:
-    """The role of a field that is always sent as the same raw value; a receiver ignores it."""
-
-    raw: int
+    @property
+    def sent_raw(self) -> int:
+        return self.raw
 
 
 @dataclass(frozen=True)
-class NodeRole:
-    """The role of a field whose value is the node that receives or sends the frame, or the low bits of its number."""
+class ConstantRole(FixedRole):
+    """A receiver rejects any other raw integer."""
+
+    is_checked = True
+
+    @property
+    def required_raw(self) -> int:
+        return self.raw
 
 
-FieldRole = ValueRole | ConstantRole | ReservedRole | NodeRole
-"""The role of a field; each field has one."""
+@dataclass(frozen=True)
+class ReservedRole(FixedRole):
+    """A receiver ignores the field."""
+
+    is_checked = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -106,16 +149,6 @@ class Field:
     about: Text
     manual: str
     path: DocumentPath
-
-    @property
-    def fixed(self) -> int | None:
-        """The raw value that a sender always writes, so that the message does not contain it; None if it varies."""
-        return self.role.raw if isinstance(self.role, (ConstantRole, ReservedRole)) else None
-
-    @property
-    def demanded(self) -> int | None:
-        """The only raw value that a receiver accepts; None if it accepts any."""
-        return self.role.raw if isinstance(self.role, ConstantRole) else None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document.document import Document, read_document
 from ..language.decoder import decode
-from ..language.edition import EditionSource
+from ..language.edition import EditionSpec
 from ..resolve.edition import resolve
 from ..rules.checker import check
 from ..rules.rule import CheckInput
@@ -49,7 +49,7 @@ def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
 
 def _load(file: Path, name: str | None, golden_file: GoldenFile) -> Loaded:
     document, content = read_document(file, name)
-    decoded = decode(document, EditionSource)
+    decoded = decode(document, EditionSpec)
     if decoded.value is None:
         raise SpecError(decoded.findings)
     spec = decoded.value

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import ConstantRole, Field, Layout, NodeRole, ReservedRole
+from ..model.layout import ConstantRole, Field, FixedRole, Layout, NodeRole, ReservedRole
 from ..model.message import Command, Direction, EchoReply, Key, KeyRole, Message, OtherReply
 from ..model.types import Bound, Encoding, Linear, Member, Range, Type
 from ..targets.docs.tables import constant, is_available, values_of
@@ -133,7 +133,7 @@ class _Rows:
         start = self._start._replace(
             bits=Fraction(type_.width),
             meaning=self._labels["semicolon"].join(filter(None, meaning)),
-            fixed="" if field.fixed is None else _fixed(field.fixed),
+            fixed=_fixed(field.role.raw) if isinstance(field.role, FixedRole) else "",
             values=self._labels["semicolon"].join(
                 self._member(type_, member) for member in (*type_.enum, *type_.flags)
             ),
@@ -146,7 +146,7 @@ class _Rows:
                     field=place.name,
                     raw=place.raw,
                     only=self._condition(numbers.only),
-                    **(self._of_numbers(type_, numbers) if field.fixed is None and type_.is_number else {}),
+                    **(self._of_numbers(type_, numbers) if field.role.is_value and type_.is_number else {}),
                 )
 
     def _of_role(self, field: Field) -> Iterator[str]:

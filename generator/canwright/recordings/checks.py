@@ -73,7 +73,7 @@ class FieldCheck(Check):
         """The checks of a field; none if it accepts everything."""
         type_ = field.type
         bounded = any(type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases))
-        is_checked = field.demanded is not None or type_.enum or type_.flags or type_.plausible or bounded
+        is_checked = field.role.is_checked or type_.enum or type_.flags or type_.plausible or bounded
         if isinstance(field.role, ReservedRole) or not is_checked:
             return []
         return [cls(field, element, where, is_request=is_request) for element in field.elements]
@@ -82,9 +82,9 @@ class FieldCheck(Check):
         type_ = self._field.type
         signed = type_.encoding is Encoding.SIGNED and bits >> (type_.width - 1)
         raw = bits - (1 << type_.width) if signed else bits
-        if self._field.demanded is not None:
-            wrong = raw != self._field.demanded
-            return Reason(STRONG, f"{self._named} is not {self._field.demanded}") if wrong else None
+        if self._field.role.is_checked:
+            wrong = raw != self._field.role.required_raw
+            return Reason(STRONG, f"{self._named} is not {self._field.role.required_raw}") if wrong else None
         if type_.enum and all(member.value != raw for member in type_.enum):
             return Reason(self._unnamed, f"{self._named} has a value without a name")
         if type_.flags and raw & ~sum(1 << flag.value for flag in type_.flags):
@@ -101,7 +101,7 @@ class FieldCheck(Check):
 def _steps(field: Field) -> list[int] | None:
     """The numbers at which a limit of an integer begins or ends; None if other results depend on its bits."""
     type_ = field.type
-    if field.demanded is not None or type_.enum or type_.flags or type_.encoding is Encoding.FLOAT:
+    if field.role.is_checked or type_.enum or type_.flags or type_.encoding is Encoding.FLOAT:
         return None
     limits = [type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases)]
     bounds = [b.constant for one in limits if one and one.is_constant for b in (one.low, one.high)]

@@ -75,7 +75,7 @@ def _meaning(form: Form, frame: CanFrame, assignment: Assignment, only: Only) ->
     variant = message.layout.variant(assignment)
     fields = variant.fields if variant else message.layout.fields
     parameter = None if variant else message.layout.parameter
-    varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.fixed is None]
+    varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.role.is_value]
     found = [one for f, limits in varying for one in _fields(f, frame, assignment, only, limits)]
     unusual = [*_reserved(form, frame)]
     for field, limits in varying:

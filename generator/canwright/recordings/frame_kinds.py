@@ -215,7 +215,7 @@ class FrameKinds:
         self._decoder = Decoder(edition)
         self._candidates = Candidates(edition)
         self._with_constants = frozenset(
-            m for m in edition.all_messages() if any(f.demanded is not None for f in m.layout.fields)
+            m for m in edition.all_messages() if any(f.role.is_checked for f in m.layout.fields)
         )
         rules = dict.fromkeys(reply.id for reply in edition.messages(Direction.REPLY))
         self._rules = {rule: index for index, rule in enumerate(rules)}
@@ -298,11 +298,11 @@ def form_of(message: Message, frame: CanFrame) -> Form:
     fields = message.layout.fields
     always = [f for f in fields if not f.only]
     ignored = [f for f in always if isinstance(f.role, ReservedRole)]
-    constant = [f for f in always if f.demanded is not None]
+    constant = [f for f in always if f.role.is_checked]
     free = data_bits((f.space, e.segments) for f in fields if f not in ignored for e in f.elements)
     keys = data_bits((key.space, key.segments) for key in message.keys)
     in_id = [f for f in constant if f.space is Space.ID]
-    limited = [(f, _allows(f.type)) for f in always if f.fixed is None and f.space is Space.DATA]
+    limited = [(f, _allows(f.type)) for f in always if f.role.is_value and f.space is Space.DATA]
     return Form(
         message=message,
         node=node_of(message, frame),
@@ -319,7 +319,7 @@ def _bits(fields: Iterable[Field]) -> Bits:
         for element in one.elements if one.space is Space.DATA else ():
             for shift, ones, position in parts_of(element.segments):
                 mask |= ones << shift
-                value |= ((one.fixed or 0) >> position & ones) << shift
+                value |= ((one.role.sent_raw or 0) >> position & ones) << shift
     return Bits(mask, value)
 
 

@@ -38,7 +38,7 @@ def golden_text(edition: Edition, message: Message, frame: CanFrame, assignment:
     values = {
         field.name: _value(decoded.values[field.name])
         for field in decoded.variant.fields
-        if field.fixed is None and all(name in assignment for name in needed(field.type, assignment))
+        if field.role.is_value and all(name in assignment for name in needed(field.type, assignment))
     }
     values = {name: text for name, text in values.items() if len(text) <= _WIDTH}  # the language rejects longer numbers
     raws = {name: str(raw) for name, raw in decoded.raws.items()}

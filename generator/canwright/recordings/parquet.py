@@ -83,7 +83,7 @@ class _Table:
         self._fields: dict[Field, int] = {}
         by_content: dict[object, int] = {}
         for field in layout.fields:
-            if field.fixed is not None:
+            if not field.role.is_value:
                 continue
             unit = field.type.unit.symbol if field.type.unit else None
             same = (field.name, unit, field.is_array, _kind(field.type), _raw_width(field.type))

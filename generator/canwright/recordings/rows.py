@@ -138,7 +138,7 @@ def _plan(message: Message, assignment: Assignment) -> _Plan:
     missing = [] if variant or layout.parameter is None else [layout.parameter]
     readers = []
     for field in fields:
-        if field.fixed is None:
+        if field.role.is_value:
             missing += [name for name in needed(field.type, assignment) if name not in assignment]
             value, plausible = value_reader(field.type, assignment), plausible_limits(field.type)
             for column, element in zip(columns(field), field.elements, strict=True):

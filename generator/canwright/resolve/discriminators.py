@@ -42,7 +42,9 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
                 subsets = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
                 competing = (keys for keys in subsets if keys != selected or keys not in by_length)
                 others = [constants for keys in competing for constants in constants_of.get(keys, ())]
-                names = (f.name for at, f in own.items() if any(_fixed_value(o.get(at)) != f.fixed for o in others))
+                names = (
+                    f.name for at, f in own.items() if any(_fixed_value(o.get(at)) != f.role.sent_raw for o in others)
+                )
                 deciding[message.name] = frozenset(names)
     for command in commands:
         if command.is_echoed and command.request and command.reply:
@@ -98,12 +100,12 @@ def _separate_constants(message: Message) -> Constants:
 
 def _constants(message: Message) -> Constants:
     """The constants that exist for all parameters, by bits."""
-    fields = (f for f in message.layout.fields if f.demanded is not None and not f.only and not f.is_array)
+    fields = (f for f in message.layout.fields if f.role.is_checked and not f.only and not f.is_array)
     return {(field.space, field.elements[0].segments): field for field in fields}
 
 
 def _fixed_value(field: Field | None) -> int | None:
-    return field.fixed if field else None
+    return field.role.sent_raw if field else None
 
 
 def _keyed(message: Message, deciding: Deciding, known: dict[tuple[Layout, frozenset[str]], Layout]) -> Message:
@@ -125,7 +127,7 @@ def _key(field: Field) -> Key:
         order=field.type.order,
         width=width,
         segments=field.elements[0].segments,
-        value=(field.fixed or 0) & ((1 << width) - 1),
+        value=(field.role.sent_raw or 0) & ((1 << width) - 1),
         path=field.path,
     )
 

@@ -37,7 +37,7 @@ class Unresolved(NamedTuple):
 
 
 def resolve(
-    document: Document, spec: schema.EditionSource, digest: str, invalid: Iterable[DocumentPath] = ()
+    document: Document, spec: schema.EditionSpec, digest: str, invalid: Iterable[DocumentPath] = ()
 ) -> tuple[Edition, Unresolved]:
     """The edition of a spec, and all findings; with findings, the edition is only for further checks.
 
@@ -49,7 +49,7 @@ def resolve(
     return _edition(context, spec, digest), Unresolved(context.findings, [*context.invalid], context.unknown)
 
 
-def _edition(context: Context, spec: schema.EditionSource, digest: str) -> Edition:
+def _edition(context: Context, spec: schema.EditionSpec, digest: str) -> Edition:
     _, units = read_units()
     parameters = resolve_parameters(context, spec.parameters)
     types = resolve_types(context, spec, units, parameters)
@@ -182,7 +182,7 @@ def _command(
     )
 
 
-def _state(context: Context, spec: schema.EditionSource, name: str, effects: Mapping[str, Effect]) -> State:
+def _state(context: Context, spec: schema.EditionSpec, name: str, effects: Mapping[str, Effect]) -> State:
     path: DocumentPath = ("states", name)
     written = spec.states[name]
     _named(context, (*path, "entered_by"), "command", written.entered_by, spec.commands)

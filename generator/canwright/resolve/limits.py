@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath, SpecError
 from ..document.document import Document
-from ..language.edition import CommandSpec, EditionSource, Fields, MessageSpec
+from ..language.edition import CommandSpec, EditionSpec, Fields, MessageSpec
 
 MAX_COMMANDS = 3000
 """The maximum number of commands; a command with a table counts once for each entry."""
@@ -16,7 +16,7 @@ MAX_REPLIES = 100_000
 """The maximum number of nodes in all `from_each`, because outputs list each of them."""
 
 
-def check_limits(document: Document, spec: EditionSource) -> None:
+def check_limits(document: Document, spec: EditionSpec) -> None:
     """Raises SpecError for too many commands, fields or replies, at the first one above the limit."""
     entries = {name: len(table.entries) for name, table in spec.tables.items()}
     commands = {("commands", name): entries.get(command.table or "", 1) for name, command in spec.commands.items()}
@@ -37,7 +37,7 @@ def _check(document: Document, counts: Iterable[tuple[DocumentPath, int]], most:
         raise SpecError([document.finding(first, "too-large", text, hint, key=True)])
 
 
-def _replies(spec: EditionSource, entries: Mapping[str, int]) -> Iterator[tuple[DocumentPath, int]]:
+def _replies(spec: EditionSpec, entries: Mapping[str, int]) -> Iterator[tuple[DocumentPath, int]]:
     """The number of nodes that reply to each command."""
     for name, command in spec.commands.items():
         if isinstance(command.reply, MessageSpec) and command.reply.from_each:
@@ -45,14 +45,14 @@ def _replies(spec: EditionSource, entries: Mapping[str, int]) -> Iterator[tuple[
             yield path, len(command.reply.from_each) * entries.get(command.table or "", 1)
 
 
-def _elements(spec: EditionSource) -> Iterator[tuple[DocumentPath, int]]:
+def _elements(spec: EditionSpec) -> Iterator[tuple[DocumentPath, int]]:
     """The number of elements of each field."""
     for path, fields in _fields(spec):
         for name, field in fields.items():
             yield (*path, name), len(field.array or (0,))
 
 
-def _fields(spec: EditionSource) -> Iterator[tuple[DocumentPath, Fields]]:
+def _fields(spec: EditionSpec) -> Iterator[tuple[DocumentPath, Fields]]:
     for name, layout in spec.layouts.items():
         yield ("layouts", name, "fields"), layout.fields
     for name, table in spec.tables.items():

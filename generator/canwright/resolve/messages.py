@@ -40,7 +40,7 @@ class MessageResolver:
     def __init__(
         self,
         context: Context,
-        spec: schema.EditionSource,
+        spec: schema.EditionSpec,
         layouts: LayoutResolver,
         addresses: Mapping[str, Address],
     ) -> None:

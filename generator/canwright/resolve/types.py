@@ -35,7 +35,7 @@ def read_units() -> tuple[Document, dict[str, Unit]]:
 
 
 def resolve_types(
-    context: Context, spec: schema.EditionSource, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
+    context: Context, spec: schema.EditionSpec, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
 ) -> dict[str, Type]:
     return {
         name: _TypeResolver(context, spec.byte_order, units, parameters, spec.effects, ("types", name)).resolve(

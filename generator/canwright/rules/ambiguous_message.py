@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
-from ..language.edition import EditionSource
+from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Direction, Message
@@ -92,7 +92,7 @@ def _frames(message: Message) -> _Frames:
     return _Frames(message, ids, free_bits, _fixed(message), fields)
 
 
-def _without_explicit_request(spec: EditionSource, direction: Direction, commands: Sequence[str]) -> str:
+def _without_explicit_request(spec: EditionSpec, direction: Direction, commands: Sequence[str]) -> str:
     """The first command with a reply but without a code and `request`; its request may not exist. Empty without one."""
     written = {name: spec.commands[name] for name in commands if direction is Direction.REQUEST}
     bare = (name for name, one in written.items() if one.code is None and one.request is None and one.reply != "none")

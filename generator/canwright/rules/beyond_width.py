@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import ReservedRole
+from ..model.layout import FixedRole, ReservedRole
 from ..model.types import Encoding, Range, Type
 from .rule import CheckInput, Finding, Findings
 
@@ -66,22 +66,23 @@ def _plausible(edition: Edition) -> Findings:
 
 
 def _constants(edition: Edition) -> Findings:
-    fields = {f.path: f for m in edition.all_messages() for f in m.layout.fields if f.fixed is not None}
+    fields = {f.path: f for m in edition.all_messages() for f in m.layout.fields}
     for field in fields.values():
+        if not isinstance(field.role, FixedRole):
+            continue
+        raw = field.role.raw
         low, high = field.type.raw_limits
         is_reserved = isinstance(field.role, ReservedRole)
         key, what = ("reserved", "the reserved value") if is_reserved else ("constant", "the constant")
-        if field.fixed is not None and not low <= field.fixed <= high:
-            text = (
-                f"{field.fixed} is outside {low}..{high}, the limits of {formatting.counted(field.type.width, 'bit')}"
-            )
+        if not low <= raw <= high:
+            text = f"{raw} is outside {low}..{high}, the limits of {formatting.counted(field.type.width, 'bit')}"
             yield Finding((*field.path, key), text, f"check {what}, and the sign and width of the field")
-        elif field.type.enum and field.fixed not in (values := {m.value: m.name for m in field.type.enum}):
+        elif field.type.enum and raw not in (values := {m.value: m.name for m in field.type.enum}):
             names = ", ".join(f"{value} is {name}" for value, name in values.items())
-            text = f"`{field.type.name}` has no name for the value {field.fixed}"
+            text = f"`{field.type.name}` has no name for the value {raw}"
             yield Finding((*field.path, key), text, f"{names}; or write `raw` instead of `type`")
-        elif field.fixed is not None and not field.type.enum and (limits := _forbidding(field.type, field.fixed)):
-            text = f"{field.fixed} is outside {formatting.span(limits)}, the raw range of `{field.type.name}`"
+        elif not field.type.enum and (limits := _forbidding(field.type, raw)):
+            text = f"{raw} is outside {formatting.span(limits)}, the raw range of `{field.type.name}`"
             yield Finding((*field.path, key), text, f"check {what}, or write `raw` instead of `type`")
 
 

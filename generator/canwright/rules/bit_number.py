@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSource, FieldSpec, Selector
+from ..language.edition import EditionSpec, FieldSpec, Selector
 from ..model.layout import Space
 from ..model.types import Order
 from .rule import CheckInput, Finding, Findings
@@ -36,7 +36,7 @@ def _positioned(part: object, path: DocumentPath) -> Iterator[tuple[DocumentPath
             yield from _positioned(inner, (*path, i))
 
 
-def _format(spec: EditionSource, part: FieldSpec | Selector) -> tuple[int, Order]:
+def _format(spec: EditionSpec, part: FieldSpec | Selector) -> tuple[int, Order]:
     """Width and byte order; a field without a known type has the width of one that is not checked."""
     written = spec.types.get(part.type or "") if isinstance(part, FieldSpec) and part.raw is None else part
     raw = written.raw if written else None

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import nearest
-from ..language.edition import EditionSource, MessageSpec
+from ..language.edition import EditionSpec, MessageSpec
 from ..language.golden_frames import GoldenFrame
 from ..model import formatting
 from ..model.edition import Edition
@@ -31,7 +31,7 @@ def check(subject: CheckInput) -> Findings:
 class _FrameChecker:
     """Checks the golden frames of an edition; encoders are cached by their parameters."""
 
-    def __init__(self, edition: Edition, spec: EditionSource) -> None:
+    def __init__(self, edition: Edition, spec: EditionSpec) -> None:
         self._edition, self._spec = edition, spec
         self._messages = {direction: _messages(edition, direction) for direction in Direction}
         self._encoders = Encoders()
@@ -58,7 +58,7 @@ class _FrameChecker:
             text = f"the fields depend on `{message.layout.parameter}`, which is missing"
             return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
         wrong = [
-            (("data",), f"the constant `{f.name}` is not {f.fixed}", "check `data`")
+            (("data",), f"the constant `{f.name}` is not {f.role.sent_raw}", "check `data`")
             for f in wrong_constants(variant.fields, can)
         ]
         found = raws(variant, can)

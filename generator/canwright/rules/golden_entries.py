@@ -76,7 +76,7 @@ def described(decoded: Decoded) -> str:
     fields = [
         f"{field.name} {_shown(field, decoded.raws[field.name], decoded.values[field.name])}"
         for field in decoded.variant.fields
-        if field.fixed is None
+        if field.role.is_value
     ]
     return named(decoded.message, decoded.node) + (f": {', '.join(fields)}" if fields else "")
 

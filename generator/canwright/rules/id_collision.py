@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSource
+from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Address, Direction, IdRule, Message
@@ -167,7 +167,7 @@ def _shared(subject: CheckInput, direction: Direction) -> dict[tuple[int, int], 
     return found
 
 
-def _is_selected_by_id(spec: EditionSource, address: str) -> bool:
+def _is_selected_by_id(spec: EditionSpec, address: str) -> bool:
     """Whether the ids of an address depend on its commands."""
     written = spec.addresses[address]
     selectors = (written.selector, written.reply_selector, spec.selector)

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Mapping
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSource
+from ..language.edition import EditionSpec
 from ..model.layout import Field, Space, Variant, bits_of
 from ..model.message import Direction, Key, KeyRole, Message
 from ..model.types import Order
@@ -45,11 +45,11 @@ def check(subject: CheckInput) -> Findings:
         yield from new
 
 
-def _some_clashes(spec: EditionSource, message: Message, variant: Variant) -> Findings:
+def _some_clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:
     return itertools.islice(_clashes(spec, message, variant), MAX_OVERLAPS)
 
 
-def _clashes(spec: EditionSource, message: Message, variant: Variant) -> Findings:
+def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:
     taken: dict[Space, dict[int, RelatedItem]] = {space: {} for space in Space}
     for key in message.keys:
         bits, others = bits_of(key.segments), taken[key.space]
@@ -108,7 +108,7 @@ def _lowered(fields: Mapping[DocumentPath, Field], path: DocumentPath) -> set[in
     return found
 
 
-def _item(spec: EditionSource, message: Message, key: Key) -> RelatedItem:
+def _item(spec: EditionSpec, message: Message, key: Key) -> RelatedItem:
     """A key of a message: the index of a table, a selector or a constant."""
     if key.role is KeyRole.INDEX:
         return RelatedItem(_path_of(spec, message, key), INDEX)
@@ -118,7 +118,7 @@ def _item(spec: EditionSource, message: Message, key: Key) -> RelatedItem:
     return RelatedItem(path, "the selector", key=True)
 
 
-def _path_of(spec: EditionSource, message: Message, key: Key) -> DocumentPath:
+def _path_of(spec: EditionSpec, message: Message, key: Key) -> DocumentPath:
     """The path of the position of a key of a table."""
     table = spec.commands[str(message.path[1])].table or ""
     path: DocumentPath = ("tables", table, "index")

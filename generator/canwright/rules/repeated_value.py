@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSource, MemberSpec, MessageSpec
+from ..language.edition import EditionSpec, MemberSpec, MessageSpec
 from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
@@ -32,7 +32,7 @@ def check(subject: CheckInput) -> Findings:
                 yield Finding((*message.path, "accept", i), text, "remove it; `accept` is for additional codes")
 
 
-def _lists(spec: EditionSource) -> Iterator[tuple[DocumentPath, Sequence[object]]]:
+def _lists(spec: EditionSpec) -> Iterator[tuple[DocumentPath, Sequence[object]]]:
     yield ("languages",), spec.languages
     for name, mode in spec.bus.modes.items():
         yield ("bus", "modes", name, "bit_rates_kbps"), mode.bit_rates_kbps

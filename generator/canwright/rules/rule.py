@@ -7,7 +7,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath, Severity
-from ..language.edition import EditionSource
+from ..language.edition import EditionSpec
 from ..language.golden_frames import GoldenFrames
 from ..model.edition import Edition
 
@@ -19,7 +19,7 @@ class CheckInput(NamedTuple):
     """
 
     edition: Edition
-    spec: EditionSource
+    spec: EditionSpec
     frames: GoldenFrames | None
     partial: bool = False
 

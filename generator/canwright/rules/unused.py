@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ..language.edition import EditionSource, MessageSpec
+from ..language.edition import EditionSpec, MessageSpec
 from ..model.edition import Edition
 from ..model.message import Message
 from .rule import CheckInput, Finding, Findings
@@ -52,11 +52,11 @@ def _exemptions(edition: Edition) -> Findings:
                     yield Finding(path, f"no request with this value has the effect `{effect}`", "remove it")
 
 
-def _of_entries(spec: EditionSource) -> set[str]:
+def _of_entries(spec: EditionSpec) -> set[str]:
     return {name for table in spec.tables.values() for entry in table.entries.values() for name in entry.effects}
 
 
-def _extended(spec: EditionSource) -> Iterator[str]:
+def _extended(spec: EditionSpec) -> Iterator[str]:
     """Layouts that messages extend with further fields; the layout of such a message has another name."""
     layouts = [entry.layout for table in spec.tables.values() for entry in table.entries.values()]
     messages = (message for command in spec.commands.values() for message in (command.request, command.reply))

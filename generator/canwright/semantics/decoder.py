@@ -121,13 +121,13 @@ def rejects_constants(message: Message, frame: CanFrame, assignment: Assignment)
     wrong = wrong_constants(present, frame)
     if not wrong:
         return None
-    text = f"the constant `{wrong[0].name}` is not {wrong[0].fixed}"
+    text = f"the constant `{wrong[0].name}` is not {wrong[0].role.sent_raw}"
     return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
 
 
 def values(variant: Variant, frame: CanFrame, assignment: Assignment) -> dict[str, Value | list[Value]]:
     """The value of each field, without constants; a list for an array."""
-    return {f.name: field_value(f, raw_of(f, frame), assignment) for f in variant.fields if f.fixed is None}
+    return {f.name: field_value(f, raw_of(f, frame), assignment) for f in variant.fields if f.role.is_value}
 
 
 def field_value(field: Field, raw: Raw, assignment: Assignment) -> Value | list[Value]:

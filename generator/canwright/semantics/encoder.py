@@ -14,7 +14,7 @@ from fractions import Fraction
 from ..language import notation
 from ..language.golden_frames import Value
 from ..model import formatting
-from ..model.layout import Field, Segment, Space
+from ..model.layout import Field, FixedRole, Segment, Space
 from ..model.message import Message
 from ..model.refusal import Refusal
 from ..model.types import Bound, Encoding, Range, Type
@@ -53,7 +53,7 @@ class Encoder:
         """The fields of a message by name, without constants; None if they depend on a missing parameter."""
         if message not in self._fields:
             variant = message.layout.variant(self.assignment)
-            fields = None if variant is None else {f.name: f for f in variant.fields if f.fixed is None}
+            fields = None if variant is None else {f.name: f for f in variant.fields if f.role.is_value}
             self._fields[message] = fields
         return self._fields[message]
 
@@ -87,7 +87,7 @@ class Encoder:
         parts: list[tuple[Space, Sequence[Segment], int]] = [(k.space, k.segments, k.value) for k in message.keys]
         variant = message.layout.variant(self.assignment)
         for field in variant.fields if variant else ():
-            raw = raws[field.name] if field.fixed is None else field.fixed
+            raw = field.role.raw if isinstance(field.role, FixedRole) else raws[field.name]
             ordered = raw if isinstance(raw, list) else [raw] * len(field.elements)
             parts += [(field.space, e.segments, one) for e, one in zip(field.elements, ordered, strict=True)]
         for space, segments, raw in parts:

@@ -65,7 +65,7 @@ def bits_at(parts: Parts, source: int) -> int:
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
     """The raw integer of each field, without constants."""
-    return {f.name: raw_of(f, frame) for f in variant.fields if f.fixed is None}
+    return {f.name: raw_of(f, frame) for f in variant.fields if f.role.is_value}
 
 
 def raw_of(field: Field, frame: CanFrame) -> Raw:
@@ -82,7 +82,7 @@ def _signed(type_: Type, raw: int) -> int:
 
 def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
     """The constant fields with another value in a frame."""
-    return [f for f in fields if f.demanded is not None and raw_of(f, frame) != f.demanded]
+    return [f for f in fields if f.role.is_checked and raw_of(f, frame) != f.role.required_raw]
 
 
 def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:

@@ -82,7 +82,7 @@ class CAdapter(Adapter):
         absent = [(number, value) for name, number, value in items if name not in present]
         assert all(number == "0" for number, _ in absent), f"{command}: absent fields are not 0"
         assert not self.reports_absent or all(value in ("?not_available", "+") for _, value in absent), command
-        for field in (f for f in variant.fields if f.fixed is None):
+        for field in (f for f in variant.fields if f.role.is_value):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
             if any(value == f"?{Refusal.MISSING_PARAMETER.value}" for _, value in mine):

@@ -95,7 +95,7 @@ class _Harness:
                 {
                     "enumerator": self._in_c.command(m.command),
                     "layout": self._names(m.layout),
-                    "fields": [self._field(field) for field in m.layout.fields if field.fixed is None],
+                    "fields": [self._field(field) for field in m.layout.fields if field.role.is_value],
                     "member": member(self._in_c.short(m.command)),
                 }
                 for m in messages
@@ -118,7 +118,7 @@ class _Harness:
         return {"name": layout.name, "c": self._in_c.lower(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
-        fields = [self._field(field) for field in layout.fields if field.fixed is None]
+        fields = [self._field(field) for field in layout.fields if field.role.is_value]
         pack = self._functions[self._in_c.lower(layout.name, "pack")]
         return {
             **self._names(layout),
@@ -173,4 +173,4 @@ class _Harness:
 
 
 def _has_members(layout: Layout) -> bool:
-    return any(field.fixed is None for field in layout.fields)
+    return any(field.role.is_value for field in layout.fields)

@@ -67,7 +67,7 @@ def cxx_harness(edition: Edition) -> str:
 
 
 def _fields(layout: Any) -> list[Field]:
-    return [field for field in layout.fields if field.fixed is None]
+    return [field for field in layout.fields if field.role.is_value]
 
 
 def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:

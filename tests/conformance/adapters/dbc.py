@@ -64,7 +64,7 @@ class DbcAdapter(Adapter):
                 self._left_out |= set(frame.hidden)
         self._routes = {direction: dispatch_plan(self.edition, direction).routes for direction in Direction}
         self._fixed_in_id = {
-            m: [f for f in m.layout.fields if f.space is Space.ID and f.fixed is not None]
+            m: [f for f in m.layout.fields if f.space is Space.ID and not f.role.is_value]
             for m in self.edition.all_messages()
         }
         self._deciding = {name for m in self.edition.all_messages() for f in m.layout.fields for name in f.type.numbers}
@@ -117,7 +117,7 @@ class DbcAdapter(Adapter):
     def _reserved_in_id(self, message: Message, frame: CanFrame) -> bool:
         """Whether reserved bits in the id are not those that are sent."""
         reserved = (f for f in self._fixed_in_id[message] if isinstance(f.role, ReservedRole))
-        return any(raw_of(f, frame) != f.fixed for f in reserved)
+        return any(raw_of(f, frame) != f.role.sent_raw for f in reserved)
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters

@@ -118,7 +118,7 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     signals = _signals(message)
     for element in field.elements:
         name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
-        if not field.type.flags or field.fixed is not None:
+        if not field.type.flags or not field.role.is_value:
             places = _whole(signals.get(name))
         else:
             places = _flags(name, field, signals)

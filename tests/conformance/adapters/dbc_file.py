@@ -126,9 +126,9 @@ class DbcFile:
             places = cells(found, prefix, field)
             if places:
                 read = [place.raw(numbers) for place in places]
-                if field.demanded is not None and read != [field.demanded] * len(read):
+                if field.role.is_checked and read != [field.role.required_raw] * len(read):
                     raise Cannot("constants")
-                if field.fixed is None:
+                if field.role.is_value:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = values_of(places, shown)
         in_data = message.node_in_data
@@ -180,10 +180,10 @@ class DbcFile:
         prefix = _prefix(message, code)
         data |= {signal.name: 0 for signal in found.signals if signal.name == f"{prefix}reserved"}
         for field in message.layout.fields:
-            value = [field.fixed] * len(field.elements) if field.fixed is not None else given.get(field.name)
+            value = [field.role.sent_raw] * len(field.elements) if not field.role.is_value else given.get(field.name)
             parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
             for place, part in zip(cells(found, prefix, field), parts, strict=False):
-                put = place.put_raw if field.fixed is not None or not scaled else place.put_value
+                put = place.put_raw if not field.role.is_value or not scaled else place.put_value
                 refused = None if part is None else put(data, part, parameters)
                 if refused:
                     return refused

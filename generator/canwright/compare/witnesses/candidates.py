@@ -23,7 +23,7 @@ MAX_MEMBERS = 256
 
 def raws(encoder: Encoder, field: Field, other: Field) -> Iterator[int]:
     """Raw integers that a field can be sent with, ends of ranges and members in both editions among them."""
-    demanded = () if other.demanded is None else (other.demanded,)
+    demanded = () if not other.role.is_checked else (other.role.required_raw,)
     for raw in dict.fromkeys((*_raws(field.type, other.type, encoder.assignment), *demanded)):
         if _allows(encoder, field, raw):
             yield raw

@@ -82,24 +82,22 @@ class Reading:
         if fields is None or read is None or base is None:
             return
         sent_keys, read_keys = self._constants(transfer.sent), self._constants(transfer.read)
-        demanded = [f for f in (*read.fields, *read_keys.values()) if f.demanded is not None and not f.is_array]
+        demanded = [f for f in (*read.fields, *read_keys.values()) if f.role.is_checked and not f.is_array]
         pair = _Pair(self, transfer, assignment, encoder, base, demanded)
         written = transfer.sent.layout.variant(encoder.assignment)
         every = {field.name: field for field in written.fields} if written else {}
         of = self._sources(transfer, every)
         for target in read.fields:
             source = every.get(of.get(target.name, "")) or sent_keys.get(target.name)
-            if target.demanded is not None:
+            if target.role.is_checked:
                 yield from pair.constant(target, source)
-            elif target.fixed is None:
+            elif target.role.is_value:
                 is_sent = source is not None and not isinstance(source.role, ReservedRole)
                 yield from pair.field(target, source) if source and is_sent else pair.unset(target, source)
         for name in read_keys.keys() & fields.keys():
             yield from pair.field(read_keys[name], fields[name])
         if transfer.side is Side.SENDING:
-            used = {
-                of.get(target.name) for target in read.fields if target.fixed is None or target.demanded is not None
-            }
+            used = {of.get(target.name) for target in read.fields if target.role.is_value or target.role.is_checked}
             for name, field in fields.items():
                 if name not in used | read_keys.keys():
                     yield from pair.ignored(field)
@@ -179,7 +177,7 @@ class _Pair:
                 continue
             frame = self._accepted(encoder, made)
             raw, found = raw_of(source, frame), raw_of(target, frame)
-            if target.demanded is not None and target.demanded not in _by_index(target, found).values():
+            if target.role.is_checked and target.role.required_raw not in _by_index(target, found).values():
                 continue
             differences = [
                 difference
@@ -189,13 +187,13 @@ class _Pair:
             fields = tuple(dict.fromkeys((source, target, varied, *self._fixed_in(target))))
             for aspect, members in differences:
                 yield self._misread(aspect, assignment, encoder, frame, source, raw, target, found, fields, members)
-            if not differences and target.demanded is None and encoder.rejects_raw(target, found) is not None:
+            if not differences and not target.role.is_checked and encoder.rejects_raw(target, found) is not None:
                 yield from self._out_of_range(assignment, encoder, frame, source, raw, target)
 
     def _fixed_in(self, target: Field) -> list[Field]:
         """The fields that are always sent as the same raw integer and that share bits with one that is read."""
         variant = self._transfer.sent.layout.variant(self._encoder.assignment)
-        return [f for f in (variant.fields if variant else ()) if f.fixed is not None and match.overlap(f, target)]
+        return [f for f in (variant.fields if variant else ()) if not f.role.is_value and match.overlap(f, target)]
 
     def _has_foreign_id(self, frame: CanFrame) -> bool:
         """Whether a frame is rejected because of bits of its id, although both messages follow one rule."""
@@ -276,10 +274,14 @@ class _Pair:
 
     def constant(self, target: Field, source: Field | None) -> Iterator[Observation]:
         """A constant that the receiver requires and that is not always sent, or that means something else."""
-        if source is not None and source.fixed == target.demanded and source.elements == target.elements:
+        if (
+            source is not None
+            and source.role.sent_raw == target.role.required_raw
+            and source.elements == target.elements
+        ):
             return
         frames = [self._unvaried()]
-        if source is not None and source.fixed is None:
+        if source is not None and source.role.is_value:
             frames += [frame for _, frame in self._frames(source, target, self._encoder)]
             yield from self.field(target, source)
         for frame in filter(None, frames):
@@ -297,7 +299,7 @@ class _Pair:
         """Frames with other raw integers of a field, then of the fields that share bits with the one that is read."""
         sent = self._transfer.sent
         base = candidates.base_raws(encoder, sent, self._node) or self._base
-        varied = [(source, candidates.raws(encoder, source, target))] if source.fixed is None else []
+        varied = [(source, candidates.raws(encoder, source, target))] if source.role.is_value else []
         fields = (encoder.fields(sent) or {}).values()
         sharing = [field for field in fields if field is not source and match.overlap(field, target)]
         for field, raws in (*varied, *((one, candidates.raws_of_each_bit(encoder, one)) for one in sharing)):
@@ -309,7 +311,7 @@ class _Pair:
                     frame = self._encoded(encoder, {**base, field.name: given})
                     if frame is not None:
                         yield field, frame
-        if source.fixed is not None:
+        if not source.role.is_value:
             frame = self._encoded(encoder, base)
             if frame is not None:
                 yield source, frame
@@ -320,7 +322,7 @@ class _Pair:
         if not wrong:
             return frame
         mask = data_bits((field.space, field.elements[0].segments) for field in wrong)
-        constants = sum(candidates.placed(f.elements[0].segments, f.demanded or 0) for f in wrong)
+        constants = sum(candidates.placed(f.elements[0].segments, f.role.required_raw or 0) for f in wrong)
         data = (int.from_bytes(frame.data, "little") & ~mask | constants).to_bytes(MAX_DATA_BYTES, "little")
         changed = CanFrame(frame.id, data[: len(frame.data)], frame.extended, frame.remote)
         fields = encoder.fields(self._transfer.sent) or {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ...model.layout import Field, Segment, Space
+from ...model.layout import Field, FixedRole, Segment, Space
 from ...model.message import BitRun, Key
 from ...model.types import Encoding
 from .expressions import joined, operand
@@ -32,7 +32,7 @@ def key_value(key: BitRun, frame: str = "frame") -> str:
 
 def constant_differs(field: Field, frame: str = "frame") -> str:
     """The condition for a frame with another value of a constant field."""
-    value = (field.fixed or 0) & ((1 << field.type.width) - 1)
+    value = (field.role.sent_raw or 0) & ((1 << field.type.width) - 1)
     kind = _shown(field.type.width, field.elements[0].segments)
     reads = (operand(_read(field.space, e.segments, field.type.width, frame)) for e in field.elements)
     return joined("||", [f"{read} != {kind.bits(value)}" for read in reads])
@@ -79,8 +79,8 @@ def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: It
             for s in element.segments:
                 if field.space is Space.ID:
                     yield Write(None, _id_bits(field, members, number, s))
-                elif field.fixed is not None:
-                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.fixed, s)
+                elif isinstance(field.role, FixedRole):
+                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.role.raw, s)
                 else:
                     terms.setdefault(s.byte, []).append(_write(field, _member(field, members, number), s))
                     partial.update([s.byte] if s.width < 8 else [])
@@ -92,8 +92,8 @@ def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: It
 
 
 def _id_bits(field: Field, members: Mapping[str, str], number: int, s: Segment) -> str:
-    if field.fixed is not None:
-        return f"0x{_piece(field.fixed, s):X}u"
+    if isinstance(field.role, FixedRole):
+        return f"0x{_piece(field.role.raw, s):X}u"
     return _write(field, _member(field, members, number), s)
 
 

@@ -108,7 +108,7 @@ def _print(of: _Edition, direction: Direction, frame: str) -> CallView:
 
 def _sent(of: _Edition, message: Message, golden: GoldenFrame, parameters: Mapping[str, str]) -> SentView:
     variant, frame = message.layout.variant(parameters), of.frames[of.names.lower(message.name)]
-    fields = [f for f in variant.fields if f.fixed is None] if variant else []
+    fields = [f for f in variant.fields if f.role.is_value] if variant else []
     listed: list[str] = []
     calls: list[CallView] = []
     for field in fields:

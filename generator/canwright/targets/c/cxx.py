@@ -366,7 +366,7 @@ def _presences(layout: Layout) -> Iterator[tuple[str, ...]]:
 
 
 def _members(layout: Layout) -> Sequence[Field]:
-    return [f for f in layout.fields if f.fixed is None]
+    return [f for f in layout.fields if f.role.is_value]
 
 
 def _distinct(names: Iterable[str], taken: Iterable[str]) -> Iterator[str]:

@@ -161,7 +161,7 @@ class _Example:
 
     def _side(self, message: Message, raw: Raw) -> SideView:
         variant = message.layout.variant(self._known)
-        fields = [f for f in variant.fields if f.fixed is None] if variant else []
+        fields = [f for f in variant.fields if f.role.is_value] if variant else []
         values = [f".{member(f.name)} = {_initializer(f, raw.get(f.name, 0))}" for f in fields]
         return SideView(
             frame=self._frames[self._names.lower(message.name)],

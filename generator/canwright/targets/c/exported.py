@@ -40,7 +40,7 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
         if names.lower(stem) in views:
             yield from ((members.get(name, type_.path), name) for name in _type(views[names.lower(stem)]))
     for layout in layouts(edition):
-        varying = [field for field in layout.fields if field.fixed is None]
+        varying = [field for field in layout.fields if field.role.is_value]
         if varying:
             yield layout.path, names.lower(layout.name, "t")
         for field in varying:
@@ -51,7 +51,7 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
         if command.code is not None:
             yield command.path, names.upper(command.name, "code")
     for message in edition.all_messages():
-        if any(field.fixed is None for field in message.layout.fields):
+        if any(field.role.is_value for field in message.layout.fields):
             yield message.path, names.lower(message.name, "t")
             yield message.path, f".{member(names.short(message.command))}"
         yield from ((message.path, names.lower(message.name, ending)) for ending in ("encode", "decode"))

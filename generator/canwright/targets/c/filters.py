@@ -12,7 +12,7 @@ from operator import or_
 from typing import NamedTuple
 
 from ...model.edition import Edition
-from ...model.layout import Segment, Space
+from ...model.layout import ConstantRole, Segment, Space
 from ...model.message import Address, Direction, Message
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
@@ -58,10 +58,10 @@ def _patterns(message: Message) -> Iterator[tuple[int, int]]:
     fixed, free = REMOTE * message.remote, 0
     for field in message.layout.fields:
         for element in field.elements if field.space is Space.ID else ():
-            if field.demanded is None:
-                free |= _bits(element.segments, -1)
+            if isinstance(field.role, ConstantRole):
+                fixed |= _bits(element.segments, field.role.raw)
             else:
-                fixed |= _bits(element.segments, field.demanded)
+                free |= _bits(element.segments, -1)
     first, *others = [_key_values(message, place) for place in range(len(message.keys))] or [[0]]
     fixed |= reduce(or_, (bits[0] for bits in others), 0)
     yield from ((fixed | bits, free) for bits in first)

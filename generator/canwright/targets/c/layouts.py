@@ -124,7 +124,7 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
     shared = {byte for message in edition.of_layout(layout) for byte in bits.key_bytes(message.keys)}
     members = {f.name: member(f.name) for f in layout.fields}
     facts = errata(edition, layout.path) if layout.shared else []
-    stored = [f for f in layout.fields if f.fixed is None]
+    stored = [f for f in layout.fields if f.role.is_value]
     return LayoutView(
         name=names.lower(layout.name),
         title=english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
@@ -193,9 +193,9 @@ def _cases(names: Names, layout: Layout, steps: Iterable[tuple[T, ...]]) -> tupl
 
 def _reads(layout: Layout, variant: Variant) -> Iterator[FieldRead]:
     for field in layout.fields:
-        if field.demanded is not None and field.only and field in variant.fields:
+        if field.role.is_checked and field.only and field in variant.fields:
             yield FieldRead(constant_differs=bits.constant_differs(field))
-        elif field.fixed is None:
+        elif field.role.is_value:
             for number, element in zip(_numbers(field), field.elements, strict=True):
                 value = bits.read_field(field, element.segments) if field in variant.fields else "0"
                 yield FieldRead(member=number, value=value)
@@ -203,7 +203,7 @@ def _reads(layout: Layout, variant: Variant) -> Iterator[FieldRead]:
 
 def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
     for field in variant.fields:
-        if field.fixed is not None:
+        if not field.role.is_value:
             continue
         type_ = types[names.lower(names.type_stem(field.type))]
         given = type_.show.formulas.uses_parameters
@@ -217,7 +217,7 @@ def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
 def _checks(names: Names, layout: Layout, variant: Variant, types: Types) -> Iterator[FieldCheck]:
     """One check for each field and reason. A field that a variant lacks must be 0, since it is not sent."""
     for field in layout.fields:
-        if field.fixed is not None:
+        if not field.role.is_value:
             continue
         item = f"message->{member(field.name)}" + ("[i]" if field.is_array else "")
         if field not in variant.fields:
@@ -239,4 +239,4 @@ def _check(names: Names, field: Field, condition: str, status: str, *, uses_para
 
 def fields_named(layouts: Sequence[Layout]) -> list[str]:
     """The names of all fields that are members of some struct, in order, each once."""
-    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.fixed is None))
+    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.role.is_value))

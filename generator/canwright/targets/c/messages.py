@@ -139,7 +139,7 @@ class Messages:
         return rule_view(self._names, self._edition, address, direction)
 
     def _message(self, message: Message, pattern: PatternView) -> MessageView:
-        constants = [f for f in message.layout.fields if f.demanded is not None and not f.only]
+        constants = [f for f in message.layout.fields if f.role.is_checked and not f.only]
         return MessageView(
             name=self._names.lower(message.name),
             struct=self._names.lower(message.name, "t"),

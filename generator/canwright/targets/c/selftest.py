@@ -223,7 +223,7 @@ def _table(layout: Layout) -> str:
 
 
 def _members(layout: Layout) -> Iterator[Field]:
-    return (f for f in layout.fields if f.fixed is None)
+    return (f for f in layout.fields if f.role.is_value)
 
 
 def _index(numbers: dict[T, int], item: T) -> int:

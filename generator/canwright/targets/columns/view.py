@@ -127,12 +127,12 @@ def _scale(linear: Linear | None) -> str:
 
 def varying(layout: Layout) -> Sequence[Field]:
     """The fields that have columns."""
-    return [field for field in layout.fields if field.fixed is None]
+    return [field for field in layout.fields if field.role.is_value]
 
 
 def demanded(layout: Layout) -> Sequence[Field]:
     """The constants."""
-    return [field for field in layout.fields if field.demanded is not None]
+    return [field for field in layout.fields if field.role.is_checked]
 
 
 def fraction(number: Fraction | None) -> str:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model import formatting
-from ...model.layout import Element, Field, ReservedRole, Space
+from ...model.layout import Element, Field, FixedRole, ReservedRole, Space
 from ...model.message import Command, Direction
 from ...model.metadata import Effect, Level
 from ...model.types import IDENTITY, Assignment, Encoding, Linear, Order, Type
@@ -131,11 +131,11 @@ class Fields:
             comments.of(field.about) or comments.of(type_.about),
         ]
         sentences += [*(comments.deprecation(m.deprecated, m.name) for m in type_.enum), reading.step, *about]
-        if field.fixed is not None:
-            numbers, _ = self._integers(type_, (field.fixed, field.fixed))
+        if isinstance(field.role, FixedRole):
+            numbers, _ = self._integers(type_, (field.role.raw, field.role.raw))
             word = "sent_as" if isinstance(field.role, ReservedRole) else "always"
-            comment = comments.sentences([*sentences, comments.fixed(word, raw=field.fixed)])
-            yield _signal(place, comment, numbers, start_value=field.fixed)
+            comment = comments.sentences([*sentences, comments.fixed(word, raw=field.role.raw)])
+            yield _signal(place, comment, numbers, start_value=field.role.raw)
         elif type_.flags:
             yield from self._flags(place, sentences, type_)
         else:

@@ -62,7 +62,7 @@ class Part:
     def id_bits(self) -> int:
         """The bits of the id that are set by keys and constant fields."""
         placed = [(key.segments[0].low, value) for key, value in self._keys if key.space is Space.ID]
-        placed += [(f.elements[0].segments[0].low, f.fixed or 0) for f in fields_in_id(self.message)]
+        placed += [(f.elements[0].segments[0].low, f.role.sent_raw or 0) for f in fields_in_id(self.message)]
         return sum(value << low for low, value in placed)
 
 
@@ -112,7 +112,7 @@ def obstacle(message: Message) -> str:
     """Why a DBC cannot describe this message; empty if it can."""
     if message.remote:
         return "a remote frame has no data, and a DBC cannot distinguish it from a data frame"
-    varying = [f.name for f in fields_in_id(message) if f.fixed is None]
+    varying = [f.name for f in fields_in_id(message) if f.role.is_value]
     return f"the id contains {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
 
 
@@ -152,7 +152,7 @@ def _frame(rule: IdRule, id_bits: int, parts: Sequence[Part]) -> Frame:
 
 def _content(message: Message) -> tuple[bool, int]:
     """Whether a message has fields, and its length; `max` takes the first of several messages with the same content."""
-    has_fields = any(f.fixed is None for f in message.layout.fields if f.space is Space.DATA)
+    has_fields = any(f.role.is_value for f in message.layout.fields if f.space is Space.DATA)
     return has_fields, message.dlc
 
 

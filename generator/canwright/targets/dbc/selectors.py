@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Iterator
 
-from ...model.layout import Space, bits_of
+from ...model.layout import ConstantRole, Space, bits_of
 from ...model.message import Key
 from .frames import Part
 
@@ -54,5 +54,5 @@ def _fixed(part: Part) -> Iterator[tuple[tuple[int, ...], int]]:
     """Bits with the same value in every frame of the part, and that value: selectors and constants."""
     yield from ((bits(key), value) for key, value in part.selectors)
     for field in part.message.layout.fields:
-        if field.demanded is not None and field.space is Space.DATA and not field.only:
-            yield from ((element.bits, field.demanded) for element in field.elements)
+        if isinstance(field.role, ConstantRole) and field.space is Space.DATA and not field.only:
+            yield from ((element.bits, field.role.raw) for element in field.elements)

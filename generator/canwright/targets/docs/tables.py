@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
-from ...model.layout import Field, Layout, NodeRole, ReservedRole, Space
+from ...model.layout import Field, FixedRole, Layout, NodeRole, ReservedRole, Space
 from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
 from ...model.types import Assignment, Encoding, Text, Type
 from ...templating.markup import code, markdown
@@ -157,10 +157,10 @@ def _section(field: Field, layout: Layout, command: Command, labels: Labels) -> 
 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
-    if field.fixed is not None:
+    if isinstance(field.role, FixedRole):
         return (
             "",
-            code(constant(field.fixed)),
+            code(constant(field.role.raw)),
             labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"],
         )
     among = values_of(field.type.linear.parameter or "", layout, field, command)
@@ -212,9 +212,9 @@ def _id_with_code(message: Message) -> IdRule | None:
     """The id on the bus if it contains a key; None if it contains no key, or a field with a variable value."""
     placed = [(key.segments[0].low, key.value) for key in message.keys if key.space is Space.ID]
     fields = [field for field in message.layout.fields if field.space is Space.ID]
-    if not placed or any(field.fixed is None for field in fields):
+    if not placed or any(field.role.is_value for field in fields):
         return None
-    placed += [(field.elements[0].segments[0].low, field.fixed or 0) for field in fields]
+    placed += [(field.elements[0].segments[0].low, field.role.sent_raw or 0) for field in fields]
     return replace(message.id, base=message.id.base | sum(value << low for low, value in placed))
 
 

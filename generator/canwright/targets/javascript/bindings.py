@@ -44,7 +44,7 @@ def _message(names: Names, edition: Edition, message: Message) -> Value:
 
 def _takes_parameters(layout: Layout) -> bool:
     """Whether the functions of C that check and pack a layout need parameters: for its fields, or for ranges."""
-    ranges = [field.type.raw_range for field in layout.fields if field.fixed is None]
+    ranges = [field.type.raw_range for field in layout.fields if field.role.is_value]
     bounds = [b for r in ranges for _, span in r.distinct() if span is not None for b in (span.low, span.high)]
     return layout.parameter is not None or any(r.parameter for r in ranges) or any(b.parameter for b in bounds)
 

@@ -96,7 +96,7 @@ def _choice(parameter: Parameter) -> str:
 
 def _fields(layout: Layout) -> Iterator[Property]:
     for field in layout.fields:
-        if field.fixed is None:
+        if field.role.is_value:
             yield Property(
                 name=text.key(field.name) + ("?" if field.only else ""), type=_field_type(field), doc=_meaning(field)
             )

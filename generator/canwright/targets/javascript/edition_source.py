@@ -13,7 +13,7 @@ from .tables import EditionTables
 from .titles import titles
 
 
-class EditionSource:
+class EditionSpec:
     """The sources of one edition; each is printed once."""
 
     def __init__(self, specification: EditionInput) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from ...model.edition import Edition
-from ...model.layout import Field, Layout, Segment, Space
+from ...model.layout import Field, FixedRole, Layout, Segment, Space
 from ...model.message import BitRun, Command, Direction, IdRule, Message
 from ...model.types import Bound, ByParameter, Linear, Parameter, Range, Type
 from ...semantics import dispatch
@@ -68,8 +68,8 @@ class EditionTables:
             "array": field.is_array or None,
             "indices": [element.index or 0 for element in field.elements] if field.is_array else None,
             "only": list(field.only) or None,
-            "fixed": None if field.fixed is None else text.integer(field.fixed, width),
-            "constant": True if field.demanded is not None else None,
+            "fixed": text.integer(field.role.raw, width) if isinstance(field.role, FixedRole) else None,
+            "constant": True if field.role.is_checked else None,
         }
 
     def _message(self, message: Message) -> Table:

@@ -31,7 +31,7 @@ class JavaScriptTarget(Target):
             yield at, parameter.name
             yield from (((*at, "values", value.name), f'"{value.name}"') for value in parameter.values)
         for message in edition.all_messages():
-            for field in (field for field in message.layout.fields if field.fixed is None):
+            for field in (field for field in message.layout.fields if field.role.is_value):
                 yield field.path, field.name
                 key = "enum" if field.type.enum else "flags"
                 members = (*field.type.enum, *field.type.flags)

@@ -149,7 +149,7 @@ def _probe(edition: Edition, node: int, assignment: Assignment) -> Message | Non
         request, reply = command.request, command.reply
         if request is None or reply is None or command.effects or command.from_each or not command.implemented:
             continue
-        is_bare = not any(field.fixed is None for field in request.layout.fields)
+        is_bare = not any(field.role.is_value for field in request.layout.fields)
         if is_bare and command.available(assignment) and _differ(edition, request, reply, node):
             return request
     return None
@@ -164,7 +164,7 @@ def _differ(edition: Edition, request: Message, reply: Message, node: int) -> bo
     found = Decoder(edition).decode_as(reply, frame, {})
     if isinstance(found, Rejection):
         return True
-    fields = [field for field in found.variant.fields if field.fixed is None]
+    fields = [field for field in found.variant.fields if field.role.is_value]
     return any(
         encoder.rejects_raw(field, found.raws[field.name]) or _is_implausible(field, found.values[field.name])
         for field in fields
@@ -184,7 +184,7 @@ def arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.Ty
     """The values that make the message of a frame; None where a field has no value."""
     found: list[Argument] = []
     variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
-    for field in (f for f in (variant.fields if variant else ()) if f.fixed is None):
+    for field in (f for f in (variant.fields if variant else ()) if f.role.is_value):
         view = views[field.type.name]
         value = _value(field, frame.values.get(field.name), view)
         if value is None:

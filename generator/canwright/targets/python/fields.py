@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from ...model.layout import Field, Layout
+from ...model.layout import Field, FixedRole, Layout
 from . import bits, code, docstrings, text, types
 from .imports import Imports
 
@@ -36,7 +36,7 @@ class FieldView:
 
 def varying(fields: Iterable[Field]) -> list[Field]:
     """The fields that a message stores: those whose value is not fixed."""
-    return [field for field in fields if field.fixed is None]
+    return [field for field in fields if field.role.is_value]
 
 
 def field_view(
@@ -85,10 +85,10 @@ def field_view(
 def constant_checks(fields: Iterable[Field], dlc: int, imports: Imports) -> Iterator[code.Code]:
     """The statements that check the constants."""
     for field in fields:
-        if field.demanded is not None:
+        if field.role.is_checked:
             for element in field.elements:
                 read = bits.read(bits.place("", field, element), dlc)
-                yield code.call(imports.use("constant"), (read, str(field.demanded), text.literal(field.name)))
+                yield code.call(imports.use("constant"), (read, str(field.role.required_raw), text.literal(field.name)))
 
 
 def storage(layout: Layout) -> dict[Field, int]:
@@ -108,10 +108,10 @@ def positions(fields: Iterable[Field], stored: Mapping[Field, int]) -> list[tupl
     found = []
     for field in fields:
         for i, element in enumerate(field.elements):
-            if field.fixed is None:
+            if isinstance(field.role, FixedRole):
+                target = f"0x{field.role.raw & (1 << field.type.width) - 1:X}"
+                found.append((field, bits.place(target, field, element)._replace(signed=False)))
+            else:
                 target = f"self._raws[{stored[field]}]" + (f"[{i}]" if field.is_array else "")
                 found.append((field, bits.place(target, field, element)))
-            else:
-                target = f"0x{field.fixed & (1 << field.type.width) - 1:X}"
-                found.append((field, bits.place(target, field, element)._replace(signed=False)))
     return found

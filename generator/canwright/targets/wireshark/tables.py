@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.layout import Field, Layout, ReservedRole, Segment, Space
+from ...model.layout import ConstantRole, Field, Layout, ReservedRole, Segment, Space
 from ...model.message import BitRun, Command, Direction, IdRule, Message
 from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
@@ -82,13 +82,13 @@ class EditionTables:
         return {
             "name": field.name,
             "label": title,
-            "filter": self._filters[field.name] if field.fixed is None else None,
+            "filter": self._filters[field.name] if field.role.is_value else None,
             "type": Code(f"types[{self._types[field.type]}]"),
             "elements": elements,
             "indices": [element.index or 0 for element in field.elements] if field.is_array else None,
             "only": dict.fromkeys(field.only, True) or None,
-            "fixed": True if field.fixed is not None else None,
-            "constant": None if field.demanded is None else text.key(field.demanded, field.type.width),
+            "fixed": True if not field.role.is_value else None,
+            "constant": text.key(field.role.raw, field.type.width) if isinstance(field.role, ConstantRole) else None,
         }
 
     def _message(self, message: Message) -> Table:
@@ -219,7 +219,7 @@ def _reserved(message: Message) -> Iterator[Value]:
     for field in _reserved_fields(message):
         for element in field.elements if field.space is Space.DATA else ():
             for s in element.segments:
-                bits = (field.fixed or 0) >> s.raw_low & (1 << s.width) - 1
+                bits = (field.role.sent_raw or 0) >> s.raw_low & (1 << s.width) - 1
                 value |= bits << s.byte * 8 + s.low
     mask = _reserved_mask(message)
     for byte in range(message.dlc):
