@@ -8,8 +8,8 @@ import cantools
 import pytest
 from canwright.cli import main
 from canwright.diagnostics.diagnostic import SpecError
+from canwright.language.units import read_units
 from canwright.project.loader import load, specification
-from canwright.resolve.types import read_units
 from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, findings

@@ -25,7 +25,7 @@ from canwright.language.golden_frames import GoldenFrame
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.golden_file import read_golden_file
-from canwright.project.loader import frames_file, specification
+from canwright.project.loader import specification
 from canwright.recordings import plot
 from canwright.recordings.bus_behaviour import Behaviour, OldBits
 from canwright.recordings.directions import Directions
@@ -341,9 +341,9 @@ def rows(edition: Edition, recorded: Sequence[Recorded], parameters: dict[str, s
 
 
 def golden_of(file: Path) -> tuple[Edition, list[GoldenFrame]]:
-    golden = read_golden_file(frames_file(file)).golden
-    assert golden
-    return specification(file).edition, golden.frames
+    item = specification(file)
+    assert item.frames
+    return item.edition, item.frames.frames
 
 
 @pytest.mark.parametrize("file", SPECS, ids=called)
@@ -408,9 +408,8 @@ def test_golden_frames_are_printed_as_they_are_written(file: Path, tmp_path: Pat
         printed.append(text)
     head = f"canwright: 1\nfamily: {edition.family}\nedition: {edition.name}\nsources: {{unverified: None.}}\nframes:\n"
     (tmp_path / "x.frames.yaml").write_text(head + "".join(printed), "utf-8")
-    found = read_golden_file(tmp_path / "x.frames.yaml")
-    assert not found.findings and found.golden
-    for again, original in zip(found.golden.frames, golden, strict=True):
+    printed_frames = read_golden_file(tmp_path / "x.frames.yaml", edition).golden.frames
+    for again, original in zip(printed_frames, golden, strict=True):
         for key in ("id", "extended", "remote", "data", "node", "raw", "direction"):
             assert getattr(again, key) == getattr(original, key), original
         messages = [edition.command(frame.command).message(frame.direction) for frame in (again, original)]

@@ -12,7 +12,7 @@ from canwright.cli import main
 from canwright.diagnostics.diagnostic import MAX_FINDINGS, SpecError
 from canwright.document.document import MAX_BYTES, read_document
 from canwright.language import notation
-from canwright.resolve.limits import MAX_COMMANDS
+from canwright.resolve.report import MAX_COMMANDS
 from canwright.rules import bit_patterns, too_large
 from click.testing import CliRunner
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Address, Direction, IdRule, Message
@@ -36,7 +35,7 @@ def _findings(subject: CheckInput) -> Findings:
                 text = f"the {direction.value} id 0x{shared:X} also belongs to `{two.name}`"
                 related = RelatedItem(_path(subject, two, direction), f"the id of `{two.name}`")
                 yield Finding(path, text, "check `id` and `nodes` of both addresses", related=(related,))
-        if not seen and not subject.partial:
+        if not seen:
             yield from _unreachable(edition, direction)
     yield from _between_directions(subject)
     if not seen:  # ids that collide in one direction usually collide in the other, too
@@ -53,7 +52,7 @@ def _between_directions(subject: CheckInput) -> Findings:
     edition = subject.edition
     for address in edition.addresses:
         rules = address.request, address.reply
-        if rules[0] == rules[1] or (subject.partial and _is_selected_by_id(subject.spec, address.name)):
+        if rules[0] == rules[1]:
             continue
         used = {message.address for message in edition.all_messages()}
         owned = [(direction, its) for direction in Direction for its in _ids(edition, direction, address, used)]
@@ -72,7 +71,6 @@ def _between_addresses(subject: CheckInput) -> Findings:
     owned = [
         (address, direction, its)
         for address in edition.addresses
-        if not (subject.partial and _is_selected_by_id(subject.spec, address.name))
         for direction in Direction
         for its in _ids(edition, direction, address, used)
     ]
@@ -121,7 +119,7 @@ def _span(ids: range) -> str:
 
 
 def _unreachable(edition: Edition, direction: Direction) -> Findings:
-    """Findings about messages owner_text ids another address takes first, without a message of their code."""
+    """Findings about messages whose ids are identified as those of an earlier address, which has no such code."""
     reported: set[tuple[str, str]] = set()
     earlier: list[tuple[int, bit_patterns.Known, Message]] = []
     """For each earlier rule with variable bits of the id: these bits, the known ones, and a message."""
@@ -151,12 +149,7 @@ def _shared(subject: CheckInput, direction: Direction) -> dict[tuple[int, int], 
     """The indices of every two addresses that share an id, the later one first, with the lowest shared id."""
     edition = subject.edition
     used = {message.address for message in edition.all_messages()}
-    owned = [
-        (place, its)
-        for place, one in enumerate(edition.addresses)
-        if not (subject.partial and _is_selected_by_id(subject.spec, one.name))
-        for its in _ids(edition, direction, one, used)
-    ]
+    owned = [(place, its) for place, one in enumerate(edition.addresses) for its in _ids(edition, direction, one, used)]
     found: dict[tuple[int, int], int] = {}
     for i, j in bit_patterns.pairs([can_ids.known(its) for _, its in owned]):
         (address, first), (other, second) = owned[i], owned[j]
@@ -165,13 +158,6 @@ def _shared(subject: CheckInput, direction: Direction) -> dict[tuple[int, int], 
         if shared is not None:
             found.setdefault((address, other), shared)
     return found
-
-
-def _is_selected_by_id(spec: EditionSpec, address: str) -> bool:
-    """Whether the ids of an address depend on its commands."""
-    written = spec.addresses[address]
-    selectors = (written.selector, written.reply_selector, spec.selector)
-    return any(selector is not None and selector.at.space is Space.ID for selector in selectors)
 
 
 def _ids(edition: Edition, direction: Direction, address: Address, used: Collection[str]) -> Sequence[range]:
