@@ -21,8 +21,8 @@ import pyarrow.parquet as pq
 import pytest
 from asammdf import MDF
 from canwright.cli import main
-from canwright.language.golden_frames import GoldenFrame
 from canwright.model.edition import Edition
+from canwright.model.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.golden_file import read_golden_file
 from canwright.project.loader import specification
@@ -340,7 +340,7 @@ def rows(edition: Edition, recorded: Sequence[Recorded], parameters: dict[str, s
     return list(RowReader(functools.partial(same, parameters)).rows(judged))
 
 
-def golden_of(file: Path) -> tuple[Edition, list[GoldenFrame]]:
+def golden_of(file: Path) -> tuple[Edition, Sequence[GoldenFrame]]:
     item = specification(file)
     assert item.frames
     return item.edition, item.frames.frames

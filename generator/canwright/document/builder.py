@@ -214,7 +214,8 @@ class _Builder:
         if path is None:
             return
         keys, values = self._source.marks.keys, self._source.marks.values
-        first = keys[(*path, name)]
+        duplicate: DocumentPath = (*path, name)
+        first = keys[duplicate]
         mappings = ((key, (*path, key)) for key in reversed(entries) if isinstance(entries[key], dict) and key != name)
         blocks = ((key, keys[at].line) for key, at in mappings if first.line < keys[at].line < values[at].line)
         indented = next((f"; or is `{key}` on line {line} indented too far?" for key, line in blocks), "")

@@ -10,9 +10,11 @@ from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document import ambiguous
 from ..document.document import Document, read_document
 from ..language.decoder import decode
-from ..language.golden_frames import GoldenFrames
+from ..language.golden_frames import GoldenFramesSpec
 from ..language.references import check_references
 from ..model.edition import Edition
+from ..model.golden_frames import GoldenFrames
+from ..resolve.golden_frames import resolve_golden_frames
 
 
 class GoldenFile(NamedTuple):
@@ -25,14 +27,14 @@ class GoldenFile(NamedTuple):
 def read_golden_file(file: Path, edition: Edition) -> GoldenFile:
     """The golden frames of an edition. Raises SpecError with all findings, and OSError."""
     document, _ = read_document(file)
-    decoded = decode(document, GoldenFrames)
+    decoded = decode(document, GoldenFramesSpec)
     if others := list(_other_edition(document, decoded.value, edition)):
         raise SpecError(others)
     check_references(document, decoded.names)
-    return GoldenFile(decoded.value, document)
+    return GoldenFile(resolve_golden_frames(edition, decoded.value), document)
 
 
-def _other_edition(document: Document, golden: GoldenFrames, edition: Edition) -> Iterator[Diagnostic]:
+def _other_edition(document: Document, golden: GoldenFramesSpec, edition: Edition) -> Iterator[Diagnostic]:
     """A finding for a family or an edition that differs from that of the spec."""
     for key, written, expected in (
         ("family", golden.family, edition.family),
