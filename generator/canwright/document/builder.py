@@ -124,8 +124,8 @@ class _Builder:
         """Reports a key without a value, at the key."""
         mark = self._source.marks.keys.get(path) if path else None
         line = self._source.lines[mark.line - 1] if mark else ""
-        hint = ambiguous.missing_value_hint(str(path[-1]) if path else "", line)
-        self._add(mark or Mark.of(self._event), "yaml", "there is no value here", hint)
+        message, hint = ambiguous.missing_value(str(path[-1]) if path else "", line)
+        self._add(mark or Mark.of(self._event), "yaml", message, hint)
 
     def _value(self, path: DocumentPath | None, depth: int) -> Data:
         """The value that starts with the current event."""

@@ -141,6 +141,15 @@ def truth(written: object) -> str:
     return "true" if word in _TRUE else "false" if word in _FALSE else ""
 
 
+def raw_integer(path: DocumentPath) -> str:
+    """A hint for a value in place of a raw integer of a golden frame."""
+    return (
+        "`raw` has the integer in the frame; write a value in its unit, or a name, into `values`"
+        if "raw" in path
+        else ""
+    )
+
+
 def limit(written: int, path: DocumentPath) -> str:
     """A hint for a number above its maximum: the bit of a mask, or kbit/s for bit/s."""
     if "flags" in path and written > 0 and written.bit_count() == 1:
@@ -184,7 +193,12 @@ def names_first(written: Mapping[str, object]) -> str:
 
 def named(written: object) -> str:
     """A hint for a list of mappings with names: the names as keys."""
-    first = written[0] if isinstance(written, list) and written else None
+    items = written if isinstance(written, list) else []
+    if items and all(isinstance(item, dict) and len(item) == 1 for item in items):
+        return (
+            f"write a mapping without dashes: {flow({name: value for item in items for name, value in item.items()})}"
+        )
+    first = items[0] if items else None
     key = next((k for k in ("name", "id", "title") if isinstance(first, dict) and isinstance(first.get(k), str)), None)
     if key is None or not isinstance(first, dict):
         return ""

@@ -145,7 +145,9 @@ class IntegerForm(Form):
         if not isinstance(data, int) or isinstance(data, bool):
             shown = suggestions.as_yaml(data)
             text = f"`{shown}` is not a whole number" if is_scalar(data) else "expected a whole number here"
-            return self._value(report, location, text, suggestions.integer(data))
+            return self._value(
+                report, location, text, aliases.raw_integer(location.path[:-1]) or suggestions.integer(data)
+            )
         low, high = self.limits.ge, self.limits.le
         if low is not None and data < low:
             shown = report.written(location.path, data)

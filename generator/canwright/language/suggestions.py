@@ -151,11 +151,11 @@ def unknown_key(concept: type[Concept], written: str, value: object, present: Ma
     if format_key and written.lower() in _SYNONYMS["raw"]:
         several = ", or write `array: 1..4` for several values" if "array" in known else ""
         return f"remove it, because `{format_key}` defines the width and the sign{several}"
-    owners = _owners(written, known)
+    key, owners = _owners(written, known)
     if owners:
-        return f"`{written}` belongs to {' or '.join(owners[:3])}" + (
-            _REMEDIES.get(owners[0], "") if len(owners) == 1 else ""
-        )
+        meant = f"`{written}`" if key == written else f"did you mean `{key}`? It"
+        remedy = _REMEDIES.get(owners[0], "") if len(owners) == 1 else ""
+        return f"{meant} belongs to {' or '.join(owners[:3])}{remedy}"
     return _listed(sorted(known))
 
 
@@ -177,11 +177,11 @@ def _is_field(value: object) -> bool:
     return isinstance(value, dict) and "at" in value
 
 
-def _owners(written: str, known: Collection[str]) -> list[str]:
-    """The concepts that have a key, or a synonym of it."""
+def _owners(written: str, known: Collection[str]) -> tuple[str, list[str]]:
+    """A key, or another key of which it is a synonym, and the concepts that have it."""
     names = [written, *(name for name, words in _SYNONYMS.items() if written.lower() in words)]
-    owners = ([one.called for one in Concept.all if name in keys(one)] for name in names if name not in known)
-    return next((called for called in owners if called), [])
+    owners = ((name, [c.called for c in Concept.all if name in keys(c)]) for name in names if name not in known)
+    return next(((name, called) for name, called in owners if called), ("", []))
 
 
 def _listed(names: Sequence[str]) -> str:

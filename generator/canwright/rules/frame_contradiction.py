@@ -65,7 +65,8 @@ class _FrameChecker:
         if not is_expected and (direction is Direction.REQUEST or not _has_same_fields(alone, encoder, can, found)):
             text = f"rejected: {alone.text}" if isinstance(alone, Rejection) else named(alone.message, alone.node)
             return [(("data",), f"without its request, this frame is {text}", "check the codes in the spec")]
-        problems = [*wrong, *_raws(frame, fields, found), *_values(frame, fields, found, encoder.assignment)]
+        assignment = encoder.assignment
+        problems = [*wrong, *_raws(frame, fields, found, assignment), *_values(frame, fields, found, assignment)]
         return problems or ([] if frame.decode_only else list(_encoded(encoder, message, fields, frame, can)))
 
     def _length(self, message: Message) -> RelatedItem:
@@ -133,13 +134,16 @@ def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem
     if wrong is None:
         node = node_in_id(message, can)
         if node is None and frame.node is not None:
-            return ("node",), f"the id 0x{frame.id:X} has no node", "remove `node`"
+            return ("node",), f"the id 0x{frame.id:X} has no node", _WITHOUT_NODE
         if node != frame.node:
             return ("node",), f"the id 0x{frame.id:X} belongs to node {node}", f"check `id`, or write `node: {node}`"
         return None
     if wrong.part in ("extended", "remote"):
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
+        if frame.node is not None and message.id.nodes is None:
+            fixed = f": the id of all its frames is 0x{message.id.base:X}" if _has_whole_id(message) else ""
+            return ("node",), f"the address `{message.address}` has no node{fixed}", _WITHOUT_NODE
         from_hex = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
         is_decimal = difference(message, can._replace(id=from_hex)) is None
         hint = f"did you mean 0x{from_hex:X}?" if is_decimal else _id_of(message, frame)
@@ -147,6 +151,15 @@ def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem
     if wrong.part == "length":
         return ("data",), wrong.text, f"write {message.dlc} bytes, or change `dlc`"
     return ("data",), wrong.text, "check `data` and the code in the spec"
+
+
+_WITHOUT_NODE = "remove `node`, or write the id of the address with `node` in the spec"
+
+
+def _has_whole_id(message: Message) -> bool:
+    """Whether the address alone decides the id: there are no fields or keys in it."""
+    spaces = {field.space for field in message.layout.fields} | {key.space for key in message.keys}
+    return Space.ID not in spaces
 
 
 def _id_of(message: Message, frame: GoldenFrame) -> str:
@@ -158,7 +171,9 @@ def _id_of(message: Message, frame: GoldenFrame) -> str:
     return f"the id of node {node} is 0x{can_ids.of_message(message)[nodes.index(node)]:X}; {hint}"
 
 
-def _raws(frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[EntryProblem]:
+def _raws(
+    frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
+) -> list[EntryProblem]:
     unknown = [name for name in frame.raw if name not in found]
     if unknown:
         return [(("raw", name, KEY), *_no_field(name, fields, found)) for name in unknown]
@@ -167,14 +182,31 @@ def _raws(frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, R
         names = ", ".join(f"`{name}`" for name in missing)
         return [(("raw",), f"`raw` lacks {names}", "write the raw integer of every field; `values` may have fewer")]
     return [
-        (
-            ("raw", name),
-            f"`{name}` is {raw} in `data`",
-            f"check `data` and the layout in the spec{_where(fields[name])}",
-        )
+        (("raw", name), f"`{name}` is {raw} in `data`", _raw_hint(fields[name], raw, frame.raw[name], assignment))
         for name, raw in found.items()
         if raw != frame.raw[name]
     ]
+
+
+def _raw_hint(field: Field, raw: Raw, wanted: Raw, assignment: Assignment) -> str:
+    """The hint for a raw integer that differs from that in the data."""
+    if _is_swapped(raw, wanted, field.type.width):
+        return f"the other byte order gives {wanted}: check `data`, and `byte_order` in the spec"
+    if field_value(field, raw, assignment) == wanted:
+        return f"{wanted} is its value{_unit(field)}; `raw` is an integer, and `values` has the value"
+    return f"check `data` and the layout in the spec{_where(field)}"
+
+
+def _unit(field: Field) -> str:
+    return f" in {field.type.unit.symbol}" if field.type.unit else ""
+
+
+def _is_swapped(raw: Raw, wanted: Raw, width: int) -> bool:
+    """Whether two raw integers have the same bytes in opposite order."""
+    if isinstance(raw, list) or isinstance(wanted, list) or width % 8 or width == 8:
+        return False
+    mask = (1 << width) - 1
+    return int.from_bytes((raw & mask).to_bytes(width // 8, "little"), "big") == wanted & mask
 
 
 def _values(
@@ -189,7 +221,7 @@ def _values(
             continue  # already reported: the value follows from the raw integer
         value = field_value(fields[name], found[name], assignment)
         if not _same(wanted, value):
-            problems.append((("values", name), *_other_value(fields[name], value, assignment)))
+            problems.append((("values", name), *_other_value(fields[name], wanted == found[name], value, assignment)))
     return problems
 
 
@@ -200,8 +232,8 @@ def _no_field(name: str, fields: Mapping[str, Field], found: Mapping[str, Raw]) 
     return f"there is no field `{name}`", nearest(name, found) or "remove it"
 
 
-def _other_value(field: Field, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:
-    """The text and hint for a value that differs from that of the spec."""
+def _other_value(field: Field, is_raw: bool, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:
+    """The text and hint for a value that differs from that of the spec; it may be the raw integer."""
     type_, none = field.type, (None, [None] * len(field.elements))
     missing = [name for name in (type_.linear.parameter, *type_.times) if name and name not in assignment]
     if value in none and missing:
@@ -209,6 +241,8 @@ def _other_value(field: Field, value: Value | list[Value], assignment: Assignmen
         return text, f"add parameters: {{{missing[0]}: …}}"
     by = "names" if type_.enum or type_.flags else "scale"
     hint = f"check the value and the type in the spec{_where(field)}"
+    if is_raw:
+        hint = f"this is the raw integer; `values` has the value{_unit(field)}"
     return f"`{field.name}` is {_shown(value)} according to the {by} in the spec", hint
 
 
