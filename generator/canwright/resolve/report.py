@@ -38,6 +38,6 @@ class Report(Findings):
         self._counts[what] += number
         most, description = what.value
         if self._counts[what] > most:
-            text = f"the {description}, exceed the maximum of {most}"
+            text = f"the number of {description}, exceeds the maximum of {most}"
             hint = "split the protocol into several specs; this is the first one above the maximum"
             raise SpecError([self._document.finding(path, "too-large", text, hint, key=True)])
