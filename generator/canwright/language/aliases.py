@@ -51,15 +51,15 @@ _NUMBERS: Sequence[Row] = (
     (rf"(?:raw|x) *\* *{_N}", r"\1"),
     (r"([+-]?[0-9]+),([0-9]+)", r"\1.\2"),
     (r"/ *([0-9.]+)", r"1/\1"),
-    (r"2 ?(?:\*\*|\^) ?\(?-([0-9]{1,2})\)?", lambda found: f"1/{2 ** int(found[1])}"),
+    (r"2 ?(?:\*\*|\^) ?\(?-([0-9]{1,2})\)?", lambda match: f"1/{2 ** int(match[1])}"),
     (rf"{_Q} *\* *{_PARAMETER}", r"\1*\2"),
     (rf"{_PARAMETER} *\* *{_N}", r"\2*\1"),
     (rf"{_N} *\* *{_PARAMETER} */ *{_N}", r"\1/\3*\2"),
     (rf"{_PARAMETER} */ *{_N}", r"1/\2*\1"),
-    (".*", lambda found: number_notation(found[0])),
+    (".*", lambda match: number_notation(match[0])),
 )
 _POSITIONS: Sequence[Row] = (
-    (r"([0-9]{1,3})\|[0-9]{1,2}@([01])[+-]", lambda found: _dbc_start(int(found[1]), found[2] == "0")),
+    (r"([0-9]{1,3})\|[0-9]{1,2}@([01])[+-]", lambda match: _dbc_start(int(match[1]), match[2] == "0")),
     (r"(?:can_?)?id[ ._]*\[?([0-9]{1,2})\]?", r"id.\1"),
     (r"(?:can_?)?id[ ._]*\[?[0-9]{1,2} *[:-] *([0-9]{1,2})\]?", r"id.\1"),
     (r"(?:byte|data|b)?[ _]*\[?([0-9])\]?(?: *(?:\.\.|-) *[0-9])?", r"\1"),

@@ -98,7 +98,7 @@ class Concept:
     """Hints for certain unknown keys."""
     cases: ClassVar[str] = ""
     """The attribute that contains all keys without a declaration."""
-    other: ClassVar[tuple[str, str, str]] = ("", "", "")
+    other_file: ClassVar[tuple[str, str, str]] = ("", "", "")
     """A key that identifies a file of another kind, the message and the hint."""
     schema_extra: ClassVar[JsonSchema] = {}
     """Conditions on several keys in the JSON Schema."""
@@ -155,4 +155,4 @@ def keys(concept: type[Concept]) -> Mapping[str, DeclaredKey]:
 
 def metadata(annotation: Any, kind: type[T]) -> T | None:
     """The last metadata of a class in an annotation."""
-    return next((one for one in reversed(getattr(annotation, "__metadata__", ())) if isinstance(one, kind)), None)
+    return next((item for item in reversed(getattr(annotation, "__metadata__", ())) if isinstance(item, kind)), None)

@@ -25,9 +25,9 @@ class DecodedDocument(Generic[C]):
 
 def decode(document: Document, concept: type[C]) -> DecodedDocument[C]:
     """The document as an instance of `concept`. Raises SpecError with every structural finding."""
-    other = _other_file(document, concept)
-    if other:
-        raise SpecError([other])
+    other_file = _other_file(document, concept)
+    if other_file:
+        raise SpecError([other_file])
     report = Findings(document, _languages(document, concept))
     value = ConceptForm(concept).decode(report, document.data, Location(()))
     if report.number:
@@ -45,7 +45,7 @@ def _languages(document: Document, concept: type[Concept]) -> list[str]:
 
 def _other_file(document: Document, concept: type[Concept]) -> Diagnostic | None:
     """A finding when this is a file of another kind."""
-    data, (key, message, hint) = document.data, concept.other
+    data, (key, message, hint) = document.data, concept.other_file
     if not isinstance(data, dict):
         return None
     if key in data and not {"commands", "frames"} - {key} & set(data):

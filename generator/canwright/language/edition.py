@@ -239,7 +239,7 @@ class EditionSpec(Description):
         ("frames", "refused", "exchanges", "sources"),
         "write golden frames into a separate file, EDITION.frames.yaml beside EDITION.yaml",
     )
-    other = (
+    other_file = (
         "frames",
         "these are golden frames, not a spec",
         "name the spec beside this file; canwright loads both",

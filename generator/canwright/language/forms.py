@@ -469,7 +469,7 @@ def form_of(
     if origin is Literal:
         return ChoiceForm({word: word for word in arguments})
     if issubclass(annotation, Enum):
-        return ChoiceForm({one.value: one for one in annotation})
+        return ChoiceForm({member.value: member for member in annotation})
     if issubclass(annotation, Concept):
         return ConceptForm(annotation)
     return {str: TextForm(limits, role), int: IntegerForm(limits, role), bool: BooleanForm()}[annotation]
@@ -478,7 +478,7 @@ def form_of(
 def _either(forms: list[Form], choose: Choose | None) -> UnionForm:
     nested = [form for form in forms if isinstance(form, UnionForm)]
     flat = [form for form in forms if not isinstance(form, UnionForm)]
-    flat += [one for form in nested for one in (*form.scalars, *form.lists, *form.mappings)]
+    flat += [part for form in nested for part in (*form.scalars, *form.lists, *form.mappings)]
     mappings = [form for form in flat if isinstance(form, (MapForm, ConceptForm))]
     lists = [form for form in flat if isinstance(form, ListForm)]
     scalars = [form for form in flat if not isinstance(form, (MapForm, ConceptForm, ListForm))]
@@ -517,8 +517,8 @@ def _about(key: DeclaredKey, form: Form | None = None) -> str:
 
 
 def _limits(limits: Limits, of: str) -> JsonSchema:
-    found = {f"min{of}": limits.min_length, f"max{of}": limits.max_length, "pattern": limits.pattern}
-    return {key: limit for key, limit in found.items() if limit is not None}
+    named = {f"min{of}": limits.min_length, f"max{of}": limits.max_length, "pattern": limits.pattern}
+    return {key: limit for key, limit in named.items() if limit is not None}
 
 
 def _of_key(key: DeclaredKey, form: Form, definitions: dict[str, JsonSchema]) -> JsonSchema:

@@ -140,7 +140,7 @@ class GoldenFramesSpec(Concept):
     """The golden frames of one edition."""
 
     example = {"canwright": 1, "family": "lamp", "edition": "v1", "sources": {}, "frames": []}
-    other = (
+    other_file = (
         "commands",
         "this is a spec, not its golden frames",
         "write golden frames into a separate file, EDITION.frames.yaml beside EDITION.yaml",

@@ -28,8 +28,8 @@ def read_golden_file(file: Path, edition: Edition) -> GoldenFile:
     """The golden frames of an edition. Raises SpecError with all findings, and OSError."""
     document, _ = read_document(file)
     decoded = decode(document, GoldenFramesSpec)
-    if others := list(_other_edition(document, decoded.value, edition)):
-        raise SpecError(others)
+    if contradictions := list(_other_edition(document, decoded.value, edition)):
+        raise SpecError(contradictions)
     check_references(document, decoded.names)
     return GoldenFile(resolve_golden_frames(edition, decoded.value), document)
 

@@ -59,10 +59,9 @@ def specification(file: Path) -> EditionInput:
 def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     """The editions of `files`, sorted by family and name. Raises SpecError with the findings of all files."""
     results = [_load_or_findings(file) for file in files]
-    if not all(isinstance(one, Loaded) for one in results):
-        raise SpecError(f for one in results for f in (one.warnings if isinstance(one, Loaded) else one))
-    result = [one for one in results if isinstance(one, Loaded)]
-    result.sort(key=lambda one: (one.specification.edition.family, one.specification.edition.name))
+    if not all(isinstance(result, Loaded) for result in results):
+        raise SpecError(f for result in results for f in (result.warnings if isinstance(result, Loaded) else result))
+    loaded = sorted((result for result in results if isinstance(result, Loaded)), key=_name)
     findings = [
         later.document.finding(
             ("edition",),
@@ -70,21 +69,21 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
             f"{earlier.document.name} describes {later.specification.edition.family} {later.specification.edition.name}, too",
             "rename one of the editions",
         )
-        for earlier, later in itertools.pairwise(result)
+        for earlier, later in itertools.pairwise(loaded)
         if _name(earlier) == _name(later)
     ]
     if findings:
         raise SpecError(findings)
-    editions = [one.specification.edition for one in result]
+    editions = [item.specification.edition for item in loaded]
     clashes = (clash for target in targets() for clash in target.collisions(editions))
-    documents = {one.specification.edition: one.document for one in result}
+    documents = {item.specification.edition: item.document for item in loaded}
     findings = [
         documents[edition].finding(("edition",), "name-collision", text, "rename this edition")
         for edition, text in clashes
     ]
     if findings:
         raise SpecError(findings)
-    return result
+    return loaded
 
 
 def _load_or_findings(file: Path) -> Loaded | Sequence[Diagnostic]:
@@ -95,8 +94,8 @@ def _load_or_findings(file: Path) -> Loaded | Sequence[Diagnostic]:
         return error.diagnostics
 
 
-def _name(one: Loaded) -> tuple[str, str]:
-    return one.specification.edition.family, one.specification.edition.name
+def _name(item: Loaded) -> tuple[str, str]:
+    return item.specification.edition.family, item.specification.edition.name
 
 
 def frames_file(file: Path) -> Path:

@@ -141,7 +141,7 @@ class MessageResolver:
             hint = f"write `table: {table}` in this command, too, or write the name of a layout"
             self._report.finding(path, "reply-of-table", f"`{of}` has a separate reply for each table entry", hint)
             return None
-        same_entry = next((other for other in self.forms(of) if other.entry == form.entry), None)
+        same_entry = next((same for same in self.forms(of) if same.entry == form.entry), None)
         if same_entry is None:
             at: DocumentPath = ("tables", table, "entries", form.entry or "", "commands")
             hint = f"add `{of}` to its `commands`, or define the reply of `{form.command}`"
