@@ -30,15 +30,15 @@ def check(subject: CheckInput, document: Document, frames: Document | None) -> l
 def _check(subject: CheckInput, phase: Phase, document: Document, frames: Document) -> list[Diagnostic]:
     """The findings of a phase. Of several rules about the same key, the first reports it."""
     by_rule = ((rule, rule.check(subject)) for rule in RULES if rule.check and rule.phase is phase)
-    found = ((rule, finding) for rule, findings in by_rule for finding in findings)
+    pairs = ((rule, finding) for rule, findings in by_rule for finding in findings)
     rules: dict[tuple[str, int, int], str] = {}
     listed: list[Diagnostic] = []
-    for rule, finding in itertools.islice(found, MAX_FINDINGS):
+    for rule, finding in itertools.islice(pairs, MAX_FINDINGS):
         diagnostic = _diagnostic(rule, finding, document, frames)
         if rules.setdefault(diagnostic.place, rule.id) == rule.id or not finding.key:
             listed.append(diagnostic)
-    others = sum(1 for _ in itertools.islice(found, MAX_COUNTED))
-    return with_number_of_others(listed, others, at_least=others == MAX_COUNTED)
+    unlisted = sum(1 for _ in itertools.islice(pairs, MAX_COUNTED))
+    return with_number_of_others(listed, unlisted, at_least=unlisted == MAX_COUNTED)
 
 
 def _diagnostic(rule: Rule, finding: Finding, document: Document, frames: Document) -> Diagnostic:

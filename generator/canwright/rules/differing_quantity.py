@@ -14,8 +14,8 @@ def check(subject: CheckInput) -> Findings:
             continue
         first_type = first.setdefault(type_.unit.quantity, type_)
         if (first_type.unit, first_type.linear) != (type_.unit, type_.linear):
-            one, other = _resolution(type_), _resolution(first_type)
-            text = f"`{type_.name}` has a resolution of {one}, but `{first_type.name}` of {other}"
+            own, expected = _resolution(type_), _resolution(first_type)
+            text = f"`{type_.name}` has a resolution of {own}, but `{first_type.name}` of {expected}"
             yield Finding(
                 type_.path,
                 text,

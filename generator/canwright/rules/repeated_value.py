@@ -22,9 +22,9 @@ def check(subject: CheckInput) -> Findings:
         for i, setting in enumerate(command.not_limited_by):
             if setting in limited_by:
                 at: DocumentPath = ("commands", name, "not_limited_by", i)
-                other: DocumentPath = ("commands", name, "limited_by", command.limited_by.index(setting))
+                earlier: DocumentPath = ("commands", name, "limited_by", command.limited_by.index(setting))
                 text = f"`{setting}` is also in `limited_by`"
-                yield Finding(at, text, "remove one of them", related=(RelatedItem(other, "the other one"),))
+                yield Finding(at, text, "remove one of them", related=(RelatedItem(earlier, "the other one"),))
     for message in subject.edition.all_messages():
         for i, code in enumerate(message.accepted_codes):
             if message.keys and code == message.keys[0].value:
