@@ -103,7 +103,7 @@ def test_a_name_that_many_items_refer_to_is_reported_once(tmp_path: Path) -> Non
 def test_references_are_known_even_if_a_definition_is_missing() -> None:
     document = parse_document("x.yaml", MINIMAL.replace("type: level", "type: levl"))
     names = decode(document, EditionSpec).names
-    (reference,) = (one for one in names.references if one.kind == "type")
+    (reference,) = (use for use in names.references if use.kind == "type")
     assert reference.path == ("commands", "dim", "request", "level", "type")
     with pytest.raises(SpecError, match="there is no type `levl`"):
         check_references(document, names)
