@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import functools
 import typing
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, TypeVar
+
+from ..diagnostics.diagnostic import DocumentPath
 
 JsonSchema = dict[str, Any]
 
@@ -156,3 +158,17 @@ def keys(concept: type[Concept]) -> Mapping[str, DeclaredKey]:
 def metadata(annotation: Any, kind: type[T]) -> T | None:
     """The last metadata of a class in an annotation."""
     return next((item for item in reversed(getattr(annotation, "__metadata__", ())) if isinstance(item, kind)), None)
+
+
+def parts(value: object, path: DocumentPath = ()) -> Iterator[tuple[DocumentPath, object]]:
+    """A decoded value and all values in it, with their paths."""
+    yield path, value
+    items: Iterable[tuple[str | int, object]] = ()
+    if dataclasses.is_dataclass(value):
+        items = ((key.name, getattr(value, key.name)) for key in dataclasses.fields(value))
+    elif isinstance(value, Mapping):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    for step, part in items:
+        yield from parts(part, (*path, step))
