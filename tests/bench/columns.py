@@ -33,7 +33,7 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.recordings.bus_behaviour import Behaviour
 from canwright.recordings.direction_arrays import infer_directions
-from canwright.recordings.frame_kinds import FrameKinds
+from canwright.recordings.frame_classes import FrameClasses
 from canwright.semantics.frame import CanFrame
 from canwright.targets import dbc
 
@@ -96,7 +96,7 @@ def _exchanged() -> Iterator[tuple[int, bytes]]:
     """Ids and data of requests and replies by turns. Requests have no bits that they reserve."""
     item = specification(SPEC)
     assert item.frames is not None
-    kinds = FrameKinds(item.edition, 0, None)
+    kinds = FrameClasses(item.edition, 0, None)
     data: dict[tuple[Direction, int], list[bytes]] = {}
     for frame in (f for f in item.frames.frames if f.id != 0x280):
         kind = kinds.kind(CanFrame(frame.id, frame.data), Behaviour())

@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import bus_id, counted, numbers, sent, span as value_span
 from ..recordings.exports import bus_name, milliseconds, seconds
+from ..recordings.log_frame import Counts, SkippedPart
 from ..recordings.nodes import Choice, Nodes
-from ..recordings.recorded import Counts, Part
 from ..recordings.results import Place
 from ..recordings.rows import CellValue, Row
 from ..recordings.summary import NodeSummary, Summary
@@ -19,7 +19,7 @@ SHOWN = 4
 _COLUMNS = ("number", "time", "bus", "node", "edition", "direction", "by", "command")
 
 
-class Table:
+class RowTable:
     """A table whose columns are as wide as the first rows need; it is printed line by line."""
 
     def __init__(self, first: Sequence[Row]) -> None:
@@ -197,7 +197,7 @@ def _skipped(summary: Summary, counts: Counts) -> Iterator[str]:
         yield f"{counted(foreign, 'frame')} with foreign ids: {ids}{more}"
     if counts.remote:
         yield f"{counted(counts.remote, 'remote frame')} among all frames"
-    for part in Part:
+    for part in SkippedPart:
         if counts.skipped[part]:
             lines = [
                 f"line {n}: `{visible(text)}`" if n else visible(text) for n, text in counts.examples.get(part, ())

@@ -13,9 +13,9 @@ from ..model.edition import Edition
 from ..model.formatting import bus_id, counted, sent
 from ..recordings.exports import bus_name
 from ..recordings.grouping import groups
+from ..recordings.log_frame import Counts
 from ..recordings.nodes import Identifiers
 from ..recordings.readers import LogError, open_log
-from ..recordings.recorded import Counts
 from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names

@@ -14,7 +14,7 @@ import operator
 from collections.abc import Sequence
 
 from ..model.edition import Edition
-from .recorded import Recorded
+from .log_frame import LogFrame
 from .results import Place
 from .steps import State, Step
 from .tally import Seen, Tally
@@ -26,7 +26,7 @@ SWITCH = 8
 NEAR = 32
 """The number of frames of a log within which the next frame of a node is near."""
 
-Arrival = tuple[Step, int, Recorded]
+Arrival = tuple[Step, int, LogFrame]
 """A step, the number of its frame, and the frame."""
 
 

@@ -26,9 +26,9 @@ from ..model.message import Command, Direction, IdRule
 from ..semantics.decoder import Rejection
 from ..semantics.frame import CanFrame
 from .bus_behaviour import LOOKED_AHEAD, Behaviour
-from .directions import MAX_KINDS, Arrived, Directions, Judged
-from .frame_kinds import Form, FrameKind, FrameKinds
-from .recorded import Mark, Recorded
+from .directions import MAX_KINDS, DirectedFrame, Directions, PendingFrame
+from .frame_classes import FrameClass, FrameClasses, MessageForm
+from .log_frame import LogFrame, Mark
 
 Array = NDArray[Any]
 
@@ -114,7 +114,7 @@ def _behaviours(start: Sequence[FrameArrays], edition: Edition, window: int | No
     """The behaviour of the buses in the first blocks of a log. All known directions count."""
     rows = ((block, row) for block in start for row in range(block.id.size))
     first = [
-        Recorded(
+        LogFrame(
             int(block.time[row]), block.buses[block.bus[row]], _frame(block, row), _MARKS[int(block.direction[row])]
         )
         for block, row in itertools.islice(rows, LOOKED_AHEAD)
@@ -128,7 +128,7 @@ class _Held:
 
     block: Any
     direction: Array
-    waiting: list[tuple[int, Judged | Arrived]]
+    waiting: list[tuple[int, DirectedFrame | PendingFrame]]
 
 
 def _released(held: deque[_Held]) -> Iterator[Any]:
@@ -142,9 +142,9 @@ def _released(held: deque[_Held]) -> Iterator[Any]:
         yield dataclasses.replace(first.block, direction=first.direction)
 
 
-def _set(direction: Array, row: int, judged: Judged | Arrived) -> bool:
+def _set(direction: Array, row: int, judged: DirectedFrame | PendingFrame) -> bool:
     """Sets the direction of a frame; false while it waits."""
-    found = judged.judged if isinstance(judged, Arrived) else judged
+    found = judged.judged if isinstance(judged, PendingFrame) else judged
     if found is None:
         return False
     direction[row] = UNKNOWN if found.direction is None else _NUMBERS[found.direction]
@@ -187,15 +187,15 @@ class _Kinds:
     """The kinds of frames of an edition on buses of some behaviours, by number, with their properties as arrays."""
 
     def __init__(self, edition: Edition, window: int | None, *, is_separate: bool) -> None:
-        self._kinds = FrameKinds(edition, 0, window)
+        self._kinds = FrameClasses(edition, 0, window)
         self._behaviours: dict[Behaviour, int] = {}
         self._is_separate = is_separate
         self._lines, self._values, self._numbers, self._pairs = _Numbers(), _Numbers(), _Numbers(), _Numbers()
         self._has_nodes: list[bool] = []
         self._key_bits: list[int] = []
-        self._kind: list[FrameKind] = []
+        self._kind: list[FrameClass] = []
         self._profiles: dict[object, int] = {}
-        self._examples: list[FrameKind] = []
+        self._examples: list[FrameClass] = []
         """A kind of each profile."""
         self._profile: list[int] = []
         self._answers: list[bool] = []
@@ -235,7 +235,7 @@ class _Kinds:
             self._add(self._kinds.kind(_frame(frames, row), behaviour))
         return rows, numbers
 
-    def _add(self, kind: FrameKind) -> None:
+    def _add(self, kind: FrameClass) -> None:
         request = kind.request and (kind.request.message, kind.request.constants, kind.request.reserved)
         profile = kind.only, request, tuple(reply.constants for reply in kind.replies)
         number = self._profiles.setdefault(profile, len(self._profiles))
@@ -250,7 +250,7 @@ class _Kinds:
         self.within.append(kind.within)
         self.window.append(kind.window)
 
-    def _opened(self, kind: FrameKind) -> Mapping[int, int]:
+    def _opened(self, kind: FrameClass) -> Mapping[int, int]:
         """What a request of a kind opens at each node; also the nodes that can have sent it as a reply."""
         nodes = {_ANY if n is None or not self._is_separate else n for _, _, n in kind.answers}
         if len(nodes) > 1:
@@ -286,7 +286,7 @@ class _Kinds:
         return np.array(self._answers, np.bool_)[numbers]
 
 
-def _classes(kind: FrameKind, data: Array) -> Array | int:
+def _classes(kind: FrameClass, data: Array) -> Array | int:
     """The directions of frames of a kind, as `Directions` finds them by id and content."""
     if kind.only is not None:
         return _NUMBERS[kind.only]
@@ -301,7 +301,7 @@ def _classes(kind: FrameKind, data: Array) -> Array | int:
     return np.where(is_request, np.where(is_reply, either, REQUEST), np.where(is_reply, REPLY, _NONE))
 
 
-def _are_regular(form: Form, data: Array) -> Array:
+def _are_regular(form: MessageForm, data: Array) -> Array:
     """Which data a program that obeys the spec can send."""
     found: Array = data & form.reserved.mask == form.reserved.value
     for parts, allows in form.limits:
@@ -389,12 +389,12 @@ class _Log:
     def settle_late(self) -> None:
         """Decides on the waiting frames for which it is too late at the end of the last block."""
         for name, bus in self._open.items():
-            self._directions.settle(name, self._clocks[bus][1])
+            self._directions.decide_pending(name, self._clocks[bus][1])
 
     def settle_all(self) -> None:
         """Decides on all waiting frames."""
         for name in self._open:
-            self._directions.settle(name)
+            self._directions.decide_pending(name)
 
     def _advanced(self, block: FrameArrays) -> Array:
         """The clock of the bus at each frame."""
@@ -413,7 +413,7 @@ class _Log:
         steps = self._steps(held.block, entries).tobytes()
         second = bytearray(len(steps))
         ends = np.flatnonzero(np.diff(entries.nodes, append=-1)) + 1
-        judged: list[tuple[int, Judged | Arrived]] = []
+        judged: list[tuple[int, DirectedFrame | PendingFrame]] = []
         place = 0
         for end in ends.tolist():
             name, _ = self._names[entries.nodes[place]]
@@ -431,7 +431,12 @@ class _Log:
         held.waiting = [(row, one) for row, one in judged if not _set(held.direction, row, one)]
 
     def _judge(
-        self, block: FrameArrays, entries: _Entries, place: int, end: int, judged: list[tuple[int, Judged | Arrived]]
+        self,
+        block: FrameArrays,
+        entries: _Entries,
+        place: int,
+        end: int,
+        judged: list[tuple[int, DirectedFrame | PendingFrame]],
     ) -> int:
         """Judges the frames of a node one by one until no exchange is open; returns the place of the next one."""
         name, bus = self._names[entries.nodes[place]]
@@ -439,10 +444,10 @@ class _Log:
         for at in range(place, end):
             row = int(entries.of.rows[at])
             mark = _MARKS[int(block.direction[row])]
-            found = self._directions.accept(Recorded(int(entries.clock[at]), name, _frame(block, row), mark))
+            found = self._directions.accept(LogFrame(int(entries.clock[at]), name, _frame(block, row), mark))
             if entries.classes[at] == _BOTH:
                 judged.append((row, found))
-            if isinstance(found, Judged) and found.ends_part:
+            if isinstance(found, DirectedFrame) and found.ends_part:
                 del self._open[name]
                 return at + 1
         return end

@@ -38,9 +38,9 @@ from ..model.message import Direction, Message
 from ..semantics.decoder import Identified, Rejection, rejects_constants
 from ..semantics.frame import CanFrame, node_of
 from .bus_behaviour import COPIED_WITHIN, LOOKED_AHEAD, Behaviour
-from .frame_kinds import Channel, FrameKind, FrameKinds, Opened
+from .frame_classes import Channel, FrameClass, FrameClasses, Opened
+from .log_frame import LogFrame, Mark
 from .observed_behaviour import Observed, observe
-from .recorded import Mark, Recorded
 
 _WINDOWS = (None, 20_000_000, 200_000_000)
 """The windows in ns that are tried while the behaviour is learned."""
@@ -74,7 +74,7 @@ class DecidedBy(str, Enum):
     """No message has the id, or none the content."""
 
 
-class Judged(NamedTuple):
+class DirectedFrame(NamedTuple):
     """A frame of a log, its direction, and the message that it is.
 
     `edition` is None for an id of no edition, `direction` if no message of either direction fits, `node` for a frame
@@ -83,7 +83,7 @@ class Judged(NamedTuple):
     If `ends_part`, no exchange is open on the bus after this frame.
     """
 
-    recorded: Recorded
+    recorded: LogFrame
     number: int
     node: int | None
     edition: Edition | None
@@ -108,11 +108,11 @@ class Change(NamedTuple):
 class _Known(NamedTuple):
     """A kind of frames, and what it opens as a request: in each edition, on each channel of a node of this edition."""
 
-    kind: FrameKind
-    opens: Sequence[tuple[FrameKind, Opened]]
+    kind: FrameClass
+    opens: Sequence[tuple[FrameClass, Opened]]
 
 
-class _Line:
+class _IdState:
     """The frames of one id and length on a bus: the editions that have the id, and the kinds of frames.
 
     There are several editions if nodes of different editions obey one broadcast; the first decides on the direction.
@@ -120,26 +120,26 @@ class _Line:
 
     __slots__ = ("editions", "key_bits", "known", "node")
 
-    def __init__(self, editions: list[FrameKinds], frame: CanFrame, node: int | None) -> None:
+    def __init__(self, editions: list[FrameClasses], frame: CanFrame, node: int | None) -> None:
         self.editions = editions
         self.node = node
         self.key_bits = functools.reduce(operator.or_, (kinds.key_bits(frame) for kinds in editions), 0)
         self.known: dict[int, _Known] = {}
 
 
-class Arrived:
+class PendingFrame:
     """A frame at its time on the clock of its bus; `judged` is None while it waits for later frames."""
 
     __slots__ = ("bus", "clock", "exchange", "judged", "known", "line", "number", "recorded")
 
-    def __init__(self, bus: _Bus, recorded: Recorded, number: int, line: _Line, known: _Known) -> None:
+    def __init__(self, bus: _Bus, recorded: LogFrame, number: int, line: _IdState, known: _Known) -> None:
         self.bus = bus
         self.clock = bus.clock
         self.recorded = recorded
         self.number = number
         self.line = line
         self.known = known
-        self.judged: Judged | None = None
+        self.judged: DirectedFrame | None = None
         self.exchange: _Exchange | None = None
         """The exchange in which it waits."""
 
@@ -149,18 +149,18 @@ class _Exchange:
 
     __slots__ = ("channel", "kind", "missing", "request", "settled", "until", "waiting")
 
-    def __init__(self, kind: FrameKind, request: Arrived, opened: Opened) -> None:
+    def __init__(self, kind: FrameClass, request: PendingFrame, opened: Opened) -> None:
         self.kind = kind
         self.request = request
         self.channel, self.missing = opened
         """The number of replies that it waits for."""
         self.until = request.clock + kind.window
-        self.waiting: list[Arrived] = []
+        self.waiting: list[PendingFrame] = []
         self.settled = 0
         """The time after which it is too late to decide on waiting frames by the next one."""
 
     @property
-    def last(self) -> Arrived:
+    def last(self) -> PendingFrame:
         return self.waiting[-1] if self.waiting else self.request
 
 
@@ -188,7 +188,7 @@ class _Bus:
         self.window = window
         self.clock = 0
         self.time: int | None = None
-        self.lines: dict[tuple[int, bool, bool, int], _Line] = {}
+        self.lines: dict[tuple[int, bool, bool, int], _IdState] = {}
         self.count = 0
         """The number of kinds."""
         self.open: dict[Channel, list[_Exchange]] = {}
@@ -205,7 +205,7 @@ class _Latest(NamedTuple):
 
     frame: CanFrame
     clock: int
-    result: Judged | Arrived
+    result: DirectedFrame | PendingFrame
 
 
 class Directions:
@@ -237,7 +237,7 @@ class Directions:
         self._default = default
         self._changes = changes
         used = dict.fromkeys([*editions.values(), *([default] if default else []), *others])
-        self._kinds = [FrameKinds(edition, number, window) for number, edition in enumerate(used)]
+        self._kinds = [FrameClasses(edition, number, window) for number, edition in enumerate(used)]
         self._window = window
         self._recorder = recorder
         other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
@@ -247,7 +247,7 @@ class Directions:
         self._number = first
         self._buses: dict[str, _Bus] = {}
 
-    def judge(self, recorded: Iterable[Recorded]) -> Iterator[Judged]:
+    def classify(self, recorded: Iterable[LogFrame]) -> Iterator[DirectedFrame]:
         """The frames of a log in their order, with their directions."""
         iterator = iter(recorded)
         if self.behaviours is None and self._is_stream:
@@ -256,23 +256,23 @@ class Directions:
             start = list(itertools.islice(iterator, LOOKED_AHEAD))
             self.behaviours = self.learn(start)
             iterator = itertools.chain(start, iterator)
-        held: deque[Arrived | Judged] = deque()
+        held: deque[PendingFrame | DirectedFrame] = deque()
         for one in iterator:
             judged = self.accept(one)
-            if isinstance(judged, Judged) and not held:
+            if isinstance(judged, DirectedFrame) and not held:
                 yield judged
                 continue
             held.append(judged)
-            if len(held) > MAX_WAITING and isinstance(held[0], Arrived) and held[0].exchange is not None:
-                self._settle(held[0].exchange)
+            if len(held) > MAX_WAITING and isinstance(held[0], PendingFrame) and held[0].exchange is not None:
+                self._decide_pending(held[0].exchange)
             yield from _released(held)
         for bus in self._buses:
-            self.settle(bus)
+            self.decide_pending(bus)
         yield from _released(held)
 
-    def _learning(self, recorded: Iterable[Recorded]) -> Iterator[Recorded]:
+    def _learning(self, recorded: Iterable[LogFrame]) -> Iterator[LogFrame]:
         """The frames of a stream; the behaviour is learned while they pass, at a sent frame of a bus without marks too."""
-        start: list[Recorded] = []
+        start: list[LogFrame] = []
         iterator, due = iter(recorded), _LEARNED_FROM
         for one in itertools.islice(iterator, LOOKED_AHEAD):
             start.append(one)
@@ -299,7 +299,7 @@ class Directions:
     def _bus_window(self, behaviour: Behaviour) -> int:
         return max((kinds.bus_window(behaviour) for kinds in self._kinds), default=0)
 
-    def learn(self, start: Sequence[Recorded], marked: Collection[str] | None = None) -> dict[str, Behaviour]:
+    def learn(self, start: Sequence[LogFrame], marked: Collection[str] | None = None) -> dict[str, Behaviour]:
         """The behaviour of the buses in the first frames of a log, decided as if nothing were known of them.
 
         `marked` are the buses with marks; None if the frames show them.
@@ -317,7 +317,7 @@ class Directions:
             known = certain
         return found
 
-    def _observed(self, start: Sequence[Recorded], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
+    def _observed(self, start: Sequence[LogFrame], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
         """What the first frames show of each bus with the shortest window in which most replies have requests."""
         # A request with old bits looks like a reply, and its copy like one of a reply.
         every = frozenset(Direction)
@@ -325,26 +325,26 @@ class Directions:
         best: dict[str, Observed] = {}
         for window in _WINDOWS if self._window is None else [self._window]:
             trial = Directions(self._editions, self._default, window=window, recorder=self._recorder, behaviours=tried)
-            for bus, one in observe(trial.judge(start)).items():
+            for bus, one in observe(trial.classify(start)).items():
                 if bus not in best or 2 * one.unexpected < best[bus].unexpected:
                     best[bus] = one
             if all(one.is_plausible for one in best.values()):
                 break
         return best
 
-    def _has_id(self, one: Recorded) -> bool:
+    def _has_id(self, one: LogFrame) -> bool:
         return any(kinds.nodes(one.frame) for kinds in self._kinds)
 
-    def settle(self, bus: str, time: int | None = None) -> None:
+    def decide_pending(self, bus: str, time: int | None = None) -> None:
         """Decides on the frames of a bus that wait: of those for which it is too late at a time, or of all."""
         found = self._buses[bus]
         if time is not None:
             self._advance(found, time)
             return
         for exchange in [*found.waiting]:
-            self._settle(exchange)
+            self._decide_pending(exchange)
 
-    def accept(self, one: Recorded) -> Judged | Arrived:
+    def accept(self, one: LogFrame) -> DirectedFrame | PendingFrame:
         """The result for the next frame of the log; the frame itself if it has to wait."""
         number = self._number
         self._number = number + 1
@@ -361,13 +361,15 @@ class Directions:
         line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, one)
         if not line.editions:
             ends_part = not bus.open and not bus.latest
-            return Judged(one, number, None, None, None, DecidedBy.NONE, None, None, None, None, False, ends_part)
+            return DirectedFrame(
+                one, number, None, None, None, DecidedBy.NONE, None, None, None, None, False, ends_part
+            )
         data = int.from_bytes(frame.data, "little")
         known = line.known.get(data & line.key_bits) or self._known(bus, line, one, data)
-        arrived = Arrived(bus, one, number, line, known)
+        arrived = PendingFrame(bus, one, number, line, known)
         return self._with_copies(arrived, data) if bus.copied else self._decide(arrived, data)
 
-    def _with_copies(self, arrived: Arrived, data: int) -> Judged | Arrived:
+    def _with_copies(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result on a bus where frames are recorded twice."""
         bus, node = arrived.bus, arrived.line.node
         latest = bus.latest.pop(node, None)
@@ -385,24 +387,24 @@ class Directions:
                     ends_part=not bus.open and not bus.latest,
                 )
         result = self._decide(arrived, data)
-        if isinstance(result, Arrived) or result.direction in bus.copied:
+        if isinstance(result, PendingFrame) or result.direction in bus.copied:
             bus.latest[node] = _Latest(arrived.recorded.frame, bus.clock, result)
-        if isinstance(result, Judged):
+        if isinstance(result, DirectedFrame):
             return result._replace(ends_part=result.ends_part and not bus.latest)
         return result
 
-    def _first(self, latest: _Latest) -> Judged:
+    def _first(self, latest: _Latest) -> DirectedFrame:
         """The result for a frame that is recorded again; one that waits has the direction that is recorded twice."""
         result = latest.result
-        if isinstance(result, Judged):
+        if isinstance(result, DirectedFrame):
             return result
         if result.exchange is not None and result.judged is None:
-            settle = self._settle if Direction.REPLY in result.bus.copied else self._repeat
+            settle = self._decide_pending if Direction.REPLY in result.bus.copied else self._repeat
             settle(result.exchange)
         assert result.judged is not None
         return result.judged
 
-    def _decide(self, arrived: Arrived, data: int) -> Judged | Arrived:
+    def _decide(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result by the mark, the id, the content or the exchange; the frame itself if it has to wait."""
         one, known = arrived.recorded, arrived.known
         if one.mark is not None and arrived.bus.is_marked:
@@ -420,7 +422,7 @@ class Directions:
         rejection = known.kind.rejection(Direction.REQUEST, one.frame)
         return _judged(arrived, None, decided_by, arrived.line.node, None, rejection)
 
-    def _by_exchange(self, arrived: Arrived) -> Judged | Arrived:
+    def _by_exchange(self, arrived: PendingFrame) -> DirectedFrame | PendingFrame:
         """The result for a frame that can be a request or a reply; the frame itself if it has to wait."""
         answered = self._answered(arrived)
         if answered is None:
@@ -433,7 +435,7 @@ class Directions:
                 return self._reply(arrived, DecidedBy.PAIRING, self._answered(arrived))
             return self._wait(arrived, exchange)
         if exchange.waiting:
-            self._settle(exchange)
+            self._decide_pending(exchange)
             return self._by_exchange(arrived)
         kind = arrived.known.kind
         if is_soon and kind.is_distinct:
@@ -444,9 +446,9 @@ class Directions:
             return self._request(arrived, DecidedBy.PAIRING)
         return self._reply(arrived, DecidedBy.PAIRING, answered)
 
-    def _wait(self, arrived: Arrived, exchange: _Exchange) -> Judged | Arrived:
+    def _wait(self, arrived: PendingFrame, exchange: _Exchange) -> DirectedFrame | PendingFrame:
         if len(exchange.waiting) >= MAX_OPEN:
-            self._settle(exchange)
+            self._decide_pending(exchange)
             return self._by_exchange(arrived)
         bus = arrived.bus
         if not exchange.waiting:
@@ -463,7 +465,7 @@ class Directions:
         for arrived in self._take_waiting(exchange):
             arrived.judged = self._request(arrived, self._repeated(exchange, arrived))
 
-    def _settle(self, exchange: _Exchange) -> None:
+    def _decide_pending(self, exchange: _Exchange) -> None:
         """Decides on the waiting frames of an exchange in which no reply follows soon: replies and requests alternate."""
         answered: _Answered | None = None
         for arrived in self._take_waiting(exchange):
@@ -473,18 +475,18 @@ class Directions:
             else:
                 arrived.judged = self._reply(arrived, DecidedBy.PAIRING, answered)
 
-    def _take_waiting(self, exchange: _Exchange) -> Sequence[Arrived]:
+    def _take_waiting(self, exchange: _Exchange) -> Sequence[PendingFrame]:
         waiting = exchange.waiting
         if waiting:
             exchange.waiting = []
             waiting[0].bus.waiting.remove(exchange)
         return waiting
 
-    def _repeated(self, exchange: _Exchange, arrived: Arrived) -> DecidedBy:
+    def _repeated(self, exchange: _Exchange, arrived: PendingFrame) -> DecidedBy:
         is_same = arrived.recorded.frame == exchange.request.recorded.frame
         return DecidedBy.RETRY if is_same else DecidedBy.PAIRING
 
-    def _answered(self, arrived: Arrived, *, replies_only: bool = False) -> _Answered | None:
+    def _answered(self, arrived: PendingFrame, *, replies_only: bool = False) -> _Answered | None:
         """The oldest open exchange that a frame can close."""
         open_, kind, frame = arrived.bus.open, arrived.known.kind, arrived.recorded.frame
         if not open_:
@@ -500,7 +502,7 @@ class Directions:
                         return _Answered(exchange, reply)
         return None
 
-    def _request(self, arrived: Arrived, decided_by: DecidedBy) -> Judged:
+    def _request(self, arrived: PendingFrame, decided_by: DecidedBy) -> DirectedFrame:
         kind = arrived.known.kind
         rejection = kind.rejection(Direction.REQUEST, arrived.recorded.frame)
         if rejection is not None or kind.request is None:
@@ -520,16 +522,16 @@ class Directions:
                 if other.kind.request is kind.request and (not kind.is_echoed or other.request.recorded.frame == frame)
             ]
             for other in replaced:
-                self._settle(other)
+                self._decide_pending(other)
             kept = [o for o in others if o not in replaced and o.until >= exchange.request.clock]
             for other in kept[: 1 - MAX_OPEN]:
-                self._settle(other)
+                self._decide_pending(other)
             bus.open[exchange.channel] = [*kept[1 - MAX_OPEN :], exchange]
         else:
             bus.open[exchange.channel] = [exchange]
         bus.until = max(bus.until, exchange.until)
 
-    def _reply(self, arrived: Arrived, decided_by: DecidedBy, answered: _Answered | None) -> Judged:
+    def _reply(self, arrived: PendingFrame, decided_by: DecidedBy, answered: _Answered | None) -> DirectedFrame:
         kind, one = arrived.known.kind, arrived.recorded
         if answered is None:
             identified = kind.identified[Direction.REPLY]
@@ -546,7 +548,7 @@ class Directions:
         latency = None
         if one.time is not None and asked.recorded.time is not None and one.time >= asked.recorded.time:
             latency = one.time - asked.recorded.time
-        return Judged(
+        return DirectedFrame(
             one,
             arrived.number,
             node,
@@ -583,7 +585,7 @@ class Directions:
         bus.time = time
         for exchange in sorted(bus.waiting, key=_SETTLED) if bus.waiting else ():
             if exchange.settled < bus.clock:
-                self._settle(exchange)
+                self._decide_pending(exchange)
         if bus.latest:
             bus.latest = {node: one for node, one in bus.latest.items() if bus.clock - one.clock <= COPIED_WITHIN}
         if bus.open and bus.until < bus.clock:
@@ -601,9 +603,9 @@ class Directions:
         """Forgets the kinds of frames, which a log with random frames has without end."""
         bus.lines.clear()
         bus.count = 0
-        self._kinds = [FrameKinds(kinds.edition, kinds.number, self._window) for kinds in self._kinds]
+        self._kinds = [FrameClasses(kinds.edition, kinds.number, self._window) for kinds in self._kinds]
 
-    def _known(self, bus: _Bus, line: _Line, one: Recorded, data: int) -> _Known:
+    def _known(self, bus: _Bus, line: _IdState, one: LogFrame, data: int) -> _Known:
         """The kind of a frame of a known id and length."""
         kinds = [each.kind(one.frame, bus.behaviour) for each in line.editions]
         opens = [
@@ -616,7 +618,7 @@ class Directions:
         bus.count += 1
         return known
 
-    def _line(self, bus: _Bus, one: Recorded) -> _Line:
+    def _line(self, bus: _Bus, one: LogFrame) -> _IdState:
         """The frames of the id and the length of a frame."""
         frame = one.frame
         having = [
@@ -627,7 +629,7 @@ class Directions:
         ]
         node = having[0][1] if having else None
         editions = [kinds for kinds, other in having if other == node]
-        line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _Line(editions, frame, node)
+        line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _IdState(editions, frame, node)
         bus.count += 1
         return line
 
@@ -643,10 +645,10 @@ class Directions:
         )
 
 
-def _released(held: deque[Arrived | Judged]) -> Iterator[Judged]:
+def _released(held: deque[PendingFrame | DirectedFrame]) -> Iterator[DirectedFrame]:
     """Takes the frames from the left that do not wait."""
     while held:
-        judged = held[0].judged if isinstance(held[0], Arrived) else held[0]
+        judged = held[0].judged if isinstance(held[0], PendingFrame) else held[0]
         if judged is None:
             return
         held.popleft()
@@ -654,16 +656,16 @@ def _released(held: deque[Arrived | Judged]) -> Iterator[Judged]:
 
 
 def _judged(
-    arrived: Arrived,
+    arrived: PendingFrame,
     direction: Direction | None,
     decided_by: DecidedBy,
     node: int | None,
     message: Message | None,
     rejection: Rejection | None = None,
-) -> Judged:
+) -> DirectedFrame:
     """The result for a frame that answers no request."""
     edition, ends_part = arrived.known.kind.edition, arrived.exchange is None and not arrived.bus.open
-    return Judged(
+    return DirectedFrame(
         arrived.recorded,
         arrived.number,
         node,
@@ -679,7 +681,7 @@ def _judged(
     )
 
 
-def _is_late(asking: FrameKind, latency: int, node: int | None) -> bool:
+def _is_late(asking: FrameClass, latency: int, node: int | None) -> bool:
     """Whether a reply is late. Nodes that answer one broadcast reply one after the other."""
     assert asking.request is not None
     from_each = asking.edition.command(asking.request.message.command).from_each
@@ -687,7 +689,7 @@ def _is_late(asking: FrameKind, latency: int, node: int | None) -> bool:
     return after is not None and latency > after * (from_each.index(node) + 1 if node in from_each else 1)
 
 
-def _by_content(kind: FrameKind, data: int) -> tuple[Direction | None, DecidedBy] | None:
+def _by_content(kind: FrameClass, data: int) -> tuple[Direction | None, DecidedBy] | None:
     """The direction of a frame by its id, its log or its content; None if both directions are possible."""
     if kind.is_shared and kind.request is not None:
         return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)

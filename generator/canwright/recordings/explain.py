@@ -14,7 +14,7 @@ from ..semantics.decoder import Rejection, rejects_constants
 from ..semantics.encoder import Encoder
 from ..semantics.frame import CanFrame, raw_of
 from .bus_behaviour import Behaviour
-from .frame_kinds import Form, FrameKinds
+from .frame_classes import FrameClasses, MessageForm
 from .rows import CellValue, is_within, plausible_limits, value_reader
 
 
@@ -51,7 +51,7 @@ class Meaning:
 
 def meanings(edition: Edition, frame: CanFrame, assignment: Assignment) -> Iterator[Meaning]:
     """The messages that a frame can be, replies first, or a rejection for each direction."""
-    kind = FrameKinds(edition, 0, None).kind(frame, Behaviour())
+    kind = FrameClasses(edition, 0, None).kind(frame, Behaviour())
     forms = {
         Direction.REPLY: kind.replies,
         Direction.REQUEST: (kind.request,) if kind.request else (),
@@ -67,7 +67,7 @@ Only = Mapping[str, tuple[str, ...]]
 """Parameters, and their values under which a command or a field exists."""
 
 
-def _meaning(form: Form, frame: CanFrame, assignment: Assignment, only: Only) -> Meaning:
+def _meaning(form: MessageForm, frame: CanFrame, assignment: Assignment, only: Only) -> Meaning:
     message = form.message
     rejection = rejects_constants(message, frame, assignment)
     if rejection is not None:
@@ -83,7 +83,7 @@ def _meaning(form: Form, frame: CanFrame, assignment: Assignment, only: Only) ->
     return Meaning(message.direction, message, form.node, tuple(unusual), tuple(found), None)
 
 
-def _reserved(form: Form, frame: CanFrame) -> Iterator[str]:
+def _reserved(form: MessageForm, frame: CanFrame) -> Iterator[str]:
     """The bytes with reserved bits that are not sent."""
     wrong = (int.from_bytes(frame.data, "little") & form.reserved.mask) ^ form.reserved.value
     bytes_ = [f"DATA[{at}]" for at, byte in enumerate(wrong.to_bytes(len(frame.data), "little")) if byte]

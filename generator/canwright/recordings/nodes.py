@@ -16,9 +16,9 @@ from ..model.edition import Edition
 from ..model.message import Direction
 from ..model.types import Assignment
 from .changes import BLOCK, NodeFrames
-from .directions import Change, Judged
+from .directions import Change, DirectedFrame
 from .identify import Identifier
-from .recorded import Recorded
+from .log_frame import LogFrame
 from .results import Identification, NodeResult, Place
 
 LOOKAHEAD = 2048
@@ -99,7 +99,7 @@ class Nodes:
                 found[setting.name] = setting.value
         return found
 
-    def label(self, judged: Judged) -> str:
+    def label(self, judged: DirectedFrame) -> str:
         """The names of the editions that fit the node of a frame; exactly one if it is identified or given."""
         if judged.edition is None:
             return ""
@@ -164,7 +164,7 @@ class Identifiers:
         families = dict.fromkeys(edition.family for edition in editions)
         self._all = [Identifier([e for e in editions if e.family == name], recorder) for name in families]
 
-    def add(self, recorded: Recorded) -> None:
+    def add(self, recorded: LogFrame) -> None:
         """The next frame of the log."""
         for identifier in self._all:
             identifier.add(recorded)
@@ -185,11 +185,11 @@ def nodes_of(identifier: Identifier, settings: Sequence[NodeSetting]) -> Nodes:
 
 
 def follow(
-    frames: Iterator[Recorded], editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
-) -> tuple[Nodes, Iterator[Recorded]]:
+    frames: Iterator[LogFrame], editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
+) -> tuple[Nodes, Iterator[LogFrame]]:
     """The nodes of a stream, and its frames; later choices are added to the nodes before the frame is yielded."""
     identifiers = Identifiers(editions, recorder)
-    start: list[Recorded] = []
+    start: list[LogFrame] = []
     for one in itertools.islice(frames, LOOKAHEAD):
         start.append(one)
         identifiers.add(one)
@@ -213,13 +213,13 @@ class _Following:
         self._identifier = identifier
         self._nodes = nodes
         self._number = number
-        self._held: deque[tuple[int, Recorded, NodeFrames | None]] = deque()
+        self._held: deque[tuple[int, LogFrame, NodeFrames | None]] = deque()
         self._waiting: set[NodeFrames] = set()
         """New nodes whose edition is not chosen yet."""
         self._next: dict[NodeFrames, int] = {}
         """The number of frames of a node at which it is examined again."""
 
-    def frames(self, frames: Iterable[Recorded]) -> Iterator[Recorded]:
+    def frames(self, frames: Iterable[LogFrame]) -> Iterator[LogFrame]:
         """The frames of a stream; those of a new node wait."""
         for one in frames:
             node = self._identifier.add(one)
@@ -245,7 +245,7 @@ class _Following:
             if node not in self._waiting or len(results[-1].editions) == 1:
                 self._choose(node, results[-1])
 
-    def _released(self) -> Recorded:
+    def _released(self) -> LogFrame:
         _, one, node = self._held[0]
         if node is not None and node in self._waiting:
             self._choose(node, self._identifier.results_of(node)[-1])

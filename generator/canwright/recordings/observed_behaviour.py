@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..model.message import Command, Direction, Message
 from ..semantics.frame import CanFrame
 from .bus_behaviour import COPIED_WITHIN, Behaviour, OldBits
-from .frame_kinds import form_of
+from .frame_classes import form_of
 
 if TYPE_CHECKING:
-    from .directions import Judged
+    from .directions import DirectedFrame
 
 _LONG = 1_000_000_000
 """A pause in ns before which nothing counts."""
@@ -23,7 +23,7 @@ _RARE = 32
 """Reserved bits of a request are old if it is followed by its reply as if both were replies, once in so many or more."""
 
 
-def observe(judged: Iterable[Judged]) -> dict[str, Observed]:
+def observe(judged: Iterable[DirectedFrame]) -> dict[str, Observed]:
     """What the first frames of a log show of each bus."""
     buses: dict[str, Observed] = {}
     for one in judged:
@@ -53,7 +53,7 @@ class _Copies:
     pairs: Counter[Direction] = field(default_factory=Counter)
     _open: dict[int | None, _Run] = field(default_factory=dict)
 
-    def add(self, judged: Judged, time: int, command: Command) -> None:
+    def add(self, judged: DirectedFrame, time: int, command: Command) -> None:
         run = self._open.pop(judged.node, None)
         frame = judged.recorded.frame
         if run is not None and run.frame == frame and 0 <= time - run.time <= COPIED_WITHIN:
@@ -165,7 +165,7 @@ class Observed:
             else None
         )
 
-    def add(self, judged: Judged) -> None:
+    def add(self, judged: DirectedFrame) -> None:
         """Counts the next frame."""
         assert judged.edition is not None
         if judged.message is None or judged.decided_by == "copy":

@@ -29,7 +29,7 @@ class ParquetTables:
     def __init__(self, folder: Path) -> None:
         require("pyarrow", "pyarrow", "Parquet")
         self._folder = folder
-        self._tables: dict[Layout, _Table] = {}
+        self._tables: dict[Layout, _LayoutTable] = {}
         self._paths: set[Path] = set()
         self._buffered = 0
 
@@ -40,7 +40,7 @@ class ParquetTables:
         table = self._tables.get(judged.message.layout)
         if table is None:
             path = self._path(judged.edition, judged.message.layout)
-            table = self._tables[judged.message.layout] = _Table(path, judged.edition, judged.message.layout)
+            table = self._tables[judged.message.layout] = _LayoutTable(path, judged.edition, judged.message.layout)
         table.add(row)
         self._buffered += 1
         if len(table.rows) >= _BATCH or self._buffered >= _MAX_BUFFERED:
@@ -61,7 +61,7 @@ class ParquetTables:
         return path
 
 
-class _Table:
+class _LayoutTable:
     """The file of one layout."""
 
     def __init__(self, path: Path, edition: Edition, layout: Layout) -> None:

@@ -99,7 +99,7 @@ class Unpacker(NamedTuple):
 
 def unpackers(probes: Sequence[Probe], length: int) -> list[Unpacker]:
     """Unpackers of data of a length for the probes of integers; several if their bytes overlap, at least one."""
-    layers: list[list[_Part]] = [[]]
+    layers: list[list[_ByteRun]] = [[]]
     for part in _parts(probes):
         layer = next((one for one in layers if all(not part.overlaps(other) for other in one)), None)
         if layer is None:
@@ -108,7 +108,7 @@ def unpackers(probes: Sequence[Probe], length: int) -> list[Unpacker]:
     return [_unpacker(layer, length) for layer in layers]
 
 
-class _Part(NamedTuple):
+class _ByteRun(NamedTuple):
     """Consecutive bytes, the notation of `struct` for them, and their results."""
 
     start: int
@@ -116,17 +116,17 @@ class _Part(NamedTuple):
     notation: str
     results: Any
 
-    def overlaps(self, other: _Part) -> bool:
+    def overlaps(self, other: _ByteRun) -> bool:
         return self.start < other.end and other.start < self.end
 
 
-def _parts(probes: Sequence[Probe]) -> Iterator[_Part]:
+def _parts(probes: Sequence[Probe]) -> Iterator[_ByteRun]:
     """Integers, joined with checks of their bytes, other bytes, and runs of bytes that only have reserved bits."""
     octets = {probe.start: probe for probe in probes if probe.width == 8}
     for probe in probes:
         if probe.width != 8:
             table = _with_octets(probe, octets) if probe.width == 16 else None
-            yield _Part(probe.start, probe.end, _INTEGERS[probe.width], table or _results(probe))
+            yield _ByteRun(probe.start, probe.end, _INTEGERS[probe.width], table or _results(probe))
     run: list[Probe] = []
     for probe in sorted(octets.values(), key=lambda octet: octet.start):
         if run and not (probe.is_reserved and run[-1].is_reserved and probe.start == run[-1].end):
@@ -147,13 +147,17 @@ def _with_octets(probe: Probe, octets: dict[int, Probe]) -> bytes | None:
     return joined
 
 
-def _part_of(run: Sequence[Probe]) -> _Part:
+def _part_of(run: Sequence[Probe]) -> _ByteRun:
     """Consecutive bytes; several only have reserved bits."""
     start, end = run[0].start, run[-1].end
-    return _Part(start, end, "B", _results(run[0])) if len(run) == 1 else _Part(start, end, f"{len(run)}s", _Run(run))
+    return (
+        _ByteRun(start, end, "B", _results(run[0]))
+        if len(run) == 1
+        else _ByteRun(start, end, f"{len(run)}s", _Run(run))
+    )
 
 
-def _unpacker(parts: Sequence[_Part], length: int) -> Unpacker:
+def _unpacker(parts: Sequence[_ByteRun], length: int) -> Unpacker:
     """The unpacker of parts that do not overlap."""
     ordered = sorted(parts, key=lambda part: part.start)
     notation, at = "<", 0

@@ -11,7 +11,7 @@ from ..model.message import Message
 from ..model.types import Assignment, Encoding, Type
 from ..semantics.decoder import linear_of, value_of
 from ..semantics.frame import CanFrame, bits_at, parts_of
-from .directions import Judged
+from .directions import DirectedFrame
 
 CellValue = int | float | str | list[str] | None
 """A number in the unit, the name of a member, the names of flags; None without a scale or a name."""
@@ -44,7 +44,7 @@ class Row(NamedTuple):
     `edition` has the names of all editions that fit. `implausible` are values outside the plausible range of their type.
     """
 
-    judged: Judged
+    judged: DirectedFrame
     edition: str
     cells: tuple[Cell, ...] = ()
     missing: tuple[str, ...] = ()
@@ -71,7 +71,7 @@ class _Plan(NamedTuple):
 _MAX_PLANS = 1 << 14
 
 
-def _edition_name(judged: Judged) -> str:
+def _edition_name(judged: DirectedFrame) -> str:
     return judged.edition.name if judged.edition else ""
 
 
@@ -79,13 +79,13 @@ class RowReader:
     """Reads the fields of frames; `assignment` are the parameters of a node on a bus, `label` names the editions that fit."""
 
     def __init__(
-        self, assignment: Callable[[str, int | None], Assignment], label: Callable[[Judged], str] = _edition_name
+        self, assignment: Callable[[str, int | None], Assignment], label: Callable[[DirectedFrame], str] = _edition_name
     ) -> None:
         self._assignment = assignment
         self._label = label
         self._plans: dict[tuple[Message, str, int | None], _Plan] = {}
 
-    def rows(self, judged: Iterable[Judged]) -> Iterator[Row]:
+    def rows(self, judged: Iterable[DirectedFrame]) -> Iterator[Row]:
         """A row for each frame."""
         for one in judged:
             edition = self._label(one)

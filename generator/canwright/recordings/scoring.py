@@ -49,14 +49,14 @@ class Interpretation:
 class Observation:
     """Equal frames, as far as any edition distinguishes them: the interpretations in each edition, replies first."""
 
-    kind: Kind
+    kind: ScoredClass
     by_edition: tuple[tuple[Interpretation, ...], ...]
 
 
-class Kind:
+class ScoredClass:
     """The frames with the same candidates in all editions: the same id rule, length and keys."""
 
-    def __init__(self, forms: Sequence[Sequence[Form]], nothing: Sequence[Reason], length: int) -> None:
+    def __init__(self, forms: Sequence[Sequence[ScoredForm]], nothing: Sequence[Reason], length: int) -> None:
         self._forms = forms
         self._nothing = nothing
         self._probes = probes_of(form.checks for form in dict.fromkeys(form for own in forms for form in own))
@@ -96,14 +96,14 @@ class Kind:
         )
 
 
-class Kinds:
+class ScoredClasses:
     """The kinds of frames of several editions."""
 
     def __init__(self, editions: Sequence[Edition]) -> None:
         self._candidates = [Candidates(edition) for edition in editions]
         self._editions = editions
-        self._forms: dict[tuple[int, Message], list[Form]] = {}
-        self._kinds: dict[tuple[object, ...], Kind] = {}
+        self._forms: dict[tuple[int, Message], list[ScoredForm]] = {}
+        self._kinds: dict[tuple[object, ...], ScoredClass] = {}
         self._messages: dict[tuple[int, bool, bool], list[Message]] = {}
 
     def messages(self, frame: CanFrame) -> list[Message]:
@@ -143,7 +143,7 @@ class Kinds:
         """The messages that a frame can be in any edition."""
         return [message for candidates in self._candidates for message in candidates.of(frame)]
 
-    def kind(self, frame: CanFrame, rule: IdRule) -> Kind:
+    def kind(self, frame: CanFrame, rule: IdRule) -> ScoredClass:
         """The kind of a frame with an id of `rule`."""
         found = [tuple(candidates.of(frame)) if candidates.has_id(frame) else None for candidates in self._candidates]
         code = frame.data[:1] if self.first_key(frame) == slice(0, 1) else b""
@@ -157,18 +157,18 @@ class Kinds:
                 for messages in found
             ]
             forms = [[f for m in messages or () for f in self._forms_of(i, m)] for i, messages in enumerate(found)]
-            self._kinds[known] = Kind(forms, nothing, len(frame.data))
+            self._kinds[known] = ScoredClass(forms, nothing, len(frame.data))
         return self._kinds[known]
 
-    def _forms_of(self, edition: int, message: Message) -> list[Form]:
+    def _forms_of(self, edition: int, message: Message) -> list[ScoredForm]:
         """A form for each variant of the layout."""
         if (edition, message) not in self._forms:
-            own = [Form(self._editions[edition], message, variant) for variant in message.layout.variants]
+            own = [ScoredForm(self._editions[edition], message, variant) for variant in message.layout.variants]
             self._forms[edition, message] = own
         return self._forms[edition, message]
 
 
-class Form:
+class ScoredForm:
     """A message under one variant of its layout."""
 
     def __init__(self, edition: Edition, message: Message, variant: Variant) -> None:

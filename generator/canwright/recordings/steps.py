@@ -11,7 +11,7 @@ from ..model.edition import Edition
 from ..model.message import Direction
 from ..semantics.frame import data_bits
 from .checks import STRONG, Reason
-from .scoring import Interpretation, Kind, Observation, reply_rule
+from .scoring import Interpretation, Observation, ScoredClass, reply_rule
 
 MAX_OPEN = 4
 """The maximum number of requests of a node that wait for their replies."""
@@ -51,7 +51,7 @@ class Meaning(NamedTuple):
 class Step:
     """An observation in a state: the meaning in each edition, and the state that follows."""
 
-    def __init__(self, kind: Kind, meanings: Sequence[Meaning], then: State) -> None:
+    def __init__(self, kind: ScoredClass, meanings: Sequence[Meaning], then: State) -> None:
         self.kind = kind
         self.meanings = meanings
         self.then = then

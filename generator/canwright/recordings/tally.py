@@ -16,7 +16,7 @@ from ..model.message import Command
 from ..semantics.frame import CanFrame
 from .checks import STRONG
 from .results import JUDGED, EditionScore, Evidence, NodeResult, Place
-from .scoring import Kind
+from .scoring import ScoredClass
 from .steps import Step, Waiting
 
 LEAD = 3
@@ -32,7 +32,7 @@ class Seen(NamedTuple):
     example: CanFrame
 
 
-class _KindTally:
+class _ClassTally:
     """The frames of one kind; the lists have a number for each edition."""
 
     def __init__(self, editions: int, example: CanFrame) -> None:
@@ -62,7 +62,7 @@ class Tally:
     def __init__(self, editions: Sequence[Edition], start: Place | None = None) -> None:
         self.start = start
         self._editions = editions
-        self._kinds: dict[Kind, _KindTally] = {}
+        self._kinds: dict[ScoredClass, _ClassTally] = {}
         self._found: list[dict[str, _Found]] = [{} for _ in editions]
         self._names: list[Counter[str]] = [Counter() for _ in editions]
         self._opened: list[Counter[bool]] = [Counter() for _ in editions]
@@ -76,7 +76,7 @@ class Tally:
             count = sign * number
             kind = self._kinds.get(step.kind)
             if kind is None:
-                kind = self._kinds[step.kind] = _KindTally(len(self._editions), example)
+                kind = self._kinds[step.kind] = _ClassTally(len(self._editions), example)
             kind.frames += count
             if step.is_unexplained:
                 kind.unexplained += count

@@ -65,7 +65,7 @@ class Limit(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Form:
+class MessageForm:
     """A message that a frame can be; `has_constants` is false if a constant in the id differs.
 
     Data with other `constants` is rejected. Data with other `reserved` bits, or beyond the limits, is not sent by a
@@ -90,7 +90,7 @@ class Form:
 
 
 @dataclass(eq=False, kw_only=True)
-class FrameKind:
+class FrameClass:
     """The messages of an edition that a frame can be, by its id, its length, its keys and the node in its data.
 
     A request is answered on the channels `opens`; a reply answers a request that opened one of `answers`. `identified`
@@ -104,8 +104,8 @@ class FrameKind:
     identified: Mapping[Direction, Identified | Rejection]
     only: Direction | None
     by_log: bool
-    request: Form | None
-    replies: tuple[Form, ...]
+    request: MessageForm | None
+    replies: tuple[MessageForm, ...]
     opens: tuple[Opened, ...]
     answers: tuple[Channel, ...]
     with_constants: frozenset[Message]
@@ -115,7 +115,7 @@ class FrameKind:
     has_old_bits: bool
     is_by_time: bool
     """Whether old bits leave directions on the bus to the times."""
-    _replies_to: dict[FrameKind, Identified | None] = field(default_factory=dict)
+    _replies_to: dict[FrameClass, Identified | None] = field(default_factory=dict)
 
     @cached_property
     def is_distinct(self) -> bool:
@@ -147,7 +147,7 @@ class FrameKind:
         reply = self.edition.command(self.request.message.command).reply
         return any(message.node_bits for message in (self.request.message, reply) if message)
 
-    def reply_to(self, asking: FrameKind, request: CanFrame, reply: CanFrame) -> Identified | None:
+    def reply_to(self, asking: FrameClass, request: CanFrame, reply: CanFrame) -> Identified | None:
         """The message with which a frame of this kind answers a request of kind `asking`; None if it does not."""
         if asking.is_echoed and request.data != reply.data:
             return None
@@ -202,7 +202,7 @@ class FrameKind:
         return rejects_constants(found.message, frame, {}) if found.message in self.with_constants else None
 
 
-class FrameKinds:
+class FrameClasses:
     """Finds the kinds of the frames of one edition; `number` distinguishes the editions of a log.
 
     A request is answered within `window` ns; None for the time that suits the edition and the bus.
@@ -231,7 +231,7 @@ class FrameKinds:
         runs = [*(key for message in having for key in message.keys), *(bits for bits in nodes if bits is not None)]
         return data_bits((run.space, run.segments) for run in runs)
 
-    def kind(self, frame: CanFrame, behaviour: Behaviour) -> FrameKind:
+    def kind(self, frame: CanFrame, behaviour: Behaviour) -> FrameClass:
         """The kind of a frame on a bus."""
         identified = {direction: self._decoder.identify(direction, frame) for direction in Direction}
         forms = [form_of(message, frame) for message in self._candidates.of(frame)]
@@ -246,7 +246,7 @@ class FrameKinds:
         sources = [
             (message.id, node_in_id(message, frame)) for message in having if message.direction is Direction.REPLY
         ]
-        return FrameKind(
+        return FrameClass(
             edition=self.edition,
             decoder=self._decoder,
             identified=identified,
@@ -275,7 +275,7 @@ class FrameKinds:
             WINDOW, int(2 * (self.edition.bus.reply_within_ms or 0) * 1_000_000), 2 * (behaviour.reply_time or 0)
         )
 
-    def _opens(self, request: Form) -> tuple[Opened, ...]:
+    def _opens(self, request: MessageForm) -> tuple[Opened, ...]:
         command = self.edition.command(request.message.command)
         if command.reply is None:
             return ()
@@ -293,7 +293,7 @@ def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified 
     return found if isinstance(found, Identified) else None
 
 
-def form_of(message: Message, frame: CanFrame) -> Form:
+def form_of(message: Message, frame: CanFrame) -> MessageForm:
     """A message that a frame can be by its id, its length and its keys."""
     fields = message.layout.fields
     always = [f for f in fields if not f.only]
@@ -303,7 +303,7 @@ def form_of(message: Message, frame: CanFrame) -> Form:
     keys = data_bits((key.space, key.segments) for key in message.keys)
     in_id = [f for f in constant if f.space is Space.ID]
     limited = [(f, _allows(f.type)) for f in always if f.role.is_value and f.space is Space.DATA]
-    return Form(
+    return MessageForm(
         message=message,
         node=node_of(message, frame),
         constants=None if wrong_constants(in_id, frame) else _bits(constant),
