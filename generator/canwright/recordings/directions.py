@@ -38,7 +38,17 @@ from ..model.message import Direction, Message
 from ..semantics.decoder import Identified, Rejection, rejects_constants
 from ..semantics.frame import CanFrame, node_of
 from .bus_behaviour import COPIED_WITHIN, LOOKED_AHEAD, Behaviour
-from .frame_classes import Channel, FrameClass, FrameClasses, Opened
+from .frame_classes import (
+    IS_REGULAR,
+    IS_REPLY,
+    IS_REQUEST,
+    Channel,
+    DirectionRule,
+    FrameClasses,
+    Opened,
+    bus_window,
+    frame_classes,
+)
 from .log_frame import LogFrame, Mark
 from .observed_behaviour import Observed, observe
 
@@ -106,24 +116,24 @@ class Change(NamedTuple):
 
 
 class _Known(NamedTuple):
-    """A kind of frames, and what it opens as a request: in each edition, on each channel of a node of this edition."""
+    """The rule for a class of frames, and what it opens as a request: in each edition, on each channel of its nodes."""
 
-    kind: FrameClass
-    opens: Sequence[tuple[FrameClass, Opened]]
+    rule: DirectionRule
+    opens: Sequence[tuple[DirectionRule, Opened]]
 
 
 class _IdState:
-    """The frames of one id and length on a bus: the editions that have the id, and the kinds of frames.
+    """The frames of one id and length on a bus: the editions that have the id, and the rules for the classes of frames.
 
     There are several editions if nodes of different editions obey one broadcast; the first decides on the direction.
     """
 
     __slots__ = ("editions", "key_bits", "known", "node")
 
-    def __init__(self, editions: list[FrameClasses], frame: CanFrame, node: int | None) -> None:
+    def __init__(self, editions: Sequence[FrameClasses], frame: CanFrame, node: int | None) -> None:
         self.editions = editions
         self.node = node
-        self.key_bits = functools.reduce(operator.or_, (kinds.key_bits(frame) for kinds in editions), 0)
+        self.key_bits = functools.reduce(operator.or_, (each.id_class(frame).key_bits for each in editions), 0)
         self.known: dict[int, _Known] = {}
 
 
@@ -147,14 +157,14 @@ class PendingFrame:
 class _Exchange:
     """A request that waits for replies on a channel, and the frames after it that can be replies or requests."""
 
-    __slots__ = ("channel", "kind", "missing", "request", "settled", "until", "waiting")
+    __slots__ = ("channel", "missing", "request", "rule", "settled", "until", "waiting")
 
-    def __init__(self, kind: FrameClass, request: PendingFrame, opened: Opened) -> None:
-        self.kind = kind
+    def __init__(self, rule: DirectionRule, request: PendingFrame, opened: Opened) -> None:
+        self.rule = rule
         self.request = request
         self.channel, self.missing = opened
         """The number of replies that it waits for."""
-        self.until = request.clock + kind.window
+        self.until = request.clock + rule.window
         self.waiting: list[PendingFrame] = []
         self.settled = 0
         """The time after which it is too late to decide on waiting frames by the next one."""
@@ -237,7 +247,7 @@ class Directions:
         self._default = default
         self._changes = changes
         used = dict.fromkeys([*editions.values(), *([default] if default else []), *others])
-        self._kinds = [FrameClasses(edition, number, window) for number, edition in enumerate(used)]
+        self._classes = [frame_classes(edition) for edition in used]
         self._window = window
         self._recorder = recorder
         other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
@@ -297,7 +307,8 @@ class Directions:
                 bus.count = 0
 
     def _bus_window(self, behaviour: Behaviour) -> int:
-        return max((kinds.bus_window(behaviour) for kinds in self._kinds), default=0)
+        windows = (bus_window(classes.edition, behaviour, self._window) for classes in self._classes)
+        return max(windows, default=0)
 
     def learn(self, start: Sequence[LogFrame], marked: Collection[str] | None = None) -> dict[str, Behaviour]:
         """The behaviour of the buses in the first frames of a log, decided as if nothing were known of them.
@@ -333,7 +344,7 @@ class Directions:
         return best
 
     def _has_id(self, one: LogFrame) -> bool:
-        return any(kinds.nodes(one.frame) for kinds in self._kinds)
+        return any(classes.id_class(one.frame).nodes for classes in self._classes)
 
     def decide_pending(self, bus: str, time: int | None = None) -> None:
         """Decides on the frames of a bus that wait: of those for which it is too late at a time, or of all."""
@@ -343,6 +354,10 @@ class Directions:
             return
         for exchange in [*found.waiting]:
             self._decide_pending(exchange)
+
+    def forget(self, bus: str) -> Sequence[int]:
+        """Forgets the frames of a bus so far; returns the numbers of those whose exchanges are open."""
+        return [exchange.request.number for open_ in self._buses.pop(bus).open.values() for exchange in open_]
 
     def accept(self, one: LogFrame) -> DirectedFrame | PendingFrame:
         """The result for the next frame of the log; the frame itself if it has to wait."""
@@ -411,7 +426,7 @@ class Directions:
             direction: Direction | None = self._of_mark[one.mark]
             decided_by = DecidedBy.MARK
         else:
-            found = _by_content(known.kind, data)
+            found = direction_by_content(known.rule, known.rule.content(data))
             if found is None:
                 return self._by_exchange(arrived)
             direction, decided_by = found
@@ -419,7 +434,7 @@ class Directions:
             return self._request(arrived, decided_by)
         if direction is Direction.REPLY:
             return self._reply(arrived, decided_by, self._answered(arrived, replies_only=True))
-        rejection = known.kind.rejection(Direction.REQUEST, one.frame)
+        rejection = known.rule.frame_class.rejection(Direction.REQUEST, one.frame)
         return _judged(arrived, None, decided_by, arrived.line.node, None, rejection)
 
     def _by_exchange(self, arrived: PendingFrame) -> DirectedFrame | PendingFrame:
@@ -428,8 +443,8 @@ class Directions:
         if answered is None:
             return self._request(arrived, DecidedBy.PAIRING)
         exchange, first = answered.exchange, answered.exchange.request
-        is_soon = arrived.clock - exchange.last.clock <= exchange.kind.within
-        if exchange.kind.is_echoed:
+        is_soon = arrived.clock - exchange.last.clock <= exchange.rule.within
+        if exchange.rule.frame_class.is_echoed:
             if is_soon:
                 self._repeat(exchange)
                 return self._reply(arrived, DecidedBy.PAIRING, self._answered(arrived))
@@ -437,12 +452,12 @@ class Directions:
         if exchange.waiting:
             self._decide_pending(exchange)
             return self._by_exchange(arrived)
-        kind = arrived.known.kind
-        if is_soon and kind.is_distinct:
+        rule = arrived.known.rule
+        if is_soon and rule.is_distinct:
             return self._wait(arrived, exchange)
         if arrived.recorded.frame == first.recorded.frame and not is_soon:
             return self._request(arrived, DecidedBy.RETRY)
-        if not is_soon and (kind.is_distinct or kind.has_old_bits):
+        if not is_soon and (rule.is_distinct or rule.has_old_bits):
             return self._request(arrived, DecidedBy.PAIRING)
         return self._reply(arrived, DecidedBy.PAIRING, answered)
 
@@ -488,13 +503,14 @@ class Directions:
 
     def _answered(self, arrived: PendingFrame, *, replies_only: bool = False) -> _Answered | None:
         """The oldest open exchange that a frame can close."""
-        open_, kind, frame = arrived.bus.open, arrived.known.kind, arrived.recorded.frame
+        open_, own, frame = arrived.bus.open, arrived.known.rule.frame_class, arrived.recorded.frame
         if not open_:
             return None
-        for channel in kind.answers:
+        for channel in own.answers:
             for exchange in open_.get(channel, ()):
                 if exchange.until >= arrived.clock:
-                    reply = kind.reply_to(exchange.kind, exchange.request.recorded.frame, frame)
+                    asked = exchange.request.recorded.frame
+                    reply = own.reply_to(exchange.rule.frame_class, asked, frame)
                     if reply is not None and replies_only and exchange.waiting:
                         self._repeat(exchange)
                         return self._answered(arrived)
@@ -503,23 +519,23 @@ class Directions:
         return None
 
     def _request(self, arrived: PendingFrame, decided_by: DecidedBy) -> DirectedFrame:
-        kind = arrived.known.kind
-        rejection = kind.rejection(Direction.REQUEST, arrived.recorded.frame)
-        if rejection is not None or kind.request is None:
+        own = arrived.known.rule.frame_class
+        rejection = own.rejection(Direction.REQUEST, arrived.recorded.frame)
+        if rejection is not None or own.request is None:
             return _judged(arrived, Direction.REQUEST, decided_by, arrived.line.node, None, rejection)
         for asking, opened in arrived.known.opens:
             self._open(_Exchange(asking, arrived, opened))
-        return _judged(arrived, Direction.REQUEST, decided_by, kind.request.node, kind.request.message)
+        return _judged(arrived, Direction.REQUEST, decided_by, own.request.node, own.request.message)
 
     def _open(self, exchange: _Exchange) -> None:
         """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes."""
-        bus, kind, frame = exchange.request.bus, exchange.kind, exchange.request.recorded.frame
+        bus, own, frame = exchange.request.bus, exchange.rule.frame_class, exchange.request.recorded.frame
         others = bus.open.get(exchange.channel)
         if others:
             replaced = [
                 other
                 for other in others
-                if other.kind.request is kind.request and (not kind.is_echoed or other.request.recorded.frame == frame)
+                if other.rule.frame_class is own and (not own.is_echoed or other.request.recorded.frame == frame)
             ]
             for other in replaced:
                 self._decide_pending(other)
@@ -532,18 +548,18 @@ class Directions:
         bus.until = max(bus.until, exchange.until)
 
     def _reply(self, arrived: PendingFrame, decided_by: DecidedBy, answered: _Answered | None) -> DirectedFrame:
-        kind, one = arrived.known.kind, arrived.recorded
+        own, one = arrived.known.rule.frame_class, arrived.recorded
         if answered is None:
-            identified = kind.identified[Direction.REPLY]
-            rejection = kind.rejection(Direction.REPLY, one.frame)
+            identified = own.identified[Direction.REPLY]
+            rejection = own.rejection(Direction.REPLY, one.frame)
             node = arrived.line.node if isinstance(identified, Rejection) else node_of(identified.message, one.frame)
             message = None if isinstance(identified, Rejection) or rejection else identified.message
             return _judged(arrived, Direction.REPLY, decided_by, node, message, rejection)
         exchange, (message, node) = answered
         self._close(exchange)
-        if node is None and exchange.kind.request is not None:
-            node = exchange.kind.request.node
-        rejection = rejects_constants(message, one.frame, {}) if message in kind.with_constants else None
+        if node is None and exchange.rule.request is not None:
+            node = exchange.rule.request.node
+        rejection = rejects_constants(message, one.frame, {}) if message in own.with_constants else None
         asked = exchange.request
         latency = None
         if one.time is not None and asked.recorded.time is not None and one.time >= asked.recorded.time:
@@ -552,14 +568,14 @@ class Directions:
             one,
             arrived.number,
             node,
-            kind.edition,
+            own.edition,
             Direction.REPLY,
             decided_by,
             None if rejection else message,
             rejection,
             asked.number,
             latency,
-            latency is not None and _is_late(exchange.kind, latency, node),
+            latency is not None and _is_late(exchange.rule, latency, node),
             arrived.exchange is None and not arrived.bus.open,
         )
 
@@ -603,18 +619,17 @@ class Directions:
         """Forgets the kinds of frames, which a log with random frames has without end."""
         bus.lines.clear()
         bus.count = 0
-        self._kinds = [FrameClasses(kinds.edition, kinds.number, self._window) for kinds in self._kinds]
 
     def _known(self, bus: _Bus, line: _IdState, one: LogFrame, data: int) -> _Known:
         """The kind of a frame of a known id and length."""
-        kinds = [each.kind(one.frame, bus.behaviour) for each in line.editions]
+        rules = [DirectionRule(each.of(one.frame), bus.behaviour, self._window) for each in line.editions]
         opens = [
-            (kind, opened)
-            for kind in kinds
-            for opened in kind.opens
-            if self._is_of(one.bus, kind.edition, opened.channel.node)
+            (rule, opened)
+            for rule in rules
+            for opened in rule.frame_class.opens
+            if self._is_of(one.bus, rule.frame_class.edition, opened.channel.node)
         ]
-        known = line.known[data & line.key_bits] = _Known(kinds[0], opens)
+        known = line.known[data & line.key_bits] = _Known(rules[0], opens)
         bus.count += 1
         return known
 
@@ -622,13 +637,13 @@ class Directions:
         """The frames of the id and the length of a frame."""
         frame = one.frame
         having = [
-            (kinds, node)
-            for kinds in self._kinds
-            for node in kinds.nodes(frame)
-            if self._is_of(one.bus, kinds.edition, node)
+            (classes, node)
+            for classes in self._classes
+            for node in classes.id_class(frame).nodes
+            if self._is_of(one.bus, classes.edition, node)
         ]
         node = having[0][1] if having else None
-        editions = [kinds for kinds, other in having if other == node]
+        editions = [classes for classes, other in having if other == node]
         line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _IdState(editions, frame, node)
         bus.count += 1
         return line
@@ -664,7 +679,7 @@ def _judged(
     rejection: Rejection | None = None,
 ) -> DirectedFrame:
     """The result for a frame that answers no request."""
-    edition, ends_part = arrived.known.kind.edition, arrived.exchange is None and not arrived.bus.open
+    edition, ends_part = arrived.known.rule.frame_class.edition, arrived.exchange is None and not arrived.bus.open
     return DirectedFrame(
         arrived.recorded,
         arrived.number,
@@ -681,25 +696,19 @@ def _judged(
     )
 
 
-def _is_late(asking: FrameClass, latency: int, node: int | None) -> bool:
+def _is_late(asking: DirectionRule, latency: int, node: int | None) -> bool:
     """Whether a reply is late. Nodes that answer one broadcast reply one after the other."""
-    assert asking.request is not None
-    from_each = asking.edition.command(asking.request.message.command).from_each
+    from_each = asking.frame_class.command.from_each
     after = asking.late_after
     return after is not None and latency > after * (from_each.index(node) + 1 if node in from_each else 1)
 
 
-def _by_content(kind: FrameClass, data: int) -> tuple[Direction | None, DecidedBy] | None:
+def direction_by_content(rule: DirectionRule, content: int) -> tuple[Direction | None, DecidedBy] | None:
     """The direction of a frame by its id, its log or its content; None if both directions are possible."""
-    if kind.is_shared and kind.request is not None:
-        return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
-    if kind.only is not None:
-        return kind.only, DecidedBy.LOG if kind.by_log else DecidedBy.ID
-    request = kind.request is not None and kind.request.has_constants(data)
-    reply = any(form.has_constants(data) for form in kind.replies)
-    if request and reply:
-        assert kind.request is not None
-        return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
-    if request or reply:
-        return (Direction.REQUEST if request else Direction.REPLY), DecidedBy.CONTENT
+    if rule.only is not None:
+        return rule.only, DecidedBy.LOG if rule.by_log else DecidedBy.ID
+    if content & IS_REQUEST and content & IS_REPLY:
+        return None if content & IS_REGULAR else (Direction.REPLY, DecidedBy.CONTENT)
+    if content & (IS_REQUEST | IS_REPLY):
+        return Direction.REQUEST if content & IS_REQUEST else Direction.REPLY, DecidedBy.CONTENT
     return None, DecidedBy.NONE

@@ -13,8 +13,7 @@ from ..model.types import Assignment
 from ..semantics.decoder import Rejection, rejects_constants
 from ..semantics.encoder import Encoder
 from ..semantics.frame import CanFrame, raw_of
-from .bus_behaviour import Behaviour
-from .frame_classes import FrameClasses, MessageForm
+from .frame_classes import MessageForm, frame_classes
 from .rows import CellValue, is_within, plausible_limits, value_reader
 
 
@@ -51,7 +50,7 @@ class Meaning:
 
 def meanings(edition: Edition, frame: CanFrame, assignment: Assignment) -> Iterator[Meaning]:
     """The messages that a frame can be, replies first, or a rejection for each direction."""
-    kind = FrameClasses(edition, 0, None).kind(frame, Behaviour())
+    kind = frame_classes(edition).of(frame)
     forms = {
         Direction.REPLY: kind.replies,
         Direction.REQUEST: (kind.request,) if kind.request else (),
