@@ -116,6 +116,6 @@ def test_no_block_waits_for_the_end_of_the_log(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_memory_for_kinds_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("canwright.recordings.direction_arrays.MAX_KINDS", 20)
+    monkeypatch.setattr("canwright.recordings.direction_arrays.MAX_CLASSES", 20)
     log = [sent.recorded for sent in Traffic(MOTOR, "polling", 5, loss=Loss(0.1)).frames(100)]
     assert directions(MOTOR, log, 30) == one_by_one(MOTOR, log)

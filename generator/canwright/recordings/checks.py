@@ -120,11 +120,9 @@ def _assignments(parameter: str | None, cases: Iterable[str]) -> list[Assignment
 
 
 def _is_plausible(type_: Type, raw: int) -> bool:
-    if type_.plausible is None:
-        return True
-    low, high = type_.plausible.low.constant, type_.plausible.high.constant
-    values = [value_of(type_, raw, a) for a in _assignments(type_.linear.parameter, type_.linear.cases)]
-    return any(not isinstance(value, Fraction) or low <= value <= high for value in values)
+    """Whether the value is plausible under some parameter value."""
+    cases = _assignments(type_.linear.parameter, type_.linear.cases)
+    return any(type_.is_plausible(value_of(type_, raw, case)) for case in cases)
 
 
 def _is_in_range(type_: Type, raw: int) -> bool:

@@ -138,9 +138,9 @@ class _IdState:
 
 
 class PendingFrame:
-    """A frame at its time on the clock of its bus; `judged` is None while it waits for later frames."""
+    """A frame at its time on the clock of its bus; `directed` is None while it waits for later frames."""
 
-    __slots__ = ("bus", "clock", "exchange", "judged", "known", "line", "number", "recorded")
+    __slots__ = ("bus", "clock", "directed", "exchange", "known", "line", "number", "recorded")
 
     def __init__(self, bus: _Bus, recorded: LogFrame, number: int, line: _IdState, known: _Known) -> None:
         self.bus = bus
@@ -149,7 +149,7 @@ class PendingFrame:
         self.number = number
         self.line = line
         self.known = known
-        self.judged: DirectedFrame | None = None
+        self.directed: DirectedFrame | None = None
         self.exchange: _Exchange | None = None
         """The exchange in which it waits."""
 
@@ -356,8 +356,12 @@ class Directions:
             self._decide_pending(exchange)
 
     def forget(self, bus: str) -> Sequence[int]:
-        """Forgets the frames of a bus so far; returns the numbers of those whose exchanges are open."""
-        return [exchange.request.number for open_ in self._buses.pop(bus).open.values() for exchange in open_]
+        """Forgets the exchanges of a bus; returns the numbers of the requests of those that are open."""
+        state = self._buses[bus]
+        requests = [exchange.request.number for open_ in state.open.values() for exchange in open_]
+        for frames in (state.open, state.waiting, state.latest):
+            frames.clear()
+        return requests
 
     def accept(self, one: LogFrame) -> DirectedFrame | PendingFrame:
         """The result for the next frame of the log; the frame itself if it has to wait."""
@@ -413,11 +417,11 @@ class Directions:
         result = latest.result
         if isinstance(result, DirectedFrame):
             return result
-        if result.exchange is not None and result.judged is None:
+        if result.exchange is not None and result.directed is None:
             settle = self._decide_pending if Direction.REPLY in result.bus.copied else self._repeat
             settle(result.exchange)
-        assert result.judged is not None
-        return result.judged
+        assert result.directed is not None
+        return result.directed
 
     def _decide(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result by the mark, the id, the content or the exchange; the frame itself if it has to wait."""
@@ -478,7 +482,7 @@ class Directions:
     def _repeat(self, exchange: _Exchange) -> None:
         """Decides that the waiting frames of an exchange are requests: only the last one is answered."""
         for arrived in self._take_waiting(exchange):
-            arrived.judged = self._request(arrived, self._repeated(exchange, arrived))
+            arrived.directed = self._request(arrived, self._repeated(exchange, arrived))
 
     def _decide_pending(self, exchange: _Exchange) -> None:
         """Decides on the waiting frames of an exchange in which no reply follows soon: replies and requests alternate."""
@@ -486,9 +490,9 @@ class Directions:
         for arrived in self._take_waiting(exchange):
             answered = None if answered else self._answered(arrived)
             if answered is None:
-                arrived.judged = self._request(arrived, self._repeated(exchange, arrived))
+                arrived.directed = self._request(arrived, self._repeated(exchange, arrived))
             else:
-                arrived.judged = self._reply(arrived, DecidedBy.PAIRING, answered)
+                arrived.directed = self._reply(arrived, DecidedBy.PAIRING, answered)
 
     def _take_waiting(self, exchange: _Exchange) -> Sequence[PendingFrame]:
         waiting = exchange.waiting
@@ -663,7 +667,7 @@ class Directions:
 def _released(held: deque[PendingFrame | DirectedFrame]) -> Iterator[DirectedFrame]:
     """Takes the frames from the left that do not wait."""
     while held:
-        judged = held[0].judged if isinstance(held[0], PendingFrame) else held[0]
+        judged = held[0].directed if isinstance(held[0], PendingFrame) else held[0]
         if judged is None:
             return
         held.popleft()

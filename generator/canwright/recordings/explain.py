@@ -14,7 +14,7 @@ from ..semantics.decoder import Rejection, rejects_constants
 from ..semantics.encoder import Encoder
 from ..semantics.frame import CanFrame, raw_of
 from .frame_classes import MessageForm, frame_classes
-from .rows import CellValue, is_within, plausible_limits, value_reader
+from .rows import CellValue, value_reader
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def _reserved(form: MessageForm, frame: CanFrame) -> Iterator[str]:
 def _unusual(field: Field, frame: CanFrame, assignment: Assignment, only: Only) -> Iterator[str]:
     """The elements of a field whose values are not sent under any possible value of a parameter, or are implausible."""
     raw, type_ = raw_of(field, frame), field.type
-    limits, plausible = type_.raw_range, plausible_limits(type_)
+    limits = type_.raw_range
     cases: list[Assignment] = [assignment]
     if limits.parameter is not None and limits.parameter not in assignment:
         names = [case for case in limits.cases if case in only.get(limits.parameter, limits.cases)]
@@ -107,9 +107,7 @@ def _unusual(field: Field, frame: CanFrame, assignment: Assignment, only: Only) 
             yield f"`{name}` is {one}" + (
                 f", outside the raw range {' or '.join(spans)}" if spans else ", no valid number"
             )
-        elif plausible is not None and not any(
-            is_within(value, plausible) for _, value in _values(field, one, assignment, only)
-        ):
+        elif not any(type_.is_plausible(value) for _, value in _values(field, one, assignment, only)):
             unit = f" {type_.unit.symbol}" if type_.unit else ""
             range_ = formatting.span(type_.plausible) if type_.plausible else ""
             yield f"`{name}` is outside the plausible range {range_}{unit}"

@@ -163,7 +163,7 @@ class DirectionRule:
     """How the directions of the frames of a class are decided on a bus of some behaviour.
 
     `only` is the direction of all frames with this id, and that of all frames of the log if it is `by_log`. `window` is the
-    time in ns within which the request is answered. If `has_old_bits`, its reserved bits can have any value.
+    time in ns within which the request is answered, `bus_window` that of other requests. If `has_old_bits`, its reserved bits can have any value.
     """
 
     def __init__(self, frame_class: FrameClass, behaviour: Behaviour, window: int | None) -> None:
@@ -182,7 +182,8 @@ class DirectionRule:
                 self.has_old_bits = old.value is None
                 mask = 0 if old.value is None else self.request.reserved.mask
                 self.request = replace(self.request, reserved=Bits(mask, (old.value or 0) & mask))
-        self.window = max(bus_window(frame_class.edition, behaviour, window), self._own_time or 0)
+        self.bus_window = bus_window(frame_class.edition, behaviour, window)
+        self.window = max(self.bus_window, self._own_time or 0)
 
     @cached_property
     def _forms(self) -> Sequence[MessageForm]:

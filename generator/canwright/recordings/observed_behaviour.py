@@ -28,7 +28,10 @@ def observe(judged: Iterable[DirectedFrame]) -> dict[str, Observed]:
     buses: dict[str, Observed] = {}
     for one in judged:
         if one.edition is not None:
-            buses.setdefault(one.recorded.bus, Observed()).add(one)
+            bus = one.recorded.bus
+            if bus not in buses:
+                buses[bus] = Observed()
+            buses[bus].add(one)
     return buses
 
 
@@ -187,7 +190,9 @@ class Observed:
             self._latencies.append(judged.latency)
         if judged.decided_by == "content" and command.request is not None:
             bits = self._reserved_bits(command.request, judged.recorded.frame)
-            replies = self._of_request.setdefault(command.request, _Replies(command.is_echoed))
+            if command.request not in self._of_request:
+                self._of_request[command.request] = _Replies(command.is_echoed)
+            replies = self._of_request[command.request]
             replies.add(judged.node, time, bits, is_orphan=judged.request is None)
 
     def _reserved_bits(self, request: Message, frame: CanFrame) -> int:

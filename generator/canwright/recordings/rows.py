@@ -58,7 +58,8 @@ class _Reader(NamedTuple):
     in_id: bool
     raw: Callable[[int], int]
     value: Callable[[int], CellValue]
-    plausible: tuple[float, float] | None
+    is_plausible: Callable[[CellValue], bool] | None
+    """None if all values are plausible."""
 
 
 class _Plan(NamedTuple):
@@ -111,24 +112,13 @@ def _read(plan: _Plan, frame: CanFrame) -> tuple[tuple[Cell, ...], tuple[str, ..
     """The values, the parameters that are missing, and the values that are not plausible."""
     id_, data = frame.id, int.from_bytes(frame.data, "little")
     found, implausible = [], []
-    for column, in_id, raw_of, value, plausible in plan.readers:
+    for column, in_id, raw_of, value, is_plausible in plan.readers:
         raw = raw_of(id_ if in_id else data)
         cell = Cell(column, raw, value(raw))
         found.append(cell)
-        if plausible is not None and not is_within(cell.value, plausible):
+        if is_plausible is not None and not is_plausible(cell.value):
             implausible.append(cell)
     return tuple(found), plan.missing, tuple(implausible)
-
-
-def is_within(value: CellValue, limits: tuple[float, float]) -> bool:
-    """Whether a value is within limits; True if it is no number."""
-    return not isinstance(value, (int, float)) or limits[0] <= value <= limits[1]
-
-
-def plausible_limits(type_: Type) -> tuple[float, float] | None:
-    """The plausible values of a type, in its unit; None if all are."""
-    span = type_.plausible
-    return None if span is None else (float(span.low.constant), float(span.high.constant))
 
 
 def _plan(message: Message, assignment: Assignment) -> _Plan:
@@ -140,10 +130,13 @@ def _plan(message: Message, assignment: Assignment) -> _Plan:
     for field in fields:
         if field.role.is_value:
             missing += [name for name in needed(field.type, assignment) if name not in assignment]
-            value, plausible = value_reader(field.type, assignment), plausible_limits(field.type)
+            value, is_plausible = (
+                value_reader(field.type, assignment),
+                field.type.is_plausible if field.type.plausible else None,
+            )
             for column, element in zip(columns(field), field.elements, strict=True):
                 raw = _raw_reader(field.type, element)
-                readers.append(_Reader(column, field.space is Space.ID, raw, value, plausible))
+                readers.append(_Reader(column, field.space is Space.ID, raw, value, is_plausible))
     return _Plan(tuple(readers), tuple(dict.fromkeys(missing)))
 
 
