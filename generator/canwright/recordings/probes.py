@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ..semantics.frame import Parts, bits_at
-from .checks import Check, Reason, ReservedCheck
+from .checks import Check, Reason
 
 MAX_KNOWN = 1 << 12
 """The maximum number of results that are remembered of each probe."""
@@ -33,11 +33,6 @@ class Probe:
         self.start, self.end = shift // 8, (shift + self.width) // 8
         """The bytes, if it is an integer in whole bytes."""
         self.is_integer = not in_id and not others and shift % 8 == 0 and self.width in _INTEGERS
-
-    @property
-    def is_reserved(self) -> bool:
-        """Whether the bits are a byte that only has reserved bits."""
-        return self.is_integer and self.width == 8 and all(isinstance(check, ReservedCheck) for check in self.checks)
 
     @functools.cached_property
     def limits(self) -> tuple[int, ...] | None:
@@ -91,7 +86,7 @@ def _whole_byte(parts: Parts) -> Parts:
 
 
 class Unpacker(NamedTuple):
-    """A function that unpacks data into integers and bytes, and for each of these a mapping to results."""
+    """A function that unpacks data into integers, and for each of these a mapping to results."""
 
     unpack: Callable[[bytes], tuple[Any, ...]]
     results: Sequence[Any]
@@ -121,20 +116,14 @@ class _ByteRun(NamedTuple):
 
 
 def _parts(probes: Sequence[Probe]) -> Iterator[_ByteRun]:
-    """Integers, joined with checks of their bytes, other bytes, and runs of bytes that only have reserved bits."""
+    """Integers, joined with checks of their bytes, and other bytes."""
     octets = {probe.start: probe for probe in probes if probe.width == 8}
     for probe in probes:
         if probe.width != 8:
             table = _with_octets(probe, octets) if probe.width == 16 else None
             yield _ByteRun(probe.start, probe.end, _INTEGERS[probe.width], table or _results(probe))
-    run: list[Probe] = []
-    for probe in sorted(octets.values(), key=lambda octet: octet.start):
-        if run and not (probe.is_reserved and run[-1].is_reserved and probe.start == run[-1].end):
-            yield _part_of(run)
-            run = []
-        run.append(probe)
-    if run:
-        yield _part_of(run)
+    for probe in octets.values():
+        yield _ByteRun(probe.start, probe.end, "B", _results(probe))
 
 
 def _with_octets(probe: Probe, octets: dict[int, Probe]) -> bytes | None:
@@ -145,16 +134,6 @@ def _with_octets(probe: Probe, octets: dict[int, Probe]) -> bytes | None:
         if octet is not None:
             del octets[octet.start]
     return joined
-
-
-def _part_of(run: Sequence[Probe]) -> _ByteRun:
-    """Consecutive bytes; several only have reserved bits."""
-    start, end = run[0].start, run[-1].end
-    return (
-        _ByteRun(start, end, "B", _results(run[0]))
-        if len(run) == 1
-        else _ByteRun(start, end, f"{len(run)}s", _Run(run))
-    )
 
 
 def _unpacker(parts: Sequence[_ByteRun], length: int) -> Unpacker:
@@ -182,19 +161,6 @@ class _Results(dict[int, int]):
         found = self._probe.result(bits)
         if len(self) < MAX_KNOWN:
             self[bits] = found
-        return found
-
-
-class _Run(dict[bytes, tuple[int, ...]]):
-    """The results of probes of consecutive bytes, remembered."""
-
-    def __init__(self, probes: Sequence[Probe]) -> None:
-        self._probes = probes
-
-    def __missing__(self, data: bytes) -> tuple[int, ...]:
-        found = tuple([probe.result(byte) for probe, byte in zip(self._probes, data, strict=True)])
-        if len(self) < MAX_KNOWN:
-            self[data] = found
         return found
 
 
