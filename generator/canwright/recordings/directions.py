@@ -702,7 +702,7 @@ def _judged(
 
 def _is_late(asking: DirectionRule, latency: int, node: int | None) -> bool:
     """Whether a reply is late. Nodes that answer one broadcast reply one after the other."""
-    from_each = asking.frame_class.command.from_each
+    from_each = asking.frame_class.exchange.nodes
     after = asking.late_after
     return after is not None and latency > after * (from_each.index(node) + 1 if node in from_each else 1)
 

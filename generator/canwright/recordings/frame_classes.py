@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,17 +10,17 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from ..model.edition import Edition
-from ..model.layout import Field, ReservedRole, Space
-from ..model.message import Command, Direction, IdRule, Message
-from ..model.types import Encoding, Type
+from ..model.layout import Field, Space
+from ..model.message import Direction, IdRule, Message
+from ..model.types import Type
+from ..semantics.bits import data_bits, placed
 from ..semantics.candidates import Candidates
 from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constants
-from ..semantics.exchange import check_reply
+from ..semantics.exchange import ExchangePlan, check_reply, exchange_plans
 from ..semantics.frame import (
     CanFrame,
     Parts,
     bits_at,
-    data_bits,
     has_id,
     has_id_rule,
     node_in_id,
@@ -29,6 +28,8 @@ from ..semantics.frame import (
     parts_of,
     wrong_constants,
 )
+from ..semantics.plan import MaskedBits, message_plan
+from ..semantics.valid_raws import FlagBits, NamedRaws, RawInterval, valid_raws
 from .bus_behaviour import Behaviour
 
 WINDOW = 2_000_000
@@ -55,13 +56,6 @@ class Opened(NamedTuple):
     replies: int
 
 
-class Bits(NamedTuple):
-    """Some bits of the data, read as one little-endian integer, and their values."""
-
-    mask: int
-    value: int
-
-
 class Limit(NamedTuple):
     """Bits of the data that do not all have a meaning: the bits, and whether a raw integer is allowed."""
 
@@ -79,8 +73,8 @@ class MessageForm:
 
     message: Message
     node: int | None
-    constants: Bits | None
-    reserved: Bits
+    constants: MaskedBits | None
+    reserved: MaskedBits
     limits: tuple[Limit, ...]
 
     def has_constants(self, data: Any) -> Any:
@@ -117,20 +111,20 @@ class FrameClass:
     _replies_to: dict[FrameClass, Identified | None] = field(default_factory=dict)
 
     @cached_property
-    def command(self) -> Command:
-        """The command of the request."""
+    def exchange(self) -> ExchangePlan:
+        """The exchange that the request starts."""
         assert self.request is not None
-        return self.edition.command(self.request.message.command)
+        return exchange_plans(self.edition)[self.request.message]
 
     @cached_property
     def is_echoed(self) -> bool:
         """Whether the node sends the request back."""
-        return self.request is not None and self.command.is_echoed
+        return self.request is not None and self.exchange.is_echo
 
     @cached_property
     def has_node_in_data(self) -> bool:
         """Whether the node in the data of the request or of its reply decides which frames answer it."""
-        return any(message.node_bits for message in (self.command.request, self.command.reply) if message)
+        return self.exchange.asked is not None or self.exchange.reported is not None
 
     @cached_property
     def is_certain(self) -> bool:
@@ -175,13 +169,13 @@ class DirectionRule:
         self._reply_time = behaviour.reply_time
         self._is_by_time = any(bits.value is None for bits in behaviour.old_bits)
         if self.request is not None:
-            within = frame_class.command.reply_within_ms
+            within = frame_class.exchange.command.reply_within_ms
             self._own_time = None if within is None else int(within * 1_000_000)
             old = behaviour.old_bits_of(self.request.message)
             if old is not None:
                 self.has_old_bits = old.value is None
                 mask = 0 if old.value is None else self.request.reserved.mask
-                self.request = replace(self.request, reserved=Bits(mask, (old.value or 0) & mask))
+                self.request = replace(self.request, reserved=MaskedBits(mask, (old.value or 0) & mask))
         self.bus_window = bus_window(frame_class.edition, behaviour, window)
         self.window = max(self.bus_window, self._own_time or 0)
 
@@ -349,55 +343,45 @@ def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified 
 
 def form_of(message: Message, frame: CanFrame) -> MessageForm:
     """A message that a frame can be by its id, its length and its keys."""
-    fields = message.layout.fields
-    always = [f for f in fields if not f.only]
-    ignored = [f for f in always if isinstance(f.role, ReservedRole)]
+    always = [f for f in message.layout.fields if not f.only]
     constant = [f for f in always if f.role.is_checked]
-    free = data_bits((f.space, e.segments) for f in fields if f not in ignored for e in f.elements)
-    keys = data_bits((key.space, key.segments) for key in message.keys)
     in_id = [f for f in constant if f.space is Space.ID]
     limited = [(f, _allows(f.type)) for f in always if f.role.is_value and f.space is Space.DATA]
+    reserved = message_plan(message).reserved
     return MessageForm(
         message=message,
         node=node_of(message, frame),
         constants=None if wrong_constants(in_id, frame) else _bits(constant),
-        reserved=Bits((1 << 8 * len(frame.data)) - 1 & ~(free | keys), _bits(ignored).value),
+        reserved=MaskedBits(0, 0) if frame.remote else reserved,
         limits=tuple(Limit(parts_of(e.segments), allows) for f, allows in limited if allows for e in f.elements),
     )
 
 
-def _bits(fields: Iterable[Field]) -> Bits:
-    """The data bits of fields that always have the same raw value."""
-    mask = value = 0
-    for one in fields:
-        for element in one.elements if one.space is Space.DATA else ():
-            for shift, ones, position in parts_of(element.segments):
-                mask |= ones << shift
-                value |= ((one.role.sent_raw or 0) >> position & ones) << shift
-    return Bits(mask, value)
+def _bits(fields: Iterable[Field]) -> MaskedBits:
+    """The data bits of constants."""
+    elements = [(f, e.segments) for f in fields if f.space is Space.DATA for e in f.elements]
+    mask = data_bits((Space.DATA, segments) for _, segments in elements)
+    return MaskedBits(mask, sum(placed(segments, field.role.sent_raw or 0) for field, segments in elements))
 
 
 def _allows(type_: Type) -> Callable[[Any], Any] | None:
-    """Whether the raw bits of a type have a name, or are in the range of some parameters; None if all are.
+    """Whether the raw bits of a type are valid under some parameters; None if all are.
 
     The function takes one integer, or an array of unsigned ones.
     """
     full = 1 << type_.width
-    if type_.flags:
-        unnamed = (full - 1) & ~sum(1 << flag.value for flag in type_.flags)
+    cases = [case for _, case in valid_raws(type_).distinct()]
+    if isinstance(cases[0], FlagBits):
+        unnamed = (full - 1) & ~cases[0].mask
         return lambda bits: bits & unnamed == 0
-    if type_.enum:
-        codes = sorted({member.value % full for member in type_.enum})
-        if codes[-1] - codes[0] == len(codes) - 1:
-            return _is_between(codes[0], codes[-1], full)
-        return lambda bits: functools.reduce(operator.or_, [bits == code for code in codes])
-    spans = [span for _, span in type_.raw_range.distinct()]
-    if type_.encoding is Encoding.FLOAT or not all(span is not None and span.is_constant for span in spans):
+    if isinstance(cases[0], NamedRaws):
+        runs = [_is_between(run.start, run.stop - 1, full) for run in cases[0].runs]
+        return lambda bits: functools.reduce(operator.or_, [is_between(bits) for is_between in runs])
+    spans = [case for case in cases if isinstance(case, RawInterval) and not (case.low_bound or case.high_bound)]
+    if len(spans) < len(cases):
         return None
-    low = math.ceil(min(span.low.constant for span in spans if span is not None))
-    high = math.floor(max(span.high.constant for span in spans if span is not None))
-    least, most = type_.raw_limits
-    return _is_between(max(low, least), min(high, most), full)
+    limits = min(span.low for span in spans), max(span.high for span in spans)
+    return None if limits == type_.raw_limits else _is_between(*limits, full)
 
 
 def _is_between(low: int, high: int, full: int) -> Callable[[Any], Any]:

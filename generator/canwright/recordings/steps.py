@@ -9,7 +9,8 @@ from typing import NamedTuple
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Direction
-from ..semantics.frame import data_bits
+from ..semantics.exchange import exchange_plans
+from ..semantics.plan import message_plan
 from .checks import STRONG, Reason
 from .scoring import Interpretation, Observation, ScoredClass, reply_rule
 
@@ -159,6 +160,4 @@ def _is_like_a_reply(edition: Edition, request: Interpretation | None) -> bool:
     """Whether a reply can equal the request: it is an echo, or the request has no reserved bit."""
     assert request is not None and request.message is not None
     message = request.message
-    places = [(key.space, key.segments) for key in message.keys]
-    places += [(f.space, e.segments) for f in message.layout.fields for e in f.elements]
-    return edition.command(message.command).is_echoed or data_bits(places) == (1 << 8 * message.dlc) - 1
+    return exchange_plans(edition)[message].is_echo or not message_plan(message).reserved.mask
