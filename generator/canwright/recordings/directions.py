@@ -101,10 +101,10 @@ class DirectedFrame(NamedTuple):
     decided_by: DecidedBy
     message: Message | None
     rejection: Rejection | None
-    request: int | None
-    latency: int | None
-    is_late: bool
     ends_part: bool
+    request: int | None = None
+    latency: int | None = None
+    is_late: bool = False
 
 
 class Change(NamedTuple):
@@ -380,9 +380,7 @@ class Directions:
         line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, one)
         if not line.editions:
             ends_part = not bus.open and not bus.latest
-            return DirectedFrame(
-                one, number, None, None, None, DecidedBy.NONE, None, None, None, None, False, ends_part
-            )
+            return DirectedFrame(one, number, None, None, None, DecidedBy.NONE, None, None, ends_part)
         data = int.from_bytes(frame.data, "little")
         known = line.known.get(data & line.key_bits) or self._known(bus, line, one, data)
         arrived = PendingFrame(bus, one, number, line, known)
@@ -439,7 +437,7 @@ class Directions:
         if direction is Direction.REPLY:
             return self._reply(arrived, decided_by, self._answered(arrived, replies_only=True))
         rejection = known.rule.frame_class.rejection(Direction.REQUEST, one.frame)
-        return _judged(arrived, None, decided_by, arrived.line.node, None, rejection)
+        return _directed(arrived, None, decided_by, arrived.line.node, None, rejection)
 
     def _by_exchange(self, arrived: PendingFrame) -> DirectedFrame | PendingFrame:
         """The result for a frame that can be a request or a reply; the frame itself if it has to wait."""
@@ -526,10 +524,10 @@ class Directions:
         own = arrived.known.rule.frame_class
         rejection = own.rejection(Direction.REQUEST, arrived.recorded.frame)
         if rejection is not None or own.request is None:
-            return _judged(arrived, Direction.REQUEST, decided_by, arrived.line.node, None, rejection)
+            return _directed(arrived, Direction.REQUEST, decided_by, arrived.line.node, None, rejection)
         for asking, opened in arrived.known.opens:
             self._open(_Exchange(asking, arrived, opened))
-        return _judged(arrived, Direction.REQUEST, decided_by, own.request.node, own.request.message)
+        return _directed(arrived, Direction.REQUEST, decided_by, own.request.node, own.request.message)
 
     def _open(self, exchange: _Exchange) -> None:
         """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes."""
@@ -558,7 +556,7 @@ class Directions:
             rejection = own.rejection(Direction.REPLY, one.frame)
             node = arrived.line.node if isinstance(identified, Rejection) else node_of(identified.message, one.frame)
             message = None if isinstance(identified, Rejection) or rejection else identified.message
-            return _judged(arrived, Direction.REPLY, decided_by, node, message, rejection)
+            return _directed(arrived, Direction.REPLY, decided_by, node, message, rejection)
         exchange, (message, node) = answered
         self._close(exchange)
         if node is None and exchange.rule.request is not None:
@@ -568,20 +566,9 @@ class Directions:
         latency = None
         if one.time is not None and asked.recorded.time is not None and one.time >= asked.recorded.time:
             latency = one.time - asked.recorded.time
-        return DirectedFrame(
-            one,
-            arrived.number,
-            node,
-            own.edition,
-            Direction.REPLY,
-            decided_by,
-            None if rejection else message,
-            rejection,
-            asked.number,
-            latency,
-            latency is not None and _is_late(exchange.rule, latency, node),
-            arrived.exchange is None and not arrived.bus.open,
-        )
+        is_late = latency is not None and _is_late(exchange.rule, latency, node)
+        known = None if rejection else message
+        return _directed(arrived, Direction.REPLY, decided_by, node, known, rejection, (asked.number, latency, is_late))
 
     def _close(self, exchange: _Exchange) -> None:
         """Counts a reply; the last one closes the exchange."""
@@ -674,29 +661,19 @@ def _released(held: deque[PendingFrame | DirectedFrame]) -> Iterator[DirectedFra
         yield judged
 
 
-def _judged(
+def _directed(
     arrived: PendingFrame,
     direction: Direction | None,
     decided_by: DecidedBy,
     node: int | None,
     message: Message | None,
     rejection: Rejection | None = None,
+    answer: tuple[int | None, int | None, bool] = (None, None, False),
 ) -> DirectedFrame:
-    """The result for a frame that answers no request."""
+    """The result for a frame; `answer` is the number of the request, the latency, and whether it is late."""
     edition, ends_part = arrived.known.rule.frame_class.edition, arrived.exchange is None and not arrived.bus.open
     return DirectedFrame(
-        arrived.recorded,
-        arrived.number,
-        node,
-        edition,
-        direction,
-        decided_by,
-        message,
-        rejection,
-        None,
-        None,
-        False,
-        ends_part,
+        arrived.recorded, arrived.number, node, edition, direction, decided_by, message, rejection, ends_part, *answer
     )
 
 
