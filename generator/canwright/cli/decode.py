@@ -52,11 +52,11 @@ class LogOrFrame(click.Path):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if isinstance(value, str) and "#" in value and not Path(value).exists():
             counts = Counts()
-            found = [one.frame for one in candump.read([f"{value}\n"], counts)]
-            if not found:
+            frames = [recorded.frame for recorded in candump.read([f"{value}\n"], counts)]
+            if not frames:
                 part = next(iter(counts.skipped)).value
                 self.fail(f"`{visible(value)}` is neither a file nor a frame such as 141#A100FF ({part})", param, ctx)
-            return found[0]
+            return frames[0]
         return super().convert(value, param, ctx)
 
 
@@ -156,7 +156,7 @@ def decode(
     Exit status: 0 if every line and every frame of the nodes is decoded, no frame has another meaning in another edition
     that fits, no edition changes, every value is plausible, and the directions are certain; 1 if not; 2 if it could not run.
     """
-    editions = [one.edition for one in read(specs, packaged=True)]
+    editions = [item.edition for item in read(specs, packaged=True)]
     set_ = node_settings(editions, settings)
     if isinstance(log, CanFrame):
         if form or out or split or plot:
@@ -184,13 +184,13 @@ def _explain(frame: CanFrame, editions: Sequence[Edition], settings: Sequence[No
     if golden:
         text = golden_entries(chosen, frame, assignment)
         print_data(text)
-        found = bool(text)
-        if not found:
+        is_explained = bool(text)
+        if not is_explained:
             print_text("canwright: no message fits, or its fields depend on a parameter; see --set\n", error=True)
     else:
-        text, found = explanation(chosen, frame, assignment)
+        text, is_explained = explanation(chosen, frame, assignment)
         print_text(text)
-    if not found:
+    if not is_explained:
         sys.exit(FINDINGS)
 
 
@@ -260,8 +260,8 @@ def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> 
     """All frames of a log in a file, with the editions that they fit."""
     identifiers = Identifiers(editions, recorder)
     with open_log(name) as log, progress("frames", shown=True) as advance:
-        for number, one in enumerate(log):
-            identifiers.add(one)
+        for number, frame in enumerate(log):
+            identifiers.add(frame)
             if number % BLOCK == BLOCK - 1:
                 advance(BLOCK)
     return identifiers.best

@@ -50,12 +50,12 @@ def read_lines(form: str, lines: Iterable[str], counts: Counts) -> Iterator[LogF
     while not feed.ended:
         try:
             for message in reader(feed):
-                found = _recorded(form, message)
-                if isinstance(found, SkippedPart):
-                    feed.skip(found)
+                recorded = _recorded(form, message)
+                if isinstance(recorded, SkippedPart):
+                    feed.skip(recorded)
                 else:
                     feed.took()
-                    yield found
+                    yield recorded
         except Exception:  # each reader has its own
             feed.failed()
 
@@ -70,11 +70,11 @@ def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[LogFrame
         size, listed = getattr(reader, "file_size", 0), getattr(reader, "object_count", 0)
         for message in reader:
             objects += 1
-            found = _recorded(form, message)
-            if isinstance(found, SkippedPart):
-                counts.skip(found)
+            recorded = _recorded(form, message)
+            if isinstance(recorded, SkippedPart):
+                counts.skip(recorded)
             else:
-                yield found
+                yield recorded
     except Exception as error:  # each reader has its own
         counts.skip(SkippedPart.TRUNCATED, 0, str(error) or type(error).__name__)
         return
@@ -129,20 +129,20 @@ class _Asc:
 
     def header(self, line: str) -> str:
         """A line before the first frame."""
-        found = _ASC_BASE.match(line)
-        if found is None:
+        base = _ASC_BASE.match(line)
+        if base is None:
             self.line(line)
             return _ASC_COMMENT
-        self._is_relative = (found[2] or "").lower() == "relative"
-        return f"base {found[1].lower()}  timestamps absolute\n"
+        self._is_relative = (base[2] or "").lower() == "relative"
+        return f"base {base[1].lower()}  timestamps absolute\n"
 
     def line(self, line: str) -> str:
         """A frame or an event."""
-        found = _ASC_TIME.match(line) if self._is_relative else None
-        if found is None:
+        stamp = _ASC_TIME.match(line) if self._is_relative else None
+        if stamp is None:
             return line
-        self._time += int(found[2]) * 1_000_000_000 + int(found[3].ljust(9, "0"))
-        return f"{found[1]}{self._time // 1_000_000_000}.{self._time % 1_000_000_000:09d}{line[found.end() :]}"
+        self._time += int(stamp[2]) * 1_000_000_000 + int(stamp[3].ljust(9, "0"))
+        return f"{stamp[1]}{self._time // 1_000_000_000}.{self._time % 1_000_000_000:09d}{line[stamp.end() :]}"
 
 
 class _Feed:
@@ -225,9 +225,9 @@ class _Counted:
         self.source, self.size = source, 0
 
     def read(self, size: int = -1) -> bytes:
-        found = self.source.read(size)
-        self.size += len(found)
-        return found
+        content = self.source.read(size)
+        self.size += len(content)
+        return content
 
     def close(self) -> None:
         """Readers close what they read."""

@@ -69,31 +69,31 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
 def _read(line: str, number: int, counts: Counts) -> LogFrame | None:
     """The frame of a line of any form; None, counted, without one."""
     written = (_COLOUR.sub("", line) if "\x1b" in line else line).strip()
-    found = _SHORT.fullmatch(written) or _LONG.fullmatch(written)
-    if found is None:
+    match = _SHORT.fullmatch(written) or _LONG.fullmatch(written)
+    if match is None:
         counts.skip(_part(line, written), number, written)
         return None
-    id_, data, remote = int(found["id"], 16), b"", found["data"].startswith(("R", "r"))
+    id_, data, remote = int(match["id"], 16), b"", match["data"].startswith(("R", "r"))
     if not remote:
-        data = bytes.fromhex(found["data"].replace(".", " "))
+        data = bytes.fromhex(match["data"].replace(".", " "))
     if id_ & _ERROR_BIT:
         counts.skip(SkippedPart.ERROR, number, written)
     elif len(data) > MAX_DATA_BYTES:
         counts.skip(SkippedPart.FD, number, written)
-    elif _is_cut_off(found, data, remote, line):
+    elif _is_cut_off(match, data, remote, line):
         counts.skip(SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED, number, written)
     else:
-        frame = CanFrame(id_, data, len(found["id"]) == 8, remote)
-        return LogFrame(_nanoseconds(found["time"]), found["bus"] or "", frame, _MARKS[found["mark"]])
+        frame = CanFrame(id_, data, len(match["id"]) == 8, remote)
+        return LogFrame(_nanoseconds(match["time"]), match["bus"] or "", frame, _MARKS[match["mark"]])
     return None
 
 
-def _is_cut_off(found: re.Match[str], data: bytes, remote: bool, line: str) -> bool:
+def _is_cut_off(match: re.Match[str], data: bytes, remote: bool, line: str) -> bool:
     """Whether data are missing: fewer than a length that is printed, or an interrupted line without any."""
-    length = found.groupdict().get("length")
+    length = match.groupdict().get("length")
     if length is not None:
         return not remote and int(length) != len(data)
-    return not data and not remote and not line.endswith("\n") and found["time"] is not None
+    return not data and not remote and not line.endswith("\n") and match["time"] is not None
 
 
 def _part(line: str, written: str) -> SkippedPart:

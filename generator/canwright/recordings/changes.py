@@ -139,12 +139,12 @@ class NodeFrames:
         self.tallies[-1].add(counts, -1)
         self.tallies.append(Tally(self._editions, start))
         self._points = [0] * len(self._editions)
-        for other in self._divisions:
-            other.restart(0)
+        for each in self._divisions:
+            each.restart(0)
         assert start is not None
         self._add_block(counts, start)
-        for other in self._divisions:
-            other.restart(min(self._points))
+        for each in self._divisions:
+            each.restart(min(self._points))
 
 
 def _counted(recent: Sequence[Arrival]) -> dict[Step, Seen]:

@@ -118,7 +118,7 @@ def _behaviours(start: Sequence[FrameArrays], edition: Edition, window: int | No
         )
         for block, row in itertools.islice(rows, LOOKED_AHEAD)
     ]
-    return Directions({}, edition, window=window).learn(first, {one.bus for one in first})
+    return Directions({}, edition, window=window).learn(first, {frame.bus for frame in first})
 
 
 @dataclass
@@ -143,10 +143,10 @@ def _released(held: deque[_Held]) -> Iterator[Any]:
 
 def _set(direction: Array, row: int, judged: DirectedFrame | PendingFrame) -> bool:
     """Sets the direction of a frame; false while it waits."""
-    found = judged.directed if isinstance(judged, PendingFrame) else judged
-    if found is None:
+    directed = judged.directed if isinstance(judged, PendingFrame) else judged
+    if directed is None:
         return False
-    direction[row] = UNKNOWN if found.direction is None else _NUMBERS[found.direction]
+    direction[row] = UNKNOWN if directed.direction is None else _NUMBERS[directed.direction]
     return True
 
 
@@ -209,7 +209,7 @@ class _Classes:
 
     def numbers(self, frames: FrameArrays, behaviours: Sequence[Behaviour]) -> tuple[Array, Array]:
         """The positions of the frames whose id is one of the edition's, and their classes; behaviours are those of the buses."""
-        known = [self._behaviours.setdefault(one, len(self._behaviours)) for one in behaviours]
+        known = [self._behaviours.setdefault(behaviour, len(self._behaviours)) for behaviour in behaviours]
         ids = frames.id.astype(np.uint64) | frames.kind.astype(np.uint64) << 32 | frames.length.astype(np.uint64) << 40
         if len(self._behaviours) > 1:
             ids |= np.array(known, np.uint64)[frames.bus] << 48
@@ -369,14 +369,14 @@ class _Log:
 
     def _advanced(self, block: FrameArrays) -> Array:
         """The clock of the bus at each frame."""
-        found = np.empty(block.id.size, np.int64)
+        clocks = np.empty(block.id.size, np.int64)
         for number in np.flatnonzero(np.bincount(block.bus)).tolist():
             rows = np.flatnonzero(block.bus == number)
             time = block.time[rows]
             last, clock = self._clocks.get(block.buses[number], (time[0], 0))
-            found[rows] = clock + np.cumsum(np.maximum(np.diff(time, prepend=last), 0))
-            self._clocks[block.buses[number]] = int(time[-1]), int(found[rows[-1]])
-        return found
+            clocks[rows] = clock + np.cumsum(np.maximum(np.diff(time, prepend=last), 0))
+            self._clocks[block.buses[number]] = int(time[-1]), int(clocks[rows[-1]])
+        return clocks
 
     def _pair(self, held: _Held, entries: _Entries) -> None:
         """Decides on the frames that can be requests or replies."""
@@ -545,20 +545,20 @@ def _sharing(edition: Edition) -> _Sharing:
     if not any(_shared_nodes(*pair) for pair in itertools.product(*ids.values())):
         return _Sharing.NOTHING
     pairs = itertools.combinations({**ids[Direction.REQUEST], **ids[Direction.REPLY]}, 2)
-    is_separate = all(node == other for pair in pairs for node, other in _shared_nodes(*pair))
+    is_separate = all(node == second for pair in pairs for node, second in _shared_nodes(*pair))
     return _Sharing.IDS if is_separate and all(map(_is_answered_by_itself, edition.commands)) else _Sharing.NODES
 
 
 def _shared_nodes(first: _Ids, second: _Ids) -> set[tuple[int | None, int | None]]:
     """The nodes that an id can mean by two rules."""
-    (rule, mask), (other, other_mask) = first, second
-    if rule.extended is not other.extended:
+    (rule, mask), (other_rule, other_mask) = first, second
+    if rule.extended is not other_rule.extended:
         return set()
     fixed = ~(mask | other_mask)
-    found: dict[int, list[int | None]] = {}
+    nodes: dict[int, list[int | None]] = {}
     for id_, node in _ids(rule):
-        found.setdefault(id_ & fixed, []).append(node)
-    return {(node, own) for id_, own in _ids(other) for node in found.get(id_ & fixed, ())}
+        nodes.setdefault(id_ & fixed, []).append(node)
+    return {(node, own) for id_, own in _ids(other_rule) for node in nodes.get(id_ & fixed, ())}
 
 
 def _ids(rule: IdRule) -> Iterator[tuple[int, int | None]]:

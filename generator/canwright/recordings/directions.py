@@ -267,8 +267,8 @@ class Directions:
             self.behaviours = self.learn(start)
             iterator = itertools.chain(start, iterator)
         held: deque[PendingFrame | DirectedFrame] = deque()
-        for one in iterator:
-            judged = self.accept(one)
+        for frame in iterator:
+            judged = self.accept(frame)
             if isinstance(judged, DirectedFrame) and not held:
                 yield judged
                 continue
@@ -284,14 +284,14 @@ class Directions:
         """The frames of a stream; the behaviour is learned while they pass, at a sent frame of a bus without marks too."""
         start: list[LogFrame] = []
         iterator, due = iter(recorded), _LEARNED_FROM
-        for one in itertools.islice(iterator, LOOKED_AHEAD):
-            start.append(one)
-            known = (self.behaviours or {}).get(one.bus)
-            is_marked = one.mark is Mark.SENT and not (known and known.is_marked) and self._has_id(one)
+        for frame in itertools.islice(iterator, LOOKED_AHEAD):
+            start.append(frame)
+            known = (self.behaviours or {}).get(frame.bus)
+            is_marked = frame.mark is Mark.SENT and not (known and known.is_marked) and self._has_id(frame)
             if is_marked or len(start) == due:
                 self._behave(self.learn(start))
             due *= 4 if len(start) == due else 1
-            yield one
+            yield frame
         self._behave(self.learn(start))
         yield from iterator
 
@@ -316,43 +316,43 @@ class Directions:
         `marked` are the buses with marks; None if the frames show them.
         """
         if marked is None:
-            marked = {one.bus for one in start if one.mark is Mark.SENT and self._has_id(one)}
+            marked = {frame.bus for frame in start if frame.mark is Mark.SENT and self._has_id(frame)}
         known = {bus: Behaviour(is_marked=True) for bus in marked}
-        found: dict[str, Behaviour] = {}
+        learned: dict[str, Behaviour] = {}
         for _ in range(_ROUNDS):
             observed = self._observed(start, known)
-            found = {bus: one.behaviour(known.get(bus, Behaviour())) for bus, one in observed.items()}
-            certain = {bus: one.certain for bus, one in found.items()}
-            if all(one == known.get(bus, Behaviour()) for bus, one in certain.items()):
+            learned = {bus: own.behaviour(known.get(bus, Behaviour())) for bus, own in observed.items()}
+            certain = {bus: own.certain for bus, own in learned.items()}
+            if all(own == known.get(bus, Behaviour()) for bus, own in certain.items()):
                 break
             known = certain
-        return found
+        return learned
 
     def _observed(self, start: Sequence[LogFrame], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
         """What the first frames show of each bus with the shortest window in which most replies have requests."""
         # A request with old bits looks like a reply, and its copy like one of a reply.
         every = frozenset(Direction)
-        tried = {bus: one._replace(copied=every if one.copied else one.copied) for bus, one in known.items()}
+        tried = {bus: own._replace(copied=every if own.copied else own.copied) for bus, own in known.items()}
         best: dict[str, Observed] = {}
         for window in _WINDOWS if self._window is None else [self._window]:
             trial = Directions(self._editions, self._default, window=window, recorder=self._recorder, behaviours=tried)
-            for bus, one in observe(trial.classify(start)).items():
-                if bus not in best or 2 * one.unexpected < best[bus].unexpected:
-                    best[bus] = one
-            if all(one.is_plausible for one in best.values()):
+            for bus, own in observe(trial.classify(start)).items():
+                if bus not in best or 2 * own.unexpected < best[bus].unexpected:
+                    best[bus] = own
+            if all(own.is_plausible for own in best.values()):
                 break
         return best
 
-    def _has_id(self, one: LogFrame) -> bool:
-        return any(classes.id_class(one.frame).nodes for classes in self._classes)
+    def _has_id(self, frame: LogFrame) -> bool:
+        return any(classes.id_class(frame.frame).nodes for classes in self._classes)
 
     def decide_pending(self, bus: str, time: int | None = None) -> None:
         """Decides on the frames of a bus that wait: of those for which it is too late at a time, or of all."""
-        found = self._buses[bus]
+        state = self._buses[bus]
         if time is not None:
-            self._advance(found, time)
+            self._advance(state, time)
             return
-        for exchange in [*found.waiting]:
+        for exchange in [*state.waiting]:
             self._decide_pending(exchange)
 
     def forget(self, bus: str) -> Sequence[int]:
@@ -363,27 +363,27 @@ class Directions:
             frames.clear()
         return requests
 
-    def accept(self, one: LogFrame) -> DirectedFrame | PendingFrame:
+    def accept(self, recorded: LogFrame) -> DirectedFrame | PendingFrame:
         """The result for the next frame of the log; the frame itself if it has to wait."""
         number = self._number
         self._number = number + 1
         if number in self._changes:
             self._change(self._changes[number])
-        bus = self._buses.get(one.bus)
+        bus = self._buses.get(recorded.bus)
         if bus is None:
-            behaviour = (self.behaviours or {}).get(one.bus, Behaviour())
-            bus = self._buses[one.bus] = _Bus(behaviour, self._bus_window(behaviour))
-        self._advance(bus, one.time)
-        frame = one.frame
+            behaviour = (self.behaviours or {}).get(recorded.bus, Behaviour())
+            bus = self._buses[recorded.bus] = _Bus(behaviour, self._bus_window(behaviour))
+        self._advance(bus, recorded.time)
+        frame = recorded.frame
         if bus.count >= MAX_KINDS:
             self._forget(bus)
-        line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, one)
+        line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, recorded)
         if not line.editions:
             ends_part = not bus.open and not bus.latest
-            return DirectedFrame(one, number, None, None, None, DecidedBy.NONE, None, None, ends_part)
+            return DirectedFrame(recorded, number, None, None, None, DecidedBy.NONE, None, None, ends_part)
         data = int.from_bytes(frame.data, "little")
-        known = line.known.get(data & line.key_bits) or self._known(bus, line, one, data)
-        arrived = PendingFrame(bus, one, number, line, known)
+        known = line.known.get(data & line.key_bits) or self._known(bus, line, recorded, data)
+        arrived = PendingFrame(bus, recorded, number, line, known)
         return self._with_copies(arrived, data) if bus.copied else self._decide(arrived, data)
 
     def _with_copies(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
@@ -423,20 +423,20 @@ class Directions:
 
     def _decide(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result by the mark, the id, the content or the exchange; the frame itself if it has to wait."""
-        one, known = arrived.recorded, arrived.known
-        if one.mark is not None and arrived.bus.is_marked:
-            direction: Direction | None = self._of_mark[one.mark]
+        recorded, known = arrived.recorded, arrived.known
+        if recorded.mark is not None and arrived.bus.is_marked:
+            direction: Direction | None = self._of_mark[recorded.mark]
             decided_by = DecidedBy.MARK
         else:
-            found = direction_by_content(known.rule, known.rule.content(data))
-            if found is None:
+            decided = direction_by_content(known.rule, known.rule.content(data))
+            if decided is None:
                 return self._by_exchange(arrived)
-            direction, decided_by = found
+            direction, decided_by = decided
         if direction is Direction.REQUEST:
             return self._request(arrived, decided_by)
         if direction is Direction.REPLY:
             return self._reply(arrived, decided_by, self._answered(arrived, replies_only=True))
-        rejection = known.rule.frame_class.rejection(Direction.REQUEST, one.frame)
+        rejection = known.rule.frame_class.rejection(Direction.REQUEST, recorded.frame)
         return _directed(arrived, None, decided_by, arrived.line.node, None, rejection)
 
     def _by_exchange(self, arrived: PendingFrame) -> DirectedFrame | PendingFrame:
@@ -532,40 +532,42 @@ class Directions:
     def _open(self, exchange: _Exchange) -> None:
         """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes."""
         bus, own, frame = exchange.request.bus, exchange.rule.frame_class, exchange.request.recorded.frame
-        others = bus.open.get(exchange.channel)
-        if others:
+        before = bus.open.get(exchange.channel)
+        if before:
             replaced = [
-                other
-                for other in others
-                if other.rule.frame_class is own and (not own.is_echoed or other.request.recorded.frame == frame)
+                earlier
+                for earlier in before
+                if earlier.rule.frame_class is own and (not own.is_echoed or earlier.request.recorded.frame == frame)
             ]
-            for other in replaced:
-                self._decide_pending(other)
-            kept = [o for o in others if o not in replaced and o.until >= exchange.request.clock]
-            for other in kept[: 1 - MAX_OPEN]:
-                self._decide_pending(other)
+            for earlier in replaced:
+                self._decide_pending(earlier)
+            kept = [o for o in before if o not in replaced and o.until >= exchange.request.clock]
+            for earlier in kept[: 1 - MAX_OPEN]:
+                self._decide_pending(earlier)
             bus.open[exchange.channel] = [*kept[1 - MAX_OPEN :], exchange]
         else:
             bus.open[exchange.channel] = [exchange]
         bus.until = max(bus.until, exchange.until)
 
     def _reply(self, arrived: PendingFrame, decided_by: DecidedBy, answered: _Answered | None) -> DirectedFrame:
-        own, one = arrived.known.rule.frame_class, arrived.recorded
+        own, recorded = arrived.known.rule.frame_class, arrived.recorded
         if answered is None:
             identified = own.identified[Direction.REPLY]
-            rejection = own.rejection(Direction.REPLY, one.frame)
-            node = arrived.line.node if isinstance(identified, Rejection) else node_of(identified.message, one.frame)
+            rejection = own.rejection(Direction.REPLY, recorded.frame)
+            node = (
+                arrived.line.node if isinstance(identified, Rejection) else node_of(identified.message, recorded.frame)
+            )
             message = None if isinstance(identified, Rejection) or rejection else identified.message
             return _directed(arrived, Direction.REPLY, decided_by, node, message, rejection)
         exchange, (message, node) = answered
         self._close(exchange)
         if node is None and exchange.rule.request is not None:
             node = exchange.rule.request.node
-        rejection = rejects_constants(message, one.frame, {}) if message in own.with_constants else None
+        rejection = rejects_constants(message, recorded.frame, {}) if message in own.with_constants else None
         asked = exchange.request
         latency = None
-        if one.time is not None and asked.recorded.time is not None and one.time >= asked.recorded.time:
-            latency = one.time - asked.recorded.time
+        if recorded.time is not None and asked.recorded.time is not None and recorded.time >= asked.recorded.time:
+            latency = recorded.time - asked.recorded.time
         is_late = latency is not None and _is_late(exchange.rule, latency, node)
         known = None if rejection else message
         return _directed(arrived, Direction.REPLY, decided_by, node, known, rejection, (asked.number, latency, is_late))
@@ -594,7 +596,9 @@ class Directions:
             if exchange.settled < bus.clock:
                 self._decide_pending(exchange)
         if bus.latest:
-            bus.latest = {node: one for node, one in bus.latest.items() if bus.clock - one.clock <= COPIED_WITHIN}
+            bus.latest = {
+                node: latest for node, latest in bus.latest.items() if bus.clock - latest.clock <= COPIED_WITHIN
+            }
         if bus.open and bus.until < bus.clock:
             bus.open.clear()
 
@@ -611,30 +615,30 @@ class Directions:
         bus.lines.clear()
         bus.count = 0
 
-    def _known(self, bus: _Bus, line: _IdState, one: LogFrame, data: int) -> _Known:
+    def _known(self, bus: _Bus, line: _IdState, recorded: LogFrame, data: int) -> _Known:
         """The kind of a frame of a known id and length."""
-        rules = [DirectionRule(each.of(one.frame), bus.behaviour, self._window) for each in line.editions]
+        rules = [DirectionRule(each.of(recorded.frame), bus.behaviour, self._window) for each in line.editions]
         opens = [
             (rule, opened)
             for rule in rules
             for opened in rule.frame_class.opens
-            if self._is_of(one.bus, rule.frame_class.edition, opened.channel.node)
+            if self._is_of(recorded.bus, rule.frame_class.edition, opened.channel.node)
         ]
         known = line.known[data & line.key_bits] = _Known(rules[0], opens)
         bus.count += 1
         return known
 
-    def _line(self, bus: _Bus, one: LogFrame) -> _IdState:
+    def _line(self, bus: _Bus, recorded: LogFrame) -> _IdState:
         """The frames of the id and the length of a frame."""
-        frame = one.frame
+        frame = recorded.frame
         having = [
             (classes, node)
             for classes in self._classes
             for node in classes.id_class(frame).nodes
-            if self._is_of(one.bus, classes.edition, node)
+            if self._is_of(recorded.bus, classes.edition, node)
         ]
         node = having[0][1] if having else None
-        editions = [classes for classes, other in having if other == node]
+        editions = [classes for classes, sender in having if sender == node]
         line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _IdState(editions, frame, node)
         bus.count += 1
         return line
@@ -647,7 +651,7 @@ class Directions:
         if known is not None or node is not None:
             return known is edition
         return edition is self._default or any(
-            other is edition and where == bus for (where, _), other in (*self._editions.items(), *self._changed.items())
+            each is edition and where == bus for (where, _), each in (*self._editions.items(), *self._changed.items())
         )
 
 

@@ -75,11 +75,11 @@ def _meaning(form: MessageForm, frame: CanFrame, assignment: Assignment, only: O
     fields = variant.fields if variant else message.layout.fields
     parameter = None if variant else message.layout.parameter
     varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.role.is_value]
-    found = [one for f, limits in varying for one in _fields(f, frame, assignment, only, limits)]
+    meanings = [meaning for f, limits in varying for meaning in _fields(f, frame, assignment, only, limits)]
     unusual = [*_reserved(form, frame)]
     for field, limits in varying:
         unusual += _unusual(field, frame, assignment, {**only, **limits})
-    return Meaning(message.direction, message, form.node, tuple(unusual), tuple(found), None)
+    return Meaning(message.direction, message, form.node, tuple(unusual), tuple(meanings), None)
 
 
 def _reserved(form: MessageForm, frame: CanFrame) -> Iterator[str]:
@@ -98,16 +98,16 @@ def _unusual(field: Field, frame: CanFrame, assignment: Assignment, only: Only) 
     if limits.parameter is not None and limits.parameter not in assignment:
         names = [case for case in limits.cases if case in only.get(limits.parameter, limits.cases)]
         cases = [{**assignment, limits.parameter: case} for case in names] or cases
-    for (name, _), one in zip(formatting.elements(field), raw if isinstance(raw, list) else [raw], strict=True):
-        if all(Encoder(case).rejects_raw(field, one) for case in cases):
+    for (name, _), number in zip(formatting.elements(field), raw if isinstance(raw, list) else [raw], strict=True):
+        if all(Encoder(case).rejects_raw(field, number) for case in cases):
             if type_.enum or type_.flags:
                 yield f"`{name}` has {'bits' if type_.flags else 'a value'} without a name"
                 continue
             spans = dict.fromkeys(formatting.span(span) for case in cases if (span := limits.at(case)))
-            yield f"`{name}` is {one}" + (
+            yield f"`{name}` is {number}" + (
                 f", outside the raw range {' or '.join(spans)}" if spans else ", no valid number"
             )
-        elif not any(type_.is_plausible(value) for _, value in _values(field, one, assignment, only)):
+        elif not any(type_.is_plausible(value) for _, value in _values(field, number, assignment, only)):
             unit = f" {type_.unit.symbol}" if type_.unit else ""
             range_ = formatting.span(type_.plausible) if type_.plausible else ""
             yield f"`{name}` is outside the plausible range {range_}{unit}"
@@ -117,10 +117,10 @@ def _fields(field: Field, frame: CanFrame, assignment: Assignment, command: Only
     raw = raw_of(field, frame)
     raws = raw if isinstance(raw, list) else [raw]
     unit = field.type.unit.symbol if field.type.unit else ""
-    for (name, segments), one in zip(formatting.elements(field), raws, strict=True):
-        values = list(_values(field, one, assignment, {**command, **only}))
+    for (name, segments), number in zip(formatting.elements(field), raws, strict=True):
+        values = list(_values(field, number, assignment, {**command, **only}))
         place = formatting.place(field.space, segments)
-        yield FieldMeaning(name, place, one, values, unit, formatting.condition(only))
+        yield FieldMeaning(name, place, number, values, unit, formatting.condition(only))
 
 
 def _values(field: Field, raw: int, assignment: Assignment, only: Only) -> Iterator[tuple[str, CellValue]]:

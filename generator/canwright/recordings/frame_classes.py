@@ -337,8 +337,8 @@ frame_classes = functools.lru_cache(maxsize=32)(FrameClasses)
 
 
 def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified | None:
-    found = check_reply(decoder, request, reply)
-    return found if isinstance(found, Identified) else None
+    answer = check_reply(decoder, request, reply)
+    return answer if isinstance(answer, Identified) else None
 
 
 def form_of(message: Message, frame: CanFrame) -> MessageForm:

@@ -40,8 +40,8 @@ STRAY = 20
 def identify(recorded: Iterable[LogFrame], editions: Sequence[Edition]) -> Identification:
     """The identification of the frames of a log. All editions are of one family."""
     identifier = Identifier(editions)
-    for one in recorded:
-        identifier.add(one)
+    for frame in recorded:
+        identifier.add(frame)
     return identifier.result()
 
 
@@ -130,7 +130,7 @@ class Identifier:
     def results_of(self, node: NodeFrames) -> list[NodeResult]:
         """The result of each part of the frames of a node so far."""
         node.examine()
-        busiest = max(other.frames for other in self._nodes.values() if other.bus == node.bus)
+        busiest = max(each.frames for each in self._nodes.values() if each.bus == node.bus)
         return self._results(node, busiest)
 
     def result(self) -> Identification:
@@ -232,7 +232,7 @@ class Identifier:
                 self.editions, state.waiting, observation.by_edition, strict=True
             )
         ]
-        then = self._state(tuple(one.waiting for one in meanings))
+        then = self._state(tuple(each.waiting for each in meanings))
         step = Step(observation.kind, meanings, then)
         state.steps[observation if direction is None else (observation, direction)] = step
         self._steps += 1
@@ -243,10 +243,7 @@ def _with_broadcasts(results: Sequence[NodeResult]) -> Iterator[NodeResult]:
     """The results, where a broadcast fits only editions of the nodes on its bus that answer it."""
     for result in results:
         names = {
-            edition
-            for other in results
-            if other.bus == result.bus and other.node is not None
-            for edition in other.editions
+            edition for each in results if each.bus == result.bus and each.node is not None for edition in each.editions
         }
         broadcast = result.node is None and any(_is_broadcast(edition) for edition in result.editions)
         editions = tuple(edition for edition in result.editions if edition in names)

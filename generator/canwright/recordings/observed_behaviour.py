@@ -26,12 +26,12 @@ _RARE = 32
 def observe(judged: Iterable[DirectedFrame]) -> dict[str, Observed]:
     """What the first frames of a log show of each bus."""
     buses: dict[str, Observed] = {}
-    for one in judged:
-        if one.edition is not None:
-            bus = one.recorded.bus
+    for directed in judged:
+        if directed.edition is not None:
+            bus = directed.recorded.bus
             if bus not in buses:
                 buses[bus] = Observed()
-            buses[bus].add(one)
+            buses[bus].add(directed)
     return buses
 
 
@@ -71,14 +71,14 @@ class _Copies:
     def directions(self) -> frozenset[Direction]:
         """The directions in which frames are recorded twice."""
         request, reply = Direction.REQUEST, Direction.REPLY
-        found = set()
+        copied = set()
         # Requests with old bits look like replies: then half of all runs are pairs.
         is_most = _is_share(self.pairs[request], self.runs[request], 3, 4)
         if is_most or _is_share(self.pairs.total(), self.runs.total(), 3, 8):
-            found.add(request)
+            copied.add(request)
         if _is_share(self.pairs[reply], self.runs[reply], 3, 4):
-            found.add(reply)
-        return frozenset(found)
+            copied.add(reply)
+        return frozenset(copied)
 
 
 class _Reply(NamedTuple):
@@ -222,7 +222,7 @@ class Observed:
     def _old_bits(self) -> Iterable[OldBits]:
         """The requests with old bits; a request with few frames counts as the others of its bus."""
         every = self._of_request.values()
-        is_bus = _is_share(sum(one.pairs for one in every), sum(one.count for one in every), 1, _RARE)
+        is_bus = _is_share(sum(each.pairs for each in every), sum(each.count for each in every), 1, _RARE)
         for request, replies in self._of_request.items():
             value = _constant(request, replies)
             is_old = _is_share(replies.pairs, replies.count, 1, _RARE) if replies.count >= _LEAST else is_bus

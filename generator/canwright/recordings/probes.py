@@ -27,12 +27,12 @@ class Probe:
         self._parts = parts
         self._known: dict[int, int] = {}
         self._numbers: dict[tuple[Reason | None, ...], int] = {}
-        ((shift, mask, _), *others) = parts
+        ((shift, mask, _), *rest) = parts
         self._shift = shift
         self.width = mask.bit_length()
         self.start, self.end = shift // 8, (shift + self.width) // 8
         """The bytes, if it is an integer in whole bytes."""
-        self.is_integer = not in_id and not others and shift % 8 == 0 and self.width in _INTEGERS
+        self.is_integer = not in_id and not rest and shift % 8 == 0 and self.width in _INTEGERS
 
     @functools.cached_property
     def limits(self) -> tuple[int, ...] | None:
@@ -80,8 +80,8 @@ def probes_of(forms: Iterable[Sequence[Check]]) -> list[Probe]:
 
 def _whole_byte(parts: Parts) -> Parts:
     """The byte that contains some bits; the bits themselves if they are in several."""
-    ((shift, mask, _), *others) = parts
-    is_within = not others and shift % 8 + mask.bit_length() <= 8
+    ((shift, mask, _), *rest) = parts
+    is_within = not rest and shift % 8 + mask.bit_length() <= 8
     return ((shift // 8 * 8, 0xFF, 0),) if is_within else parts
 
 
@@ -96,7 +96,7 @@ def unpackers(probes: Sequence[Probe], length: int) -> list[Unpacker]:
     """Unpackers of data of a length for the probes of integers; several if their bytes overlap, at least one."""
     layers: list[list[_ByteRun]] = [[]]
     for part in _parts(probes):
-        layer = next((one for one in layers if all(not part.overlaps(other) for other in one)), None)
+        layer = next((known for known in layers if all(not part.overlaps(run) for run in known)), None)
         if layer is None:
             layers.append(layer := [])
         layer.append(part)
@@ -111,8 +111,8 @@ class _ByteRun(NamedTuple):
     notation: str
     results: Any
 
-    def overlaps(self, other: _ByteRun) -> bool:
-        return self.start < other.end and other.start < self.end
+    def overlaps(self, run: _ByteRun) -> bool:
+        return self.start < run.end and run.start < self.end
 
 
 def _parts(probes: Sequence[Probe]) -> Iterator[_ByteRun]:
@@ -158,10 +158,10 @@ class _Results(dict[int, int]):
         self._probe = probe
 
     def __missing__(self, bits: int) -> int:
-        found = self._probe.result(bits)
+        number = self._probe.result(bits)
         if len(self) < MAX_KNOWN:
-            self[bits] = found
-        return found
+            self[bits] = number
+        return number
 
 
 class _Spans:
@@ -192,5 +192,7 @@ def _joined(table: bytes, low: bytes | None, high: bytes | None) -> bytes | None
     for byte in range(256):
         own = table[byte << 8 : (byte + 1) << 8], high[byte]
         if own not in blocks:
-            blocks[own] = bytes((one * lows + other) * highs + own[1] for one, other in zip(own[0], low, strict=True))
+            blocks[own] = bytes(
+                (number * lows + low_number) * highs + own[1] for number, low_number in zip(own[0], low, strict=True)
+            )
     return b"".join(blocks[table[byte << 8 : (byte + 1) << 8], high[byte]] for byte in range(256))

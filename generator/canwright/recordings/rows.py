@@ -88,37 +88,39 @@ class RowReader:
 
     def rows(self, judged: Iterable[DirectedFrame]) -> Iterator[Row]:
         """A row for each frame."""
-        for one in judged:
-            edition = self._label(one)
-            if one.message is None:
-                yield Row(one, edition)
+        for directed in judged:
+            edition = self._label(directed)
+            if directed.message is None:
+                yield Row(directed, edition)
                 continue
-            known = (one.message, one.recorded.bus, one.node)
+            known = (directed.message, directed.recorded.bus, directed.node)
             plan = self._plans.get(known)
             if plan is None:
                 if len(self._plans) >= _MAX_PLANS:
                     self._plans.clear()
-                plan = self._plans[known] = _plan(one.message, self._assignment(one.recorded.bus, one.node))
-            yield Row(one, edition, *_read(plan, one.recorded.frame))
+                plan = self._plans[known] = _plan(
+                    directed.message, self._assignment(directed.recorded.bus, directed.node)
+                )
+            yield Row(directed, edition, *_read(plan, directed.recorded.frame))
 
 
 def cells(message: Message, frame: CanFrame, assignment: Assignment) -> tuple[Cell, ...]:
     """The values of a frame that is known to be a message."""
-    found, _, _ = _read(_plan(message, assignment), frame)
-    return found
+    values, _, _ = _read(_plan(message, assignment), frame)
+    return values
 
 
 def _read(plan: _Plan, frame: CanFrame) -> tuple[tuple[Cell, ...], tuple[str, ...], tuple[Cell, ...]]:
     """The values, the parameters that are missing, and the values that are not plausible."""
     id_, data = frame.id, int.from_bytes(frame.data, "little")
-    found, implausible = [], []
+    cells, implausible = [], []
     for column, in_id, raw_of, value, is_plausible in plan.readers:
         raw = raw_of(id_ if in_id else data)
         cell = Cell(column, raw, value(raw))
-        found.append(cell)
+        cells.append(cell)
         if is_plausible is not None and not is_plausible(cell.value):
             implausible.append(cell)
-    return tuple(found), plan.missing, tuple(implausible)
+    return tuple(cells), plan.missing, tuple(implausible)
 
 
 def _plan(message: Message, assignment: Assignment) -> _Plan:
@@ -179,7 +181,7 @@ def value_reader(type_: Type, assignment: Assignment) -> Callable[[int], CellVal
         return lambda raw: (raw * factor + addend) / divisor  # of integers, so it is rounded once
 
     def value(raw: int) -> CellValue:
-        found = value_of(type_, raw, assignment)
-        return found if found is None or isinstance(found, (str, list)) else float(found)
+        exact = value_of(type_, raw, assignment)
+        return exact if exact is None or isinstance(exact, (str, list)) else float(exact)
 
     return value
