@@ -42,6 +42,7 @@ from .frame_classes import (
     IS_REGULAR,
     IS_REPLY,
     IS_REQUEST,
+    MAX_CLASSES,
     Channel,
     DirectionRule,
     FrameClasses,
@@ -64,8 +65,6 @@ MAX_OPEN = 16
 """The maximum number of open exchanges on a channel, and of frames that wait in one."""
 MAX_WAITING = 4096
 """The maximum number of frames that wait for an earlier frame."""
-MAX_KINDS = 1 << 16
-"""The maximum number of kinds of frames that are remembered for a bus."""
 
 
 class DecidedBy(str, Enum):
@@ -200,7 +199,7 @@ class _Bus:
         self.time: int | None = None
         self.lines: dict[tuple[int, bool, bool, int], _IdState] = {}
         self.count = 0
-        """The number of kinds."""
+        """The number of ids and classes."""
         self.open: dict[Channel, list[_Exchange]] = {}
         self.until = 0
         """The time at which the last exchange ends."""
@@ -208,6 +207,11 @@ class _Bus:
         """The exchanges with waiting frames."""
         self.latest: dict[int | None, _Latest] = {}
         """The last frame of each node, if frames are recorded twice and it can have a copy."""
+
+    def forget_classes(self) -> None:
+        """Forgets the ids and classes of frames: what they are has changed, or there are too many."""
+        self.lines.clear()
+        self.count = 0
 
 
 class _Latest(NamedTuple):
@@ -303,8 +307,7 @@ class Directions:
                 bus = self._buses[name]
                 bus.behaviour, bus.is_marked, bus.copied = behaviour, behaviour.is_marked, behaviour.copied
                 bus.window = self._bus_window(behaviour)
-                bus.lines.clear()
-                bus.count = 0
+                bus.forget_classes()
 
     def _bus_window(self, behaviour: Behaviour) -> int:
         windows = (bus_window(classes.edition, behaviour, self._window) for classes in self._classes)
@@ -375,8 +378,8 @@ class Directions:
             bus = self._buses[recorded.bus] = _Bus(behaviour, self._bus_window(behaviour))
         self._advance(bus, recorded.time)
         frame = recorded.frame
-        if bus.count >= MAX_KINDS:
-            self._forget(bus)
+        if bus.count >= MAX_CLASSES:
+            bus.forget_classes()
         line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, recorded)
         if not line.editions:
             ends_part = not bus.open and not bus.latest
@@ -603,17 +606,11 @@ class Directions:
             bus.open.clear()
 
     def _change(self, changes: Iterable[Change]) -> None:
-        """Gives nodes other editions, so that frames have other kinds."""
+        """Gives nodes other editions, so that frames have other classes."""
         for bus, node, edition in changes:
             self._changed[bus, node] = edition
             if bus in self._buses:
-                self._buses[bus].lines.clear()
-                self._buses[bus].count = 0
-
-    def _forget(self, bus: _Bus) -> None:
-        """Forgets the kinds of frames, which a log with random frames has without end."""
-        bus.lines.clear()
-        bus.count = 0
+                self._buses[bus].forget_classes()
 
     def _known(self, bus: _Bus, line: _IdState, recorded: LogFrame, data: int) -> _Known:
         """The kind of a frame of a known id and length."""
