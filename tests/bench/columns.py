@@ -31,9 +31,8 @@ import cantools.database
 import numpy as np
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.recordings.bus_behaviour import Behaviour
 from canwright.recordings.direction_arrays import infer_directions
-from canwright.recordings.frame_kinds import FrameKinds
+from canwright.recordings.frame_classes import frame_classes
 from canwright.semantics.frame import CanFrame
 from canwright.targets import dbc
 
@@ -96,10 +95,10 @@ def _exchanged() -> Iterator[tuple[int, bytes]]:
     """Ids and data of requests and replies by turns. Requests have no bits that they reserve."""
     item = specification(SPEC)
     assert item.frames is not None
-    kinds = FrameKinds(item.edition, 0, None)
+    kinds = frame_classes(item.edition)
     data: dict[tuple[Direction, int], list[bytes]] = {}
     for frame in (f for f in item.frames.frames if f.id != 0x280):
-        kind = kinds.kind(CanFrame(frame.id, frame.data), Behaviour())
+        kind = kinds.of(CanFrame(frame.id, frame.data))
         request = kind.request if frame.direction is Direction.REQUEST else None
         if request is None or request.is_regular(int.from_bytes(frame.data, "little")):
             data.setdefault((frame.direction, frame.data[0]), []).append(frame.data)

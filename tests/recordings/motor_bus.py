@@ -12,7 +12,7 @@ import random
 from dataclasses import dataclass
 
 from canwright.model.message import Direction
-from canwright.recordings.recorded import Recorded
+from canwright.recordings.log_frame import LogFrame
 from canwright.semantics.frame import CanFrame
 
 from .traffic import Sent
@@ -116,7 +116,7 @@ class MotorBus:
         return time, answered
 
     def _logged(self, time: int, frame: CanFrame, direction: Direction) -> Sent:
-        return Sent(Recorded(time // 1000 * 1000, self._bus, frame, None), direction)
+        return Sent(LogFrame(time // 1000 * 1000, self._bus, frame, None), direction)
 
     def _request(self, motor: int, code: int) -> CanFrame:
         """The host fills its buffer: all of it if it is clean, else only what the command uses."""

@@ -31,7 +31,7 @@ from canwright.recordings.bus_behaviour import Behaviour, OldBits
 from canwright.recordings.directions import Directions
 from canwright.recordings.doubts import doubts
 from canwright.recordings.golden_text import golden_text
-from canwright.recordings.recorded import Mark, Recorded
+from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.recordings.rows import Row, RowReader
 from canwright.recordings.summary import NodeSummary, Summary
 from canwright.semantics.decoder import Decoder, Identified
@@ -323,7 +323,7 @@ def test_a_broadcast_misses_only_nodes_of_the_log() -> None:
 def test_requests_that_wait_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("canwright.recordings.summary._MAX_WAITING", 10)
     edition, summary = specification(V2_35).edition, Summary()
-    frames = [Recorded(i * 10**9, "", CanFrame(0x141, bytes([0x9A, *[0] * 7])), None) for i in range(50)]
+    frames = [LogFrame(i * 10**9, "", CanFrame(0x141, bytes([0x9A, *[0] * 7])), None) for i in range(50)]
     for row in rows(edition, frames, {}):
         summary.add(row)
     assert summary.nodes["", 1].missing == 40
@@ -335,8 +335,8 @@ def same(parameters: dict[str, str], bus: str, node: int | None) -> dict[str, st
     return parameters
 
 
-def rows(edition: Edition, recorded: Sequence[Recorded], parameters: dict[str, str]) -> list[Row]:
-    judged = Directions({}, edition).judge(recorded)
+def rows(edition: Edition, recorded: Sequence[LogFrame], parameters: dict[str, str]) -> list[Row]:
+    judged = Directions({}, edition).classify(recorded)
     return list(RowReader(functools.partial(same, parameters)).rows(judged))
 
 
@@ -352,10 +352,10 @@ def test_golden_frames_as_a_log(file: Path) -> None:
     decoder = Decoder(edition)
     marks = {Direction.REQUEST: Mark.SENT, Direction.REPLY: Mark.RECEIVED}
     recorded = [
-        Recorded(i * 10**12, "", CanFrame(one.id, one.data, one.extended, one.remote), marks[one.direction])
+        LogFrame(i * 10**12, "", CanFrame(one.id, one.data, one.extended, one.remote), marks[one.direction])
         for i, one in enumerate(golden)
     ]
-    judged = Directions({}, edition, behaviours={"": Behaviour(is_marked=True)}).judge(recorded)
+    judged = Directions({}, edition, behaviours={"": Behaviour(is_marked=True)}).classify(recorded)
     for one, each in zip(golden, judged, strict=True):
         frame, parameters = each.recorded.frame, {name: str(value) for name, value in one.parameters.items()}
         (row,) = RowReader(functools.partial(same, parameters)).rows([each])

@@ -10,7 +10,7 @@ from canwright.model.message import Direction
 from canwright.recordings.bus_behaviour import LOOKED_AHEAD
 from canwright.recordings.direction_arrays import infer_directions
 from canwright.recordings.directions import Directions
-from canwright.recordings.recorded import Mark, Recorded
+from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.targets.columns.runtime._columns import Direction as Number, Frames, Kind, frames
 from hypothesis import given, settings, strategies as st
 
@@ -22,7 +22,7 @@ NUMBERS = {Direction.REQUEST: Number.REQUEST, Direction.REPLY: Number.REPLY, Non
 MARKS = {Mark.SENT: Number.REQUEST, Mark.RECEIVED: Number.REPLY, None: Number.UNKNOWN}
 
 
-def blocks(log: Sequence[Recorded], size: int) -> Iterator[Frames]:
+def blocks(log: Sequence[LogFrame], size: int) -> Iterator[Frames]:
     for start in range(0, len(log), size):
         part = log[start : start + size]
         yield frames(
@@ -35,12 +35,12 @@ def blocks(log: Sequence[Recorded], size: int) -> Iterator[Frames]:
         )
 
 
-def directions(edition: Edition, log: Sequence[Recorded], size: int) -> list[int]:
+def directions(edition: Edition, log: Sequence[LogFrame], size: int) -> list[int]:
     found = infer_directions(blocks(log, size), edition)
     return [direction for block in found for direction in block.direction.tolist()]
 
 
-def one_by_one(edition: Edition, log: Iterable[Recorded]) -> list[int]:
+def one_by_one(edition: Edition, log: Iterable[LogFrame]) -> list[int]:
     """The directions of `Directions`; an id of no edition keeps the given one."""
     log = list(log)
     behaviours = Directions({}, edition).learn(log[:LOOKED_AHEAD], {"can0", "can1"})
@@ -65,7 +65,7 @@ def test_each_mix_of_traffic(mix: str) -> None:
 
 
 @st.composite
-def logs(draw: st.DrawFn) -> list[Recorded]:
+def logs(draw: st.DrawFn) -> list[LogFrame]:
     """Short logs of few different frames, some with marks."""
     log, time = [], 10**10
     steps = st.sampled_from([step for step in STEPS if step is not None])
@@ -80,7 +80,7 @@ def logs(draw: st.DrawFn) -> list[Recorded]:
 
 @given(logs(), st.integers(1, 30))
 @settings(max_examples=100, deadline=None)
-def test_unlikely_logs(log: list[Recorded], size: int) -> None:
+def test_unlikely_logs(log: list[LogFrame], size: int) -> None:
     assert directions(MOTOR, log, size) == one_by_one(MOTOR, log)
 
 
@@ -116,6 +116,6 @@ def test_no_block_waits_for_the_end_of_the_log(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_memory_for_kinds_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("canwright.recordings.direction_arrays.MAX_KINDS", 20)
+    monkeypatch.setattr("canwright.recordings.direction_arrays.MAX_CLASSES", 20)
     log = [sent.recorded for sent in Traffic(MOTOR, "polling", 5, loss=Loss(0.1)).frames(100)]
     assert directions(MOTOR, log, 30) == one_by_one(MOTOR, log)

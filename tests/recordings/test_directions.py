@@ -11,10 +11,10 @@ import pytest
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.recordings.directions import DecidedBy, Directions, Judged
+from canwright.recordings.directions import DecidedBy, DirectedFrame, Directions
 from canwright.recordings.doubts import doubts
-from canwright.recordings.frame_kinds import WINDOW
-from canwright.recordings.recorded import Mark, Recorded
+from canwright.recordings.frame_classes import WINDOW
+from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.recordings.rows import Row
 from canwright.recordings.summary import Summary
 from canwright.semantics.frame import CanFrame
@@ -33,8 +33,8 @@ BARS = {Loss(): 0.01, Loss(0.01): 0.07, Loss(0.1): 0.5, Loss(0.1, has_retries=Tr
 """The allowed share of wrong directions without marks, in percent."""
 
 
-def judge(edition: Edition, recorded: Iterable[Recorded], **options: object) -> list[Judged]:
-    return list(Directions({}, edition, **options).judge(recorded))  # type: ignore[arg-type]
+def judge(edition: Edition, recorded: Iterable[LogFrame], **options: object) -> list[DirectedFrame]:
+    return list(Directions({}, edition, **options).classify(recorded))  # type: ignore[arg-type]
 
 
 def wrong(edition: Edition, log: Sequence[Sent]) -> float:
@@ -44,16 +44,16 @@ def wrong(edition: Edition, log: Sequence[Sent]) -> float:
     return 100 * count / len(log)
 
 
-def frames(text: str, step: int = 100_000) -> list[Recorded]:
+def frames(text: str, step: int = 100_000) -> list[LogFrame]:
     """Frames as `ID#DATA`, at equal distances in ns."""
     lines = (line.split("#") for line in text.split())
     return [
-        Recorded(number * step, "can0", CanFrame(int(id_, 16), bytes.fromhex(data)), None)
+        LogFrame(number * step, "can0", CanFrame(int(id_, 16), bytes.fromhex(data)), None)
         for number, (id_, data) in enumerate(lines)
     ]
 
 
-def rows(judged: Iterable[Judged]) -> list[tuple[str, str, int | None]]:
+def rows(judged: Iterable[DirectedFrame]) -> list[tuple[str, str, int | None]]:
     return [
         (
             one.message.name if one.message else one.direction.value if one.direction else "",
@@ -90,7 +90,7 @@ def test_content_pairing_and_broadcast() -> None:
 def test_a_repeated_echo_is_a_retry_and_a_late_one_a_reply() -> None:
     off = CanFrame(0x141, bytes.fromhex("8000000000000000"))
     times = [0, 1_000_000, 1_200_000, 9_000_000, 10_000_000]
-    judged = judge(MOTOR, [Recorded(time, "can0", off, None) for time in times])
+    judged = judge(MOTOR, [LogFrame(time, "can0", off, None) for time in times])
     assert rows(judged) == [
         ("motor_off_request", "pairing", None),
         ("motor_off_request", "retry", None),
@@ -127,7 +127,7 @@ def test_ids_apart_decide() -> None:
 def test_nodes_of_two_editions_obey_one_broadcast() -> None:
     other = specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
     log = frames("280#0100020003000400 141#A13200E701000000 142#A13200E701000000 143#A13200E701000000")
-    judged = list(Directions({("can0", 2): other, ("can0", 3): MOTOR}, MOTOR).judge(log))
+    judged = list(Directions({("can0", 2): other, ("can0", 3): MOTOR}, MOTOR).classify(log))
     assert [one.edition for one in judged] == [other, MOTOR, other, MOTOR]
     assert [one.request for one in judged] == [None, 0, 0, 0]
 
@@ -173,16 +173,16 @@ def test_memory_does_not_grow_with_the_log() -> None:
     chance = random.Random(1)
     edition = EDITIONS["joint/v1"]
 
-    def noise(count: int) -> Iterable[Recorded]:
+    def noise(count: int) -> Iterable[LogFrame]:
         for number in range(count):
             frame = CanFrame(chance.getrandbits(11) | 0x700, chance.randbytes(8), number % 3 == 0)
-            yield Recorded(number * 130_000, "can0", frame, None)
+            yield LogFrame(number * 130_000, "can0", frame, None)
 
     directions = Directions({}, edition, behaviours={})
     peaks = []
     for _ in range(2):
         tracemalloc.start()
-        for _ in directions.judge(noise(4000)):
+        for _ in directions.classify(noise(4000)):
             pass
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
@@ -196,7 +196,7 @@ STEPS = (0, 100_000, 400_000, 600_000, 1_500_000, WINDOW, WINDOW + 1, 5_000_000,
 
 
 @st.composite
-def logs(draw: st.DrawFn) -> list[Recorded]:
+def logs(draw: st.DrawFn) -> list[LogFrame]:
     log, time = [], 10**10
     for one, step, bus in draw(
         st.lists(st.tuples(st.sampled_from(ALPHABET), st.sampled_from(STEPS), st.sampled_from(["a", "b"])), max_size=24)
@@ -206,7 +206,7 @@ def logs(draw: st.DrawFn) -> list[Recorded]:
     return log
 
 
-def facts(one: Judged, numbers: Sequence[int]) -> tuple[object, ...]:
+def facts(one: DirectedFrame, numbers: Sequence[int]) -> tuple[object, ...]:
     """The result for a frame that does not depend on the part of the log; `numbers` are those in the whole log."""
     request = None if one.request is None else numbers[one.request]
     return numbers[one.number], one.direction, one.decided_by, one.message, request, one.latency
@@ -214,7 +214,7 @@ def facts(one: Judged, numbers: Sequence[int]) -> tuple[object, ...]:
 
 @given(logs())
 @settings(max_examples=60, deadline=None)
-def test_each_frame_once_in_order_and_each_bus_on_its_own(log: list[Recorded]) -> None:
+def test_each_frame_once_in_order_and_each_bus_on_its_own(log: list[LogFrame]) -> None:
     judged = judge(MOTOR, log)
     assert [one.recorded for one in judged] == log
     assert [one.number for one in judged] == list(range(len(log)))
@@ -230,7 +230,7 @@ def test_each_frame_once_in_order_and_each_bus_on_its_own(log: list[Recorded]) -
 
 @given(logs())
 @settings(max_examples=60, deadline=None)
-def test_a_reply_answers_an_earlier_request_of_its_bus(log: list[Recorded]) -> None:
+def test_a_reply_answers_an_earlier_request_of_its_bus(log: list[LogFrame]) -> None:
     judged = judge(MOTOR, log)
     for one in judged:
         if one.request is not None:
@@ -242,7 +242,7 @@ def test_a_reply_answers_an_earlier_request_of_its_bus(log: list[Recorded]) -> N
 
 @given(logs())
 @settings(max_examples=80, deadline=None)
-def test_parts_have_the_results_of_the_whole_log(log: list[Recorded]) -> None:
+def test_parts_have_the_results_of_the_whole_log(log: list[LogFrame]) -> None:
     """Also of a log in which some frames have a time."""
     log = [one._replace(bus="a") for one in log]
     whole = judge(MOTOR, log)
@@ -257,7 +257,7 @@ def test_parts_have_the_results_of_the_whole_log(log: list[Recorded]) -> None:
     assert results == [facts(one, range(len(log))) for one in whole]
 
 
-def is_silent(one: Judged, after: Judged) -> bool:
+def is_silent(one: DirectedFrame, after: DirectedFrame) -> bool:
     start, end = one.recorded.time, after.recorded.time
     return start is not None and end is not None and end - start > WINDOW
 
@@ -281,7 +281,7 @@ def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> Non
     """Directions are correct, or a sentence states the reason for doubt."""
     log = MotorBus(mix, motor_bus.SITUATIONS[name], 1).frames(1200)
     directions, summary = Directions({}, MOTOR), Summary()
-    judged = list(directions.judge(sent.recorded for sent in log))
+    judged = list(directions.classify(sent.recorded for sent in log))
     for one in judged:
         summary.add(Row(one, MOTOR.name))
     summary.finish()
@@ -310,7 +310,7 @@ def test_a_log_of_one_direction(direction: Direction, mix: str, is_irregular: bo
         sent.recorded for sent in log if sent.direction is direction and not (is_irregular and rng.random() < 0.5)
     ]
     directions = Directions({}, MOTOR)
-    assert {judged.direction for judged in directions.judge(listed)} == {direction}
+    assert {judged.direction for judged in directions.classify(listed)} == {direction}
 
 
 def test_a_stream_is_decided_without_its_next_frames() -> None:
@@ -318,19 +318,19 @@ def test_a_stream_is_decided_without_its_next_frames() -> None:
     log = MotorBus("control", motor_bus.SITUATIONS["old requests"], 1).frames(2000)
     taken = 0
 
-    def stream() -> Iterable[Recorded]:
+    def stream() -> Iterable[LogFrame]:
         nonlocal taken
         for sent in log:
             taken += 1
             yield sent.recorded
 
     wrong = []
-    for number, judged in enumerate(Directions({}, MOTOR, is_stream=True).judge(stream())):
+    for number, judged in enumerate(Directions({}, MOTOR, is_stream=True).classify(stream())):
         assert taken - number <= 64
         wrong += [number] * (judged.direction is not log[number].direction)
     assert all(number < 64 for number in wrong)
     marked = with_marks(log[:64])
-    listed = Directions({}, MOTOR, is_stream=True).judge(sent.recorded for sent in marked)
+    listed = Directions({}, MOTOR, is_stream=True).classify(sent.recorded for sent in marked)
     assert [judged.direction for judged in listed] == [sent.direction for sent in marked]
 
 
@@ -339,7 +339,7 @@ def test_a_late_reply_is_late_for_the_log() -> None:
     times = [10_000_000 * number + step for number in range(20) for step in (0, 400_000)]
     times[-1] += 1_000_000
     alternately = [CanFrame(0x141, bytes.fromhex(data)) for data in ("9A00000000000000", "9A3200E701000000")]
-    log = [Recorded(time, "can0", alternately[number % 2], None) for number, time in enumerate(times)]
+    log = [LogFrame(time, "can0", alternately[number % 2], None) for number, time in enumerate(times)]
     assert [one.is_late for one in judge(MOTOR, log)] == [False] * 39 + [True]
 
 

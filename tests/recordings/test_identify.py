@@ -14,9 +14,9 @@ from canwright.model.edition import Edition
 from canwright.project.loader import spec_files, specification
 from canwright.recordings import candump
 from canwright.recordings.identify import identify
-from canwright.recordings.recorded import Counts
+from canwright.recordings.log_frame import Counts
 from canwright.recordings.results import Identification, NodeResult
-from canwright.recordings.scoring import Kinds
+from canwright.recordings.scoring import ScoredClasses
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
@@ -243,7 +243,7 @@ def test_golden_frames_speak_for_their_own_edition(file: Path) -> None:
     far_out = {m.command for m in item.edition.all_messages() for f in m.layout.fields if f.type.plausible}
     checked = [g for g in item.frames.frames if not g.decode_only and g.command not in far_out]
     assert len(checked) > 100
-    kinds, rule = Kinds([item.edition]), item.edition.commands[0].replies[0].message.id
+    kinds, rule = ScoredClasses([item.edition]), item.edition.commands[0].replies[0].message.id
     for golden in checked:
         frame = CanFrame(golden.id, golden.data)
         (found,) = kinds.kind(frame, rule).observation(frame.id, frame.data).by_edition
@@ -255,7 +255,7 @@ def test_remembered_observations_have_the_interpretations_of_the_frame(spec: Pat
     """Golden frames in which one or two bytes are changed."""
     item = specification(spec)
     assert item.frames is not None
-    kinds, rule = Kinds([item.edition]), item.edition.all_messages()[0].id
+    kinds, rule = ScoredClasses([item.edition]), item.edition.all_messages()[0].id
     for golden in {(g.command, g.direction): g for g in item.frames.frames}.values():
         for at in range(1, len(golden.data)):
             for pair in itertools.product((0, 1, 0x7F, 0xFF), repeat=2):

@@ -12,7 +12,7 @@ from canwright.model.edition import Edition
 from canwright.project.loader import spec_files, specification
 from canwright.recordings.grouping import groups
 from canwright.recordings.identify import identify
-from canwright.recordings.recorded import Recorded
+from canwright.recordings.log_frame import LogFrame
 from canwright.recordings.results import Identification
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner
@@ -71,7 +71,7 @@ def corrupted(frames: Frames, share: float, seed: int) -> Iterator[CanFrame]:
 
 
 def identified(frames: Frames, bus: str = "can0") -> Identification:
-    return identify((Recorded(None, bus, frame, None) for frame in frames), list(EDITIONS.values()))
+    return identify((LogFrame(None, bus, frame, None) for frame in frames), list(EDITIONS.values()))
 
 
 def fits(found: Identification) -> dict[int | None, list[str]]:
@@ -121,7 +121,7 @@ def test_a_host_that_leaves_reserved_bytes_uncleared(name: str) -> None:
 
 def test_the_buses_of_a_log_are_independent() -> None:
     both = [
-        Recorded(None, bus, frame, None)
+        LogFrame(None, bus, frame, None)
         for name, bus in (("v2.35", "can0"), ("v2.36-2025-03", "can1"))
         for frame in traffic(name, rounds=3)
     ]

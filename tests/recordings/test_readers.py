@@ -12,8 +12,8 @@ from pathlib import Path
 import can
 import pytest
 from canwright.recordings import candump
+from canwright.recordings.log_frame import Counts, LogFrame, Mark, SkippedPart
 from canwright.recordings.readers import Log, LogError, open_log
-from canwright.recordings.recorded import Counts, Mark, Part, Recorded
 from canwright.semantics.frame import CanFrame
 
 START = 1_700_000_000
@@ -59,7 +59,7 @@ def log(content: bytes) -> Log:
     return Log(io.BytesIO(content), "the log")
 
 
-def of(text: str) -> tuple[list[Recorded], Log]:
+def of(text: str) -> tuple[list[LogFrame], Log]:
     read = log(text.encode())
     return list(read), read
 
@@ -97,27 +97,27 @@ def test_what_python_can_writes_is_read(suffix: str, tmp_path: Path) -> None:
     assert times == [i * 125_000_000 for i in range(4)]
     buses = {"csv": ["", ""], "log": ["can0", "can1"], "mf4": ["0", "1"]}.get(suffix, ["1", "2"])
     assert [found[0].bus, found[2].bus] == buses
-    assert not {p: n for p, n in read.counts.skipped.items() if p is not Part.OTHER}
+    assert not {p: n for p, n in read.counts.skipped.items() if p is not SkippedPart.OTHER}
 
 
 @pytest.mark.parametrize(
     ("line", "part"),
     [
-        ("(1.0) can0 141##0A100", Part.FD),
-        ("(1.0) can0 45123#81:00:12345678#1122", Part.FD),
-        (" can0  141  [12]  A1 00 00 00 00 00 00 00 00 00 00 00", Part.FD),
-        ("(1.0) can0 20000004#0001000000000000", Part.ERROR),
-        ("  can0  20000004   [8]  00 01 00 00 00 00 00 00   ERRORFRAME", Part.ERROR),
-        ("\tcontroller-problem{rx-overflow-warning}", Part.OTHER),
-        ("# a comment", Part.OTHER),
-        ("", Part.OTHER),
-        ("(1.0) can0 141#A1000", Part.MALFORMED),
-        ("(1.0) can0 141#A1G0", Part.MALFORMED),
-        ("  can0  141   [8]  A1 00 00", Part.MALFORMED),
-        ("garbage \ufffd \x00", Part.MALFORMED),
+        ("(1.0) can0 141##0A100", SkippedPart.FD),
+        ("(1.0) can0 45123#81:00:12345678#1122", SkippedPart.FD),
+        (" can0  141  [12]  A1 00 00 00 00 00 00 00 00 00 00 00", SkippedPart.FD),
+        ("(1.0) can0 20000004#0001000000000000", SkippedPart.ERROR),
+        ("  can0  20000004   [8]  00 01 00 00 00 00 00 00   ERRORFRAME", SkippedPart.ERROR),
+        ("\tcontroller-problem{rx-overflow-warning}", SkippedPart.OTHER),
+        ("# a comment", SkippedPart.OTHER),
+        ("", SkippedPart.OTHER),
+        ("(1.0) can0 141#A1000", SkippedPart.MALFORMED),
+        ("(1.0) can0 141#A1G0", SkippedPart.MALFORMED),
+        ("  can0  141   [8]  A1 00 00", SkippedPart.MALFORMED),
+        ("garbage \ufffd \x00", SkippedPart.MALFORMED),
     ],
 )
-def test_what_is_no_frame_is_counted(line: str, part: Part) -> None:
+def test_what_is_no_frame_is_counted(line: str, part: SkippedPart) -> None:
     found, read = of(f"141#A1\n{line}\n141#A2\n")
     assert [r.frame.data for r in found] == [b"\xa1", b"\xa2"]
     assert read.counts.skipped == {part: 1}
@@ -140,7 +140,7 @@ def test_remote_frames_and_lines_of_cansend() -> None:
 def test_a_recording_that_was_interrupted(cut: int) -> None:
     found, read = of(CANDUMP_LOG[: len("(1700000000.000000) can0 141#A100000064000000 T\n") + cut])
     assert len(found) == 1
-    assert read.counts.skipped == {Part.TRUNCATED: 1}
+    assert read.counts.skipped == {SkippedPart.TRUNCATED: 1}
 
 
 @pytest.mark.parametrize(
@@ -163,8 +163,8 @@ def test_reading_goes_on_after_a_line_that_python_can_refuses(suffix: str, wrong
     lines.insert(at + 1, wrong)
     read = log("".join(lines).encode())
     assert [r.frame for r in read] == FRAMES
-    assert read.counts.skipped[Part.MALFORMED] == 1
-    assert read.counts.examples[Part.MALFORMED] == [(at + 2, wrong.strip())]
+    assert read.counts.skipped[SkippedPart.MALFORMED] == 1
+    assert read.counts.examples[SkippedPart.MALFORMED] == [(at + 2, wrong.strip())]
 
 
 @pytest.mark.parametrize("suffix", ["blf", "blf.gz", "log.gz", "log.xz"])
@@ -185,7 +185,7 @@ def test_a_truncated_file_gives_what_it_has(suffix: str, tmp_path: Path) -> None
     read = log(content)
     found = list(read)
     assert 1_000 < len(found) < 20_000
-    assert read.counts.skipped[Part.TRUNCATED] == 1
+    assert read.counts.skipped[SkippedPart.TRUNCATED] == 1
 
 
 def test_events_of_a_vector_log_are_no_frames() -> None:
@@ -194,10 +194,10 @@ def test_events_of_a_vector_log_are_no_frames() -> None:
     statistic = "   0.000200 1  Statistic: D 0 R 0 XD 0 XR 0 E 0 O 0 B 0.00%\n"
     found, read = of(header + frame + statistic + frame)
     assert [r.frame.data for r in found] == [bytes.fromhex("9A00000000000000")] * 2
-    assert read.counts.skipped == {Part.OTHER: 1}
+    assert read.counts.skipped == {SkippedPart.OTHER: 1}
     damaged = "   0.000200 1  1:1             Rx   d 8 9A 00 00 00 00 00 00 00\n"
     _, read = of(header + frame + damaged + frame)
-    assert read.counts.skipped == {Part.MALFORMED: 1}
+    assert read.counts.skipped == {SkippedPart.MALFORMED: 1}
 
 
 def test_a_log_without_frames_names_its_first_line() -> None:
@@ -275,7 +275,7 @@ def test_asc_of_any_language_with_absolute_or_relative_times(
     since = {"absolute": [10, 0.5, 1000], "relative": [10, 10.5, 1110.5]}[times]
     assert [(one.time or 0) / 1e6 for one in frames] == since
     assert {one.frame.id for one in frames} == {0x141} and frames[1].frame.data.hex() == "9a3200e701000000"
-    assert opened.counts.skipped == {Part.OTHER: 1}
+    assert opened.counts.skipped == {SkippedPart.OTHER: 1}
 
 
 @pytest.mark.parametrize(
@@ -302,4 +302,6 @@ def test_a_line_without_an_end_needs_no_memory(
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 2_000_000
-    assert opened.counts.skipped == {Part.MALFORMED: 1} and opened.counts.examples[Part.MALFORMED][0][0] in (2, 3)
+    assert opened.counts.skipped == {SkippedPart.MALFORMED: 1} and opened.counts.examples[SkippedPart.MALFORMED][0][
+        0
+    ] in (2, 3)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Command, Direction, Message
-from canwright.recordings.recorded import Mark, Recorded
+from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.semantics.encoder import Encoder
 from canwright.semantics.frame import CanFrame, Raw
 
@@ -40,7 +40,7 @@ class _Wanted(NamedTuple):
 class Sent(NamedTuple):
     """A frame as the log has it, with its true direction."""
 
-    recorded: Recorded
+    recorded: LogFrame
     direction: Direction
 
 
@@ -86,7 +86,7 @@ class Traffic:
         for time, frame, direction in sorted(wanted, key=lambda one: one.time):
             free = max(time, free + FRAME)
             if self._chance.random() >= self._loss.not_recorded:
-                sent.append(Sent(Recorded(free, self._bus, frame, None), direction))
+                sent.append(Sent(LogFrame(free, self._bus, frame, None), direction))
         return sent
 
     def _turn(self) -> Iterator[_Wanted]:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import pickle
 from collections.abc import Callable
 from fractions import Fraction
@@ -353,3 +354,11 @@ def test_a_field_has_one_role(tmp_path: Path, role: str, place: str) -> None:
     text = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
     text = text.replace("zero: {at: 1, raw: u8, constant: 0}", f"zero: {{at: 1, raw: u8, constant: 0, {role}}}", 1)
     assert marked(findings(tmp_path, text)) == [f"field-type: {place}"]
+
+
+def test_plausible_values_include_the_limits_exact_or_rounded(v2_35: Edition) -> None:
+    voltage = next(t for t in v2_35.types if t.plausible)
+    tenth = dataclasses.replace(voltage, plausible=Range(Bound(Fraction(1, 10)), Bound(Fraction(3, 10))))
+    assert all(map(tenth.is_plausible, (Fraction(1, 10), 0.1, 0.3, Fraction(3, 10), None, "on", ["hot"])))
+    assert not any(map(tenth.is_plausible, (Fraction(9, 100), 0, 0.31, float("nan"))))
+    assert dataclasses.replace(voltage, plausible=None).is_plausible(float("inf"))

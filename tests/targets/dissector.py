@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from canwright.model.edition import Edition
-from canwright.recordings.recorded import Mark, Recorded
+from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.targets.base import EditionInput
 from canwright.targets.wireshark import generate
 from lupa import lua54
@@ -25,7 +25,7 @@ def decoder(edition: Edition) -> LuaDecoder:
     return LuaDecoder(lua54.LuaRuntime(unpack_returned_tuples=False), source, edition)
 
 
-def judge(edition: Edition, log: Sequence[Recorded]) -> list[Any]:
+def judge(edition: Edition, log: Sequence[LogFrame]) -> list[Any]:
     """The results for the frames of a log."""
     lua, results = decoder(edition), []
     state = lua.module.directions.new(2_000_000)

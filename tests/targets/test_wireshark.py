@@ -10,7 +10,7 @@ import pytest
 from canwright.model.edition import Edition
 from canwright.project.loader import specification
 from canwright.recordings.directions import Directions
-from canwright.recordings.recorded import Recorded
+from canwright.recordings.log_frame import LogFrame
 from canwright.semantics.frame import CanFrame
 from canwright.targets.wireshark import text
 from canwright.targets.wireshark.filters import filters
@@ -64,7 +64,7 @@ def test_directions_with_marks_once_both_have_been_seen() -> None:
 def test_requests_and_latencies_are_those_of_the_recordings() -> None:
     spec = "spec/mwd_motor/v2.35.yaml"
     log = [sent.recorded for sent in Traffic(_edition(spec), "mixed", 2).frames(300)]
-    wanted = [(one.request, one.latency, one.node) for one in Directions({}, _edition(spec)).judge(log)]
+    wanted = [(one.request, one.latency, one.node) for one in Directions({}, _edition(spec)).classify(log)]
     found = [
         (one.exchange and one.exchange.number, one.latency and int(one.latency), one.node)
         for one in judge(_edition(spec), log)
@@ -84,7 +84,7 @@ NODES_IN_DATA = (
 def test_the_node_in_the_data() -> None:
     """It distinguishes requests to one id; the low bits in a reply are those of the node of the request."""
     log = [
-        Recorded(i * 100_000, "", CanFrame(can_id, bytes.fromhex(data)), None)
+        LogFrame(i * 100_000, "", CanFrame(can_id, bytes.fromhex(data)), None)
         for i, (can_id, data, *_) in enumerate(NODES_IN_DATA)
     ]
     judged = judge(_edition("tests/specs/valve/v1.yaml"), log)

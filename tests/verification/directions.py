@@ -13,7 +13,7 @@ from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.recordings.directions import Directions
-from canwright.recordings.frame_kinds import WINDOW
+from canwright.recordings.frame_classes import WINDOW
 
 from ..recordings.traffic import MIXES, Loss, Sent, Traffic, together, with_clock_jumps, with_marks
 from ..spec_texts import ROOT
@@ -32,7 +32,7 @@ LOSSES = {
 
 def canwright(edition: Edition, log: Sequence[Sent]) -> Sequence[Direction | None]:
     """The directions of `recordings/directions.py`."""
-    return [one.direction for one in Directions({}, edition).judge(sent.recorded for sent in log)]
+    return [one.direction for one in Directions({}, edition).classify(sent.recorded for sent in log)]
 
 
 def wireshark(edition: Edition, log: Sequence[Sent]) -> Sequence[Direction | None]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from canwright.project.loader import spec_files, specification
 from canwright.recordings.identify import Identifier
-from canwright.recordings.recorded import Recorded
+from canwright.recordings.log_frame import LogFrame
 from canwright.semantics.frame import CanFrame
 
 from ..recordings import mixed_buses as buses
@@ -43,5 +43,5 @@ def test_the_frame_from_which_another_edition_fits() -> None:
     assert (first.start, other.start) == (None, None)
 
 
-def recorded(frame: Frame) -> Recorded:
-    return Recorded(frame.time * 1000, frame.bus, CanFrame(frame.id, frame.data), None)
+def recorded(frame: Frame) -> LogFrame:
+    return LogFrame(frame.time * 1000, frame.bus, CanFrame(frame.id, frame.data), None)

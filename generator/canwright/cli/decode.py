@@ -22,17 +22,17 @@ from ..recordings.directions import Directions
 from ..recordings.doubts import copies, doubts
 from ..recordings.exports import CsvLines, bus_name, json_line
 from ..recordings.identify import Identifier
+from ..recordings.log_frame import Counts, LogFrame, SkippedPart
 from ..recordings.new_files import is_overwritten, new_file, new_folder, same_path
 from ..recordings.nodes import Identifiers, Nodes, NodeSetting, common_edition, follow, nodes_of
 from ..recordings.packages import MissingPackageError
 from ..recordings.parquet import ParquetTables
 from ..recordings.readers import STANDARD_INPUT, Log, LogError, open_log
-from ..recordings.recorded import Counts, Part, Recorded
 from ..recordings.rows import Row, RowReader
 from ..recordings.summary import Summary
 from ..semantics.frame import CanFrame
 from .common import FINDINGS, FilePath, read, spec_option, stop
-from .decode_view import Table, summary_text
+from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
 from .node_settings import direction_of, node_settings, recorder_option
 from .terminal import print_data, print_text, progress
@@ -52,11 +52,11 @@ class LogOrFrame(click.Path):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if isinstance(value, str) and "#" in value and not Path(value).exists():
             counts = Counts()
-            found = [one.frame for one in candump.read([f"{value}\n"], counts)]
-            if not found:
+            frames = [recorded.frame for recorded in candump.read([f"{value}\n"], counts)]
+            if not frames:
                 part = next(iter(counts.skipped)).value
                 self.fail(f"`{visible(value)}` is neither a file nor a frame such as 141#A100FF ({part})", param, ctx)
-            return found[0]
+            return frames[0]
         return super().convert(value, param, ctx)
 
 
@@ -156,7 +156,7 @@ def decode(
     Exit status: 0 if every line and every frame of the nodes is decoded, no frame has another meaning in another edition
     that fits, no edition changes, every value is plausible, and the directions are certain; 1 if not; 2 if it could not run.
     """
-    editions = [one.edition for one in read(specs, packaged=True)]
+    editions = [item.edition for item in read(specs, packaged=True)]
     set_ = node_settings(editions, settings)
     if isinstance(log, CanFrame):
         if form or out or split or plot:
@@ -184,13 +184,13 @@ def _explain(frame: CanFrame, editions: Sequence[Edition], settings: Sequence[No
     if golden:
         text = golden_entries(chosen, frame, assignment)
         print_data(text)
-        found = bool(text)
-        if not found:
+        is_explained = bool(text)
+        if not is_explained:
             print_text("canwright: no message fits, or its fields depend on a parameter; see --set\n", error=True)
     else:
-        text, found = explanation(chosen, frame, assignment)
+        text, is_explained = explanation(chosen, frame, assignment)
         print_text(text)
-    if not found:
+    if not is_explained:
         sys.exit(FINDINGS)
 
 
@@ -225,7 +225,7 @@ def _decode(
     window: float | None,
     recorder: Direction,
 ) -> None:
-    frames: Iterator[Recorded] = iter(log)
+    frames: Iterator[LogFrame] = iter(log)
     common = common_edition(editions, settings)
     if common is not None:
         nodes = Nodes([common], settings, common)
@@ -243,7 +243,7 @@ def _decode(
         others=nodes.family,
         changes=nodes.changes,
     )
-    rows = RowReader(nodes.assignment, nodes.label).rows(directions.judge(frames))
+    rows = RowReader(nodes.assignment, nodes.label).rows(directions.classify(frames))
     summary = Summary()
     remarks = _write(rows, outputs, summary)
     summary.finish()
@@ -260,8 +260,8 @@ def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> 
     """All frames of a log in a file, with the editions that they fit."""
     identifiers = Identifiers(editions, recorder)
     with open_log(name) as log, progress("frames", shown=True) as advance:
-        for number, one in enumerate(log):
-            identifiers.add(one)
+        for number, frame in enumerate(log):
+            identifiers.add(frame)
             if number % BLOCK == BLOCK - 1:
                 advance(BLOCK)
     return identifiers.best
@@ -269,7 +269,7 @@ def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> 
 
 def _is_clean(summary: Summary, nodes: Nodes, counts: Counts) -> bool:
     """Whether everything was read, no frame has several meanings, and every value is plausible."""
-    unread = counts.skipped[Part.MALFORMED] + counts.skipped[Part.TRUNCATED]
+    unread = counts.skipped[SkippedPart.MALFORMED] + counts.skipped[SkippedPart.TRUNCATED]
     rejecting = [place for place, node in summary.nodes.items() if node.rejected and not nodes.is_stray(*place)]
     commands = {place: node.commands for place, node in summary.nodes.items()}
     return not (unread or rejecting or summary.has_implausible) and nodes.is_complete(commands)
@@ -333,7 +333,7 @@ def _lines(form: str, rows: Iterator[Row]) -> tuple[str, Callable[[Row], str], I
     """The header, the function that prints a row, and all rows."""
     if form == "text":
         first = list(itertools.islice(rows, BLOCK))
-        table = Table(first)
+        table = RowTable(first)
         return table.header, table.line, itertools.chain(first, rows)
     if form == "csv":
         return CsvLines.header, CsvLines(), rows

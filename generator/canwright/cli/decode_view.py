@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import bus_id, counted, numbers, sent, span as value_span
 from ..recordings.exports import bus_name, milliseconds, seconds
+from ..recordings.log_frame import Counts, SkippedPart
 from ..recordings.nodes import Choice, Nodes
-from ..recordings.recorded import Counts, Part
 from ..recordings.results import Place
 from ..recordings.rows import CellValue, Row
 from ..recordings.summary import NodeSummary, Summary
@@ -19,7 +19,7 @@ SHOWN = 4
 _COLUMNS = ("number", "time", "bus", "node", "edition", "direction", "by", "command")
 
 
-class Table:
+class RowTable:
     """A table whose columns are as wide as the first rows need; it is printed line by line."""
 
     def __init__(self, first: Sequence[Row]) -> None:
@@ -89,12 +89,12 @@ def summary_text(summary: Summary, nodes: Nodes, counts: Counts) -> str:
 
 
 def _nodes(summary: Summary, nodes: Nodes) -> Iterator[str]:
-    for (bus, node), one in sorted(summary.nodes.items(), key=lambda item: (item[0][0], item[0][1] or -1)):
-        editions = ", ".join(one.labels)
+    for (bus, node), node_summary in sorted(summary.nodes.items(), key=lambda item: (item[0][0], item[0][1] or -1)):
+        editions = ", ".join(node_summary.labels)
         place = ", ".join(filter(None, (bus_name(bus), "no node" if node is None else f"node {node}")))
-        how = _origin(nodes.identified.get((bus, node), ()), node, one.commands)
-        yield f"{place}, {editions}{how}: {counted(one.requests, 'request')}, {_replies(one)}"
-        yield from _findings(one)
+        how = _origin(nodes.identified.get((bus, node), ()), node, node_summary.commands)
+        yield f"{place}, {editions}{how}: {counted(node_summary.requests, 'request')}, {_replies(node_summary)}"
+        yield from _findings(node_summary)
 
 
 def _missing_settings(summary: Summary) -> Iterator[str]:
@@ -120,9 +120,9 @@ def _unidentified(nodes: Nodes) -> Iterator[str]:
     stray = [place for place in nodes.identified if nodes.is_stray(*place)]
     if stray:
         yield f"{_places(stray)}: few frames, far apart, as frames with a damaged id are; they do not affect the exit status"
-    for one in nodes.misread:
-        where = f"{_places([(one.bus, one.node)])}: frames #{one.start} to #{one.end}"
-        yield f"{where} were decoded as {one.label}, but fit {one.edition.name}; decode a file, or use --set"
+    for misread in nodes.misread:
+        where = f"{_places([(misread.bus, misread.node)])}: frames #{misread.start} to #{misread.end}"
+        yield f"{where} were decoded as {misread.label}, but fit {misread.edition.name}; decode a file, or use --set"
 
 
 def _places(listed: Iterable[tuple[str, int | None]]) -> str:
@@ -144,14 +144,14 @@ def _origin(choices: Sequence[Choice], node: int | None, commands: Collection[st
     if not choices:
         return ""
     first, *later = choices
-    changes = [f"{one.label or 'no edition'} from {at_frame(one.start)}" for one in later]
+    changes = [f"{choice.label or 'no edition'} from {at_frame(choice.start)}" for choice in later]
     if changes:
         return f" ({first.label or 'no edition'}, then {', '.join(changes)})"
     if first.is_assumed:
         return " (assumed, as of other nodes of the bus, since most requests have no reply)"
     if not first.others:
         return " (identified)"
-    fitting = ", ".join(one.name for one in first.others)
+    fitting = ", ".join(edition.name for edition in first.others)
     fits = f"{fitting} fit{'' if len(first.others) > 1 else 's'} as well"
     differing = sorted(first.differing.intersection(commands))
     if not differing:
@@ -164,28 +164,26 @@ def at_frame(place: Place) -> str:
     return f"#{place.number}" + ("" if place.time is None else f", {seconds(place.time, 6)} s")
 
 
-def _replies(one: NodeSummary) -> str:
-    replies = f"{one.replies} {'reply' if one.replies == 1 else 'replies'}"
-    if not one.timed:
+def _replies(node: NodeSummary) -> str:
+    replies = f"{node.replies} {'reply' if node.replies == 1 else 'replies'}"
+    if not node.timed:
         return replies
-    return (
-        f"{replies} after {milliseconds(one.mean_latency, 3)} ms on average, at most {milliseconds(one.longest, 3)} ms"
-    )
+    return f"{replies} after {milliseconds(node.mean_latency, 3)} ms on average, at most {milliseconds(node.longest, 3)} ms"
 
 
-def _findings(one: NodeSummary) -> Iterator[str]:
-    if one.missing:
-        yield f"  {one.missing} missing: {counted(one.missing, 'request')} without an answer"
-    if one.late:
-        yield f"  {one.late} late: slower than the reply time of the spec, or if the bus is slower, than most replies"
-    if one.unexpected:
-        yield f"  {one.unexpected} unexpected: without a request"
-    for name, values in one.implausible.items():
+def _findings(node: NodeSummary) -> Iterator[str]:
+    if node.missing:
+        yield f"  {node.missing} missing: {counted(node.missing, 'request')} without an answer"
+    if node.late:
+        yield f"  {node.late} late: slower than the reply time of the spec, or if the bus is slower, than most replies"
+    if node.unexpected:
+        yield f"  {node.unexpected} unexpected: without a request"
+    for name, values in node.implausible.items():
         cell, limits = values.example, values.example.column.field.type.plausible
         value = value_text(cell.value, cell.raw, cell.column.unit)
         among = f"{value_span(limits)} {cell.column.unit}".rstrip() if limits else ""
         yield f"  {values.count} implausible: `{name}` is outside {among}, as {value} in {sent(values.frame)}"
-    for reason, rejected in one.rejected.items():
+    for reason, rejected in node.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
 
 
@@ -197,7 +195,7 @@ def _skipped(summary: Summary, counts: Counts) -> Iterator[str]:
         yield f"{counted(foreign, 'frame')} with foreign ids: {ids}{more}"
     if counts.remote:
         yield f"{counted(counts.remote, 'remote frame')} among all frames"
-    for part in Part:
+    for part in SkippedPart:
         if counts.skipped[part]:
             lines = [
                 f"line {n}: `{visible(text)}`" if n else visible(text) for n, text in counts.examples.get(part, ())

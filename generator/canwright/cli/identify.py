@@ -13,9 +13,9 @@ from ..model.edition import Edition
 from ..model.formatting import bus_id, counted, sent
 from ..recordings.exports import bus_name
 from ..recordings.grouping import groups
+from ..recordings.log_frame import Counts
 from ..recordings.nodes import Identifiers
 from ..recordings.readers import LogError, open_log
-from ..recordings.recorded import Counts
 from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
@@ -42,35 +42,35 @@ def identify(log: str, specs: Sequence[Path], form: str, recorder: str) -> None:
     Exit status: 0 if the edition of every node is identified and does not change, 1 if not, 2 if it could not run. Nodes
     with few frames, far apart, are listed last and do not affect it: their ids may be damaged.
     """
-    editions = [one.edition for one in read(specs, packaged=True)]
+    editions = [item.edition for item in read(specs, packaged=True)]
     identifiers = Identifiers(editions, direction_of(recorder))
     try:
         with open_log(log) as read_log:
-            for one in read_log:
-                identifiers.add(one)
+            for frame in read_log:
+                identifiers.add(frame)
     except (LogError, OSError) as error:
         stop(str(error))
-    found = identifiers.best.result()
+    identification = identifiers.best.result()
     family = identifiers.best.editions[0].family
     if form == "json":
-        print_json(_facts(family, found, read_log.counts))
+        print_json(_facts(family, identification, read_log.counts))
     else:
-        _text(family, found, read_log.counts)
-    if not found.is_complete:
+        _text(family, identification, read_log.counts)
+    if not identification.is_complete:
         sys.exit(FINDINGS)
 
 
-def _text(family: str, found: Identification, counts: Counts) -> None:
+def _text(family: str, identification: Identification, counts: Counts) -> None:
     if counts.skipped:
         parts = ", ".join(f"{part.value} ({count})" for part, count in counts.skipped.items())
         print_text(f"skipped: {parts}\n\n")
-    if found.foreign:
-        ids = _some([bus_id(*id_) for id_ in found.foreign_ids])
+    if identification.foreign:
+        ids = _some([bus_id(*id_) for id_ in identification.foreign_ids])
         print_text(
-            f"{found.foreign} of {found.frames} frames are ignored, since their ids do not belong to {family}: {ids}\n\n"
+            f"{identification.foreign} of {identification.frames} frames are ignored, since their ids do not belong to {family}: {ids}\n\n"
         )
-    has_buses = len({result.bus for result in found.nodes}) > 1
-    for group in sorted(groups(found.nodes), key=lambda group: _rank(group.result)):
+    has_buses = len({result.bus for result in identification.nodes}) > 1
+    for group in sorted(groups(identification.nodes), key=lambda group: _rank(group.result)):
         result = group.result
         where = ", ".join([family, *([bus_name(result.bus)] if has_buses else []), node_names(group.nodes)])
         since = f" from {at_frame(result.start)}" if result.start else ""
@@ -89,7 +89,7 @@ def _text(family: str, found: Identification, counts: Counts) -> None:
         if result.distinguishing:
             print_text(f"  to decide, record the reply to {_some(list(result.distinguishing))}\n")
         print_text("\n")
-    if not found.nodes:
+    if not identification.nodes:
         print_text(f"undecided: no frame has an id of {family}\n")
 
 
@@ -147,8 +147,8 @@ def _evidence(evidence: Evidence) -> str:
     return f"{evidence.text} ({among}, as in {sent(evidence.example)})"
 
 
-def _facts(family: str, found: Identification, counts: Counts) -> dict[str, object]:
-    def score(one: EditionScore) -> dict[str, object]:
+def _facts(family: str, identification: Identification, counts: Counts) -> dict[str, object]:
+    def score(each: EditionScore) -> dict[str, object]:
         against = [
             {
                 "text": e.text,
@@ -157,14 +157,14 @@ def _facts(family: str, found: Identification, counts: Counts) -> dict[str, obje
                 "among": e.among,
                 "example": sent(e.example),
             }
-            for e in one.against
+            for e in each.against
         ]
         return {
-            "edition": one.edition.name,
-            "explained": one.explained,
-            "score": one.score,
-            "requests": one.requests,
-            "unanswered": dict(one.unanswered),
+            "edition": each.edition.name,
+            "explained": each.explained,
+            "score": each.score,
+            "requests": each.requests,
+            "unanswered": dict(each.unanswered),
             "against": against,
         }
 
@@ -178,9 +178,15 @@ def _facts(family: str, found: Identification, counts: Counts) -> dict[str, obje
             "fits": [edition.name for edition in result.editions],
             "of_no_edition": result.frames - result.judged,
             "distinguishing": list(result.distinguishing),
-            "editions": [score(one) for one in result.scores],
+            "editions": [score(each) for each in result.scores],
         }
-        for result in found.nodes
+        for result in identification.nodes
     ]
     skipped = {part.value: count for part, count in counts.skipped.items()}
-    return {"family": family, "frames": found.frames, "foreign": found.foreign, "skipped": skipped, "nodes": nodes}
+    return {
+        "family": family,
+        "frames": identification.frames,
+        "foreign": identification.foreign,
+        "skipped": skipped,
+        "nodes": nodes,
+    }

@@ -215,7 +215,7 @@ class Type:
 
     `linear` is `Linear(1, 0)` if the spec gives no scale, and None if it states that the scale is unknown. `raw_range`
     limits the raw integer, of a float the value; it is None if all are allowed. `plausible` are values that a working
-    node reports; only `identify` uses them. `differs` explains why scale or unit differ from those of other types of
+    node reports; `is_plausible` compares. `differs` explains why scale or unit differ from those of other types of
     the same quantity.
     """
 
@@ -267,6 +267,18 @@ class Type:
         """Names of the number parameters that scales are multiples of."""
         found = (linear.times for _, linear in self.linear.distinct() if linear is not None)
         return tuple(dict.fromkeys(name for name in found if name is not None))
+
+    @cached_property
+    def _plausible_limits(self) -> tuple[float, float] | None:
+        span = self.plausible
+        return None if span is None else (float(span.low.constant), float(span.high.constant))
+
+    def is_plausible(self, value: object) -> bool:
+        """Whether a working node reports a value; true for what is no number, as a name is. Limits are rounded as values are."""
+        limits = self._plausible_limits
+        if limits is None or not isinstance(value, (int, float, Fraction)):
+            return True
+        return limits[0] <= float(value) <= limits[1]
 
     @cached_property
     def exemptions(self) -> tuple[tuple[str, Member], ...]:

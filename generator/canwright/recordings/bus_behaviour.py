@@ -43,4 +43,4 @@ class Behaviour(NamedTuple):
 
     def old_bits_of(self, request: Message) -> OldBits | None:
         """The old bits of a request, if it has any."""
-        return next((one for one in self.old_bits if one.request is request), None)
+        return next((bits for bits in self.old_bits if bits.request is request), None)

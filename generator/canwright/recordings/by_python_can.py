@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 
 from ..model.layout import MAX_DATA_BYTES
 from ..semantics.frame import CanFrame
+from .log_frame import OVERLONG, Counts, LogFrame, Mark, SkippedPart
 from .packages import require
-from .recorded import OVERLONG, Counts, Mark, Part, Recorded
 
 if TYPE_CHECKING:
     import can
@@ -43,24 +43,24 @@ _FIRST_BUS = {"asc": 1, "blf": 1}
 """What python-can subtracts from the number of a channel in a file."""
 
 
-def read_lines(form: str, lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
+def read_lines(form: str, lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
     """The frames of the lines of a log in the form `asc`, `trc` or `csv`. Raises MissingPackageError."""
     reader = _reader(form)
     feed = _Feed(form, lines, counts)
     while not feed.ended:
         try:
             for message in reader(feed):
-                found = _recorded(form, message)
-                if isinstance(found, Part):
-                    feed.skip(found)
+                recorded = _recorded(form, message)
+                if isinstance(recorded, SkippedPart):
+                    feed.skip(recorded)
                 else:
                     feed.took()
-                    yield found
+                    yield recorded
         except Exception:  # each reader has its own
             feed.failed()
 
 
-def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[Recorded]:
+def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[LogFrame]:
     """The frames of a log in the form `blf` or `mf4`. Raises MissingPackageError."""
     opened = _reader(form)
     counted = _Counted(source)
@@ -70,18 +70,18 @@ def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[Recorded
         size, listed = getattr(reader, "file_size", 0), getattr(reader, "object_count", 0)
         for message in reader:
             objects += 1
-            found = _recorded(form, message)
-            if isinstance(found, Part):
-                counts.skip(found)
+            recorded = _recorded(form, message)
+            if isinstance(recorded, SkippedPart):
+                counts.skip(recorded)
             else:
-                yield found
+                yield recorded
     except Exception as error:  # each reader has its own
-        counts.skip(Part.TRUNCATED, 0, str(error) or type(error).__name__)
+        counts.skip(SkippedPart.TRUNCATED, 0, str(error) or type(error).__name__)
         return
     if counted.size < size:
-        counts.skip(Part.TRUNCATED, 0, f"{counted.size} of {size} bytes")
+        counts.skip(SkippedPart.TRUNCATED, 0, f"{counted.size} of {size} bytes")
     elif listed > objects:
-        counts.skipped[Part.OTHER] += listed - objects
+        counts.skipped[SkippedPart.OTHER] += listed - objects
 
 
 def _reader(form: str) -> Callable[..., MessageReader]:
@@ -99,21 +99,21 @@ def _reader(form: str) -> Callable[..., MessageReader]:
     return cast("Callable[..., MessageReader]", readers[form])
 
 
-def _recorded(form: str, message: can.Message) -> Recorded | Part:
+def _recorded(form: str, message: can.Message) -> LogFrame | SkippedPart:
     """The frame that a message of python-can is, or what it is instead."""
     if message.is_error_frame:
-        return Part.ERROR
+        return SkippedPart.ERROR
     if message.is_fd or len(message.data) > MAX_DATA_BYTES:
-        return Part.FD
+        return SkippedPart.FD
     if not message.is_remote_frame and len(message.data) != message.dlc:
-        return Part.MALFORMED
+        return SkippedPart.MALFORMED
     frame = CanFrame(message.arbitration_id, bytes(message.data), message.is_extended_id, message.is_remote_frame)
     bus = message.channel
     if isinstance(bus, int):
         bus += _FIRST_BUS.get(form, 0)
     mark = (Mark.RECEIVED if message.is_rx else Mark.SENT) if form in _MARKED else None
     # A float of seconds since the epoch is exact to less than a microsecond.
-    return Recorded(round(message.timestamp * 1e6) * 1_000, "" if bus is None else str(bus), frame, mark)
+    return LogFrame(round(message.timestamp * 1e6) * 1_000, "" if bus is None else str(bus), frame, mark)
 
 
 class _Asc:
@@ -129,20 +129,20 @@ class _Asc:
 
     def header(self, line: str) -> str:
         """A line before the first frame."""
-        found = _ASC_BASE.match(line)
-        if found is None:
+        base = _ASC_BASE.match(line)
+        if base is None:
             self.line(line)
             return _ASC_COMMENT
-        self._is_relative = (found[2] or "").lower() == "relative"
-        return f"base {found[1].lower()}  timestamps absolute\n"
+        self._is_relative = (base[2] or "").lower() == "relative"
+        return f"base {base[1].lower()}  timestamps absolute\n"
 
     def line(self, line: str) -> str:
         """A frame or an event."""
-        found = _ASC_TIME.match(line) if self._is_relative else None
-        if found is None:
+        stamp = _ASC_TIME.match(line) if self._is_relative else None
+        if stamp is None:
             return line
-        self._time += int(found[2]) * 1_000_000_000 + int(found[3].ljust(9, "0"))
-        return f"{found[1]}{self._time // 1_000_000_000}.{self._time % 1_000_000_000:09d}{line[found.end() :]}"
+        self._time += int(stamp[2]) * 1_000_000_000 + int(stamp[3].ljust(9, "0"))
+        return f"{stamp[1]}{self._time // 1_000_000_000}.{self._time % 1_000_000_000:09d}{line[stamp.end() :]}"
 
 
 class _Feed:
@@ -187,17 +187,17 @@ class _Feed:
         """The last line is a frame."""
         self._open = None
 
-    def skip(self, part: Part) -> None:
+    def skip(self, part: SkippedPart) -> None:
         """The last line is no frame; a line that was cut off is the truncated end."""
         if self._open is not None:
             number, line = self._open
-            cut_off = part is Part.MALFORMED and not line.endswith("\n")
-            self._counts.skip(Part.TRUNCATED if cut_off else part, number, line)
+            cut_off = part is SkippedPart.MALFORMED and not line.endswith("\n")
+            self._counts.skip(SkippedPart.TRUNCATED if cut_off else part, number, line)
             self._open = None
 
     def failed(self) -> None:
         """A reader stopped at the last line; the next one starts with the header."""
-        self.skip(Part.MALFORMED)
+        self.skip(SkippedPart.MALFORMED)
         self._replayed = 0
 
     def close(self) -> None:
@@ -209,11 +209,13 @@ class _Feed:
             line = self._open[1]
             is_event = self._form == "asc" and _ASC_EVENT.match(line)
             if line.startswith(OVERLONG):
-                self.skip(Part.MALFORMED)
+                self.skip(SkippedPart.MALFORMED)
             elif _ERROR_LINE.match(line):
-                self.skip(Part.ERROR)
+                self.skip(SkippedPart.ERROR)
             else:
-                self.skip(Part.MALFORMED if _FRAME[self._form].match(line) and not is_event else Part.OTHER)
+                self.skip(
+                    SkippedPart.MALFORMED if _FRAME[self._form].match(line) and not is_event else SkippedPart.OTHER
+                )
 
 
 class _Counted:
@@ -223,9 +225,9 @@ class _Counted:
         self.source, self.size = source, 0
 
     def read(self, size: int = -1) -> bytes:
-        found = self.source.read(size)
-        self.size += len(found)
-        return found
+        content = self.source.read(size)
+        self.size += len(content)
+        return content
 
     def close(self) -> None:
         """Readers close what they read."""

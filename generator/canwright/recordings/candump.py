@@ -8,7 +8,7 @@ from datetime import datetime, timezone
 
 from ..model.layout import MAX_DATA_BYTES
 from ..semantics.frame import CanFrame
-from .recorded import Counts, Mark, Part, Recorded
+from .log_frame import Counts, LogFrame, Mark, SkippedPart
 
 _SHORT = re.compile(
     r"(?:\((?P<time>[\d.]+)\)\s+)?(?:(?P<bus>\S+)\s+)?(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#"
@@ -32,13 +32,13 @@ _SHORT_MARKS = {"R": Mark.RECEIVED, "T": Mark.SENT}
 _MARKS = {"R": Mark.RECEIVED, "T": Mark.SENT, "RX": Mark.RECEIVED, "TX": Mark.SENT, None: None}
 
 
-def read(lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
+def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
     """The frames of the lines of a log. A last line that was cut off is counted as the truncated end."""
     known: dict[str, tuple[str, int, bool]] = {}
     second, start, width = "-", 0, 1
     for number, line in enumerate(lines, start=1):
         # Most lines are of `candump -l`, with a bus and an id that occurred before: these take a fifth of the time.
-        recorded: Recorded | None = None
+        recorded: LogFrame | None = None
         try:
             head, _, written = line.partition("#")
             if head[:width] != second and head[0] == "(":
@@ -53,7 +53,7 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
             is_whole = 0 < len(data) <= MAX_DATA_BYTES and len(written) == 2 * len(data) + 1 and line[-1] == "\n"
             if is_whole and head[:width] == second and fraction.isdecimal():
                 frame = _new(CanFrame, (id_, data, extended, False))
-                recorded = _new(Recorded, (start + int(fraction) * 1_000, bus, frame, mark))
+                recorded = _new(LogFrame, (start + int(fraction) * 1_000, bus, frame, mark))
         except (ValueError, KeyError, IndexError):
             pass
         if recorded is None:
@@ -66,42 +66,42 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
         yield recorded
 
 
-def _read(line: str, number: int, counts: Counts) -> Recorded | None:
+def _read(line: str, number: int, counts: Counts) -> LogFrame | None:
     """The frame of a line of any form; None, counted, without one."""
     written = (_COLOUR.sub("", line) if "\x1b" in line else line).strip()
-    found = _SHORT.fullmatch(written) or _LONG.fullmatch(written)
-    if found is None:
+    match = _SHORT.fullmatch(written) or _LONG.fullmatch(written)
+    if match is None:
         counts.skip(_part(line, written), number, written)
         return None
-    id_, data, remote = int(found["id"], 16), b"", found["data"].startswith(("R", "r"))
+    id_, data, remote = int(match["id"], 16), b"", match["data"].startswith(("R", "r"))
     if not remote:
-        data = bytes.fromhex(found["data"].replace(".", " "))
+        data = bytes.fromhex(match["data"].replace(".", " "))
     if id_ & _ERROR_BIT:
-        counts.skip(Part.ERROR, number, written)
+        counts.skip(SkippedPart.ERROR, number, written)
     elif len(data) > MAX_DATA_BYTES:
-        counts.skip(Part.FD, number, written)
-    elif _is_cut_off(found, data, remote, line):
-        counts.skip(Part.MALFORMED if line.endswith("\n") else Part.TRUNCATED, number, written)
+        counts.skip(SkippedPart.FD, number, written)
+    elif _is_cut_off(match, data, remote, line):
+        counts.skip(SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED, number, written)
     else:
-        frame = CanFrame(id_, data, len(found["id"]) == 8, remote)
-        return Recorded(_nanoseconds(found["time"]), found["bus"] or "", frame, _MARKS[found["mark"]])
+        frame = CanFrame(id_, data, len(match["id"]) == 8, remote)
+        return LogFrame(_nanoseconds(match["time"]), match["bus"] or "", frame, _MARKS[match["mark"]])
     return None
 
 
-def _is_cut_off(found: re.Match[str], data: bytes, remote: bool, line: str) -> bool:
+def _is_cut_off(match: re.Match[str], data: bytes, remote: bool, line: str) -> bool:
     """Whether data are missing: fewer than a length that is printed, or an interrupted line without any."""
-    length = found.groupdict().get("length")
+    length = match.groupdict().get("length")
     if length is not None:
         return not remote and int(length) != len(data)
-    return not data and not remote and not line.endswith("\n") and found["time"] is not None
+    return not data and not remote and not line.endswith("\n") and match["time"] is not None
 
 
-def _part(line: str, written: str) -> Part:
+def _part(line: str, written: str) -> SkippedPart:
     if not written or written.startswith(_COMMENTS) or line.startswith("\t"):  # a tab starts the details of an error
-        return Part.OTHER
+        return SkippedPart.OTHER
     if _NOT_CLASSIC.fullmatch(written):
-        return Part.FD
-    return Part.MALFORMED if line.endswith("\n") else Part.TRUNCATED
+        return SkippedPart.FD
+    return SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED
 
 
 def _nanoseconds(written: str | None) -> int | None:

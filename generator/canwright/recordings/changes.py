@@ -14,7 +14,7 @@ import operator
 from collections.abc import Sequence
 
 from ..model.edition import Edition
-from .recorded import Recorded
+from .log_frame import LogFrame
 from .results import Place
 from .steps import State, Step
 from .tally import Seen, Tally
@@ -26,7 +26,7 @@ SWITCH = 8
 NEAR = 32
 """The number of frames of a log within which the next frame of a node is near."""
 
-Arrival = tuple[Step, int, Recorded]
+Arrival = tuple[Step, int, LogFrame]
 """A step, the number of its frame, and the frame."""
 
 
@@ -139,12 +139,12 @@ class NodeFrames:
         self.tallies[-1].add(counts, -1)
         self.tallies.append(Tally(self._editions, start))
         self._points = [0] * len(self._editions)
-        for other in self._divisions:
-            other.restart(0)
+        for each in self._divisions:
+            each.restart(0)
         assert start is not None
         self._add_block(counts, start)
-        for other in self._divisions:
-            other.restart(min(self._points))
+        for each in self._divisions:
+            each.restart(min(self._points))
 
 
 def _counted(recent: Sequence[Arrival]) -> dict[Step, Seen]:

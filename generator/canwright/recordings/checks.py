@@ -104,7 +104,7 @@ def _steps(field: Field) -> list[int] | None:
     if field.role.is_checked or type_.enum or type_.flags or type_.encoding is Encoding.FLOAT:
         return None
     limits = [type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases)]
-    bounds = [b.constant for one in limits if one and one.is_constant for b in (one.low, one.high)]
+    bounds = [b.constant for span in limits if span and span.is_constant for b in (span.low, span.high)]
     if type_.plausible is not None:
         for assignment in _assignments(type_.linear.parameter, type_.linear.cases):
             linear = type_.linear.at(assignment) or Linear(Fraction(1), Fraction(0))
@@ -120,11 +120,9 @@ def _assignments(parameter: str | None, cases: Iterable[str]) -> list[Assignment
 
 
 def _is_plausible(type_: Type, raw: int) -> bool:
-    if type_.plausible is None:
-        return True
-    low, high = type_.plausible.low.constant, type_.plausible.high.constant
-    values = [value_of(type_, raw, a) for a in _assignments(type_.linear.parameter, type_.linear.cases)]
-    return any(not isinstance(value, Fraction) or low <= value <= high for value in values)
+    """Whether the value is plausible under some parameter value."""
+    cases = _assignments(type_.linear.parameter, type_.linear.cases)
+    return any(type_.is_plausible(value_of(type_, raw, case)) for case in cases)
 
 
 def _is_in_range(type_: Type, raw: int) -> bool:

@@ -1,16 +1,15 @@
 """The directions of frames in arrays: those of `directions.py`, for logs of millions of frames.
 
-Frames of different nodes do not affect each other. In the frames of one node, most requests are followed by their reply,
-and no exchange is open after it: NumPy finds these. The rules of `directions.py` judge the other frames one by one, until
-no exchange is open.
+Frames of different nodes do not affect each other. Most requests of a node are followed by their reply, and no exchange is
+open after it. Whether a frame answers the one before depends on the classes of both, on their content, and on whether the
+second comes soon: `Directions` decides on one pair of each kind, and NumPy finds the others. `Directions` also decides on
+all other frames, one by one, until no exchange is open.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import functools
 import itertools
-import operator
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,28 +22,28 @@ from numpy.typing import NDArray
 
 from ..model.edition import Edition
 from ..model.message import Command, Direction, IdRule
-from ..semantics.decoder import Rejection
 from ..semantics.frame import CanFrame
 from .bus_behaviour import LOOKED_AHEAD, Behaviour
-from .directions import MAX_KINDS, Arrived, Directions, Judged
-from .frame_kinds import Form, FrameKind, FrameKinds
-from .recorded import Mark, Recorded
+from .directions import DirectedFrame, Directions, PendingFrame, direction_by_content
+from .frame_classes import MAX_CLASSES, DirectionRule, frame_classes
+from .log_frame import LogFrame, Mark
 
 Array = NDArray[Any]
 
 REQUEST, REPLY, UNKNOWN = 0, 1, 2
 """The directions in arrays, as the target `columns` numbers them."""
 _BOTH, _NONE = 3, 4
-"""Classes of frames beside the directions: the other frames decide, and no message has the content."""
+"""What else the content of a frame allows: both directions, and none."""
 _NUMBERS = {Direction.REQUEST: REQUEST, Direction.REPLY: REPLY}
 _MARKS = (Mark.SENT, Mark.RECEIVED, None)
 EXTENDED, REMOTE = 1, 2
 """The bits of `kind`."""
 
-_NOTHING, _ONE, _OTHER = 0, 1, 2
-"""What a request opens at a node: no exchange, one that a single frame closes, or possibly another."""
+_UNCERTAIN, _ENDS, _CLOSES, _WAITS = range(4)
+"""How many frames after a request no exchange is open: it ends before the next frame, or this closes it, or a later frame
+decides on this."""
 _LOOKED_AFTER = 8
-"""The number of frames of a node that are searched for the reply to a request, if the next one can be a request too."""
+"""The number of frames of a node after a frame that waits which are searched for one that decides on it."""
 _ABSENT, _ANY = -2, -1
 """Numbers in place of a node: the frame concerns none, or frames without a node."""
 
@@ -114,12 +113,12 @@ def _behaviours(start: Sequence[FrameArrays], edition: Edition, window: int | No
     """The behaviour of the buses in the first blocks of a log. All known directions count."""
     rows = ((block, row) for block in start for row in range(block.id.size))
     first = [
-        Recorded(
+        LogFrame(
             int(block.time[row]), block.buses[block.bus[row]], _frame(block, row), _MARKS[int(block.direction[row])]
         )
         for block, row in itertools.islice(rows, LOOKED_AHEAD)
     ]
-    return Directions({}, edition, window=window).learn(first, {one.bus for one in first})
+    return Directions({}, edition, window=window).learn(first, {frame.bus for frame in first})
 
 
 @dataclass
@@ -128,7 +127,7 @@ class _Held:
 
     block: Any
     direction: Array
-    waiting: list[tuple[int, Judged | Arrived]]
+    waiting: list[tuple[int, DirectedFrame | PendingFrame]]
 
 
 def _released(held: deque[_Held]) -> Iterator[Any]:
@@ -142,12 +141,12 @@ def _released(held: deque[_Held]) -> Iterator[Any]:
         yield dataclasses.replace(first.block, direction=first.direction)
 
 
-def _set(direction: Array, row: int, judged: Judged | Arrived) -> bool:
+def _set(direction: Array, row: int, judged: DirectedFrame | PendingFrame) -> bool:
     """Sets the direction of a frame; false while it waits."""
-    found = judged.judged if isinstance(judged, Arrived) else judged
-    if found is None:
+    directed = judged.directed if isinstance(judged, PendingFrame) else judged
+    if directed is None:
         return False
-    direction[row] = UNKNOWN if found.direction is None else _NUMBERS[found.direction]
+    direction[row] = UNKNOWN if directed.direction is None else _NUMBERS[directed.direction]
     return True
 
 
@@ -183,130 +182,77 @@ class _Numbers:
         return places, self._values[places] == values
 
 
-class _Kinds:
-    """The kinds of frames of an edition on buses of some behaviours, by number, with their properties as arrays."""
+class _Classes:
+    """The classes of frames of an edition on buses of some behaviours, by number."""
 
     def __init__(self, edition: Edition, window: int | None, *, is_separate: bool) -> None:
-        self._kinds = FrameKinds(edition, 0, window)
-        self._behaviours: dict[Behaviour, int] = {}
+        self._edition = edition
+        self._window = window
         self._is_separate = is_separate
-        self._lines, self._values, self._numbers, self._pairs = _Numbers(), _Numbers(), _Numbers(), _Numbers()
+        self._behaviours: dict[Behaviour, int] = {}
+        self._ids, self._values, self._numbers = _Numbers(), _Numbers(), _Numbers()
         self._has_nodes: list[bool] = []
         self._key_bits: list[int] = []
-        self._kind: list[FrameKind] = []
         self._profiles: dict[object, int] = {}
-        self._examples: list[FrameKind] = []
-        """A kind of each profile."""
         self._profile: list[int] = []
-        self._answers: list[bool] = []
-        self.opens: list[Mapping[int, int]] = []
-        """The nodes that each kind concerns, and what a request of it opens there."""
-        self.is_echoed: list[bool] = []
-        self.is_distinct: list[bool] = []
-        self.has_old_bits: list[bool] = []
-        self.is_copied: list[bool] = []
-        """Whether frames on the bus can be recorded twice."""
-        self.within: list[int] = []
-        self.window: list[int] = []
+        """Classes with one profile have the same content."""
+        self.rules: list[DirectionRule] = []
+        self.opens: list[Mapping[int, bool]] = []
+        """The nodes that each class concerns, and whether a request of it opens an exchange there."""
+        self.is_certain: list[bool] = []
+        """Whether no data decide which frames answer a request, and frames are not recorded twice."""
 
     @property
     def is_full(self) -> bool:
-        """Whether there are too many kinds to remember, as in a log with random frames."""
-        return max(self._lines.count, self._values.count, self._numbers.count) > MAX_KINDS
+        """Whether there are too many classes to remember, as in a log with random frames."""
+        return max(self._ids.count, self._values.count, self._numbers.count) > MAX_CLASSES
 
     def numbers(self, frames: FrameArrays, behaviours: Sequence[Behaviour]) -> tuple[Array, Array]:
-        """The positions of the frames whose id is one of the edition's, and their kinds; behaviours are those of the buses."""
-        known = [self._behaviours.setdefault(one, len(self._behaviours)) for one in behaviours]
+        """The positions of the frames whose id is one of the edition's, and their classes; behaviours are those of the buses."""
+        known = [self._behaviours.setdefault(behaviour, len(self._behaviours)) for behaviour in behaviours]
         ids = frames.id.astype(np.uint64) | frames.kind.astype(np.uint64) << 32 | frames.length.astype(np.uint64) << 40
         if len(self._behaviours) > 1:
             ids |= np.array(known, np.uint64)[frames.bus] << 48
-        lines, new = self._lines.of(ids)
+        ids, new = self._ids.of(ids)
         for row in new.tolist():
-            frame = _frame(frames, row)
-            self._has_nodes.append(bool(self._kinds.nodes(frame)))
-            self._key_bits.append(self._kinds.key_bits(frame))
-        rows = np.flatnonzero(np.array(self._has_nodes, np.bool_)[lines])
-        lines = lines[rows]
-        values, _ = self._values.of(frames.data[rows] & np.array(self._key_bits, np.uint64)[lines])
-        numbers, new = self._numbers.of(lines.astype(np.uint64) << 32 | values.astype(np.uint64))
+            id_class = frame_classes(self._edition).id_class(_frame(frames, row))
+            self._has_nodes.append(bool(id_class.nodes))
+            self._key_bits.append(id_class.key_bits)
+        rows = np.flatnonzero(np.array(self._has_nodes, np.bool_)[ids])
+        ids = ids[rows]
+        values, _ = self._values.of(frames.data[rows] & np.array(self._key_bits, np.uint64)[ids])
+        numbers, new = self._numbers.of(ids.astype(np.uint64) << 32 | values.astype(np.uint64))
         for row in rows[new].tolist():
-            behaviour = behaviours[frames.bus[row]]
-            self.is_copied.append(bool(behaviour.copied))
-            self._add(self._kinds.kind(_frame(frames, row), behaviour))
+            self._add(_frame(frames, row), behaviours[frames.bus[row]])
         return rows, numbers
 
-    def _add(self, kind: FrameKind) -> None:
-        request = kind.request and (kind.request.message, kind.request.constants, kind.request.reserved)
-        profile = kind.only, request, tuple(reply.constants for reply in kind.replies)
-        number = self._profiles.setdefault(profile, len(self._profiles))
-        if number == len(self._examples):
-            self._examples.append(kind)
-        self._kind.append(kind)
-        self._profile.append(number)
-        self.opens.append(self._opened(kind))
-        self.is_echoed.append(kind.is_echoed)
-        self.is_distinct.append(kind.is_distinct)
-        self.has_old_bits.append(kind.has_old_bits)
-        self.within.append(kind.within)
-        self.window.append(kind.window)
+    def _add(self, frame: CanFrame, behaviour: Behaviour) -> None:
+        rule = DirectionRule(frame_classes(self._edition).of(frame), behaviour, self._window)
+        request = rule.request and (rule.request.message, rule.request.constants, rule.request.reserved)
+        profile = rule.only, request, tuple(reply.constants for reply in rule.frame_class.replies)
+        self._profile.append(self._profiles.setdefault(profile, len(self.rules)))
+        self.rules.append(rule)
+        self.opens.append(self._opened(rule))
+        self.is_certain.append(not behaviour.copied and rule.frame_class.is_certain)
 
-    def _opened(self, kind: FrameKind) -> Mapping[int, int]:
-        """What a request of a kind opens at each node; also the nodes that can have sent it as a reply."""
-        nodes = {_ANY if n is None or not self._is_separate else n for _, _, n in kind.answers}
-        if len(nodes) > 1:
-            nodes.discard(_ANY)  # the channel of any node, to which no request is sent if the nodes are separate
-        opened = dict.fromkeys(nodes, _NOTHING)
-        found = kind.identified[Direction.REQUEST]
-        if kind.request is None or isinstance(found, Rejection):
-            return opened
-        is_certain = found.message is kind.request.message and found.message not in kind.with_constants
-        for (_, _, node), replies in kind.opens:
-            at = _ANY if node is None or not self._is_separate else node
-            is_one = is_certain and not kind.has_node_in_data and replies == 1 and not opened.get(at)
-            opened[at] = _ONE if is_one else _OTHER
-        return opened
+    def _opened(self, rule: DirectionRule) -> Mapping[int, bool]:
+        """The nodes to which a frame of a class is sent, with true, and those that can have sent it."""
+        answers, opens = (
+            {_ANY if channel.node is None or not self._is_separate else channel.node for channel in channels}
+            for channels in (rule.frame_class.answers, [opened.channel for opened in rule.frame_class.opens])
+        )
+        if len(answers) > 1:
+            answers.discard(_ANY)  # the channel of any node, to which no request is sent if the nodes are separate
+        return {node: node in opens for node in sorted(answers | opens)}
 
-    def classes(self, numbers: Array, data: Array) -> Array:
-        """The directions that the content of frames allows."""
-        found = np.empty(numbers.size, np.uint8)
+    def contents(self, numbers: Array, data: Array) -> Array:
+        """The bits of `DirectionRule.content` for each frame."""
+        contents = np.empty(numbers.size, np.uint8)
         profiles = np.array(self._profile, np.intp)[numbers]
         for profile in np.flatnonzero(np.bincount(profiles)).tolist():
             rows = np.flatnonzero(profiles == profile)
-            found[rows] = _classes(self._examples[profile], data[rows])
-        return found
-
-    def answers(self, frames: FrameArrays, requests: _Rows, replies: _Rows) -> Array:
-        """Which replies answer their requests, by their kinds."""
-        pairs = requests.kinds.astype(np.uint64) << 32 | replies.kinds.astype(np.uint64)
-        numbers, new = self._pairs.of(pairs)
-        for at in new.tolist():
-            asking, kind = self._kind[requests.kinds[at]], self._kind[replies.kinds[at]]
-            request, reply = _frame(frames, int(requests.rows[at])), _frame(frames, int(replies.rows[at]))
-            self._answers.append(kind.reply_to(asking, request, reply) is not None)
-        return np.array(self._answers, np.bool_)[numbers]
-
-
-def _classes(kind: FrameKind, data: Array) -> Array | int:
-    """The directions of frames of a kind, as `Directions` finds them by id and content."""
-    if kind.only is not None:
-        return _NUMBERS[kind.only]
-    is_request, is_regular = np.zeros(data.size, np.bool_), np.zeros(data.size, np.bool_)
-    if kind.request is not None:
-        is_request |= kind.request.has_constants(data)
-        is_regular = _are_regular(kind.request, data)
-    is_reply = np.zeros(data.size, np.bool_)
-    for form in kind.replies:
-        is_reply |= form.has_constants(data)
-    either = np.where(is_regular, _BOTH, REPLY)
-    return np.where(is_request, np.where(is_reply, either, REQUEST), np.where(is_reply, REPLY, _NONE))
-
-
-def _are_regular(form: Form, data: Array) -> Array:
-    """Which data a program that obeys the spec can send."""
-    found: Array = data & form.reserved.mask == form.reserved.value
-    for parts, allows in form.limits:
-        found &= allows(functools.reduce(operator.or_, ((data >> low & ones) << high for low, ones, high in parts)))
-    return found
+            contents[rows] = self.rules[profile].content(data[rows])
+        return contents
 
 
 def _frame(frames: FrameArrays, row: int) -> CanFrame:
@@ -315,26 +261,22 @@ def _frame(frames: FrameArrays, row: int) -> CanFrame:
     return CanFrame(int(frames.id[row]), data, bool(kind & EXTENDED), bool(kind & REMOTE))
 
 
-class _Rows(NamedTuple):
-    """Positions of frames in a block, and their kinds."""
-
-    rows: Array
-    kinds: Array
-
-    def at(self, places: Array) -> _Rows:
-        return _Rows(self.rows[places], self.kinds[places])
-
-
 class _Entries(NamedTuple):
     """The frames of each node one after the other; a frame that concerns several nodes has several entries."""
 
     nodes: Array
     """Numbers of nodes on buses."""
-    of: _Rows
-    opens: Array
+    rows: Array
+    """Positions of the frames in the block."""
     classes: Array
+    """Numbers of classes."""
+    kinds: Array
+    """Numbers of classes with their content and their mark."""
+    opens: Array
+    """Whether the frame opens an exchange with the node if it is a request."""
+    allowed: Array
+    """The directions that id, content and mark allow."""
     clock: Array
-    data: Array
 
 
 class _Log:
@@ -345,7 +287,6 @@ class _Log:
         self._window = window
         self._behaviours = behaviours
         self._sharing = _sharing(edition)
-        self._kinds = self._new_kinds()
         self._clocks: dict[str, tuple[int, int]] = {}
         """The time of the last frame, and the clock, which never runs backwards."""
         self._buses: dict[str, int] = {}
@@ -357,13 +298,30 @@ class _Log:
         self._editions: dict[tuple[str, int | None], Edition] = {}
         self._open: dict[str, str] = {}
         """The names of the nodes with open exchanges, and their buses."""
+        self._forget()
 
-    def _new_kinds(self) -> _Kinds:
-        return _Kinds(self._edition, self._window, is_separate=self._sharing is not _Sharing.NODES)
+    def _forget(self) -> None:
+        """Forgets the classes of frames, and what follows from them."""
+        self._classes = _Classes(self._edition, self._window, is_separate=self._sharing is not _Sharing.NODES)
+        self._kinds, self._pairs, self._triples = _Numbers(), _Numbers(), _Numbers()
+        self._allowed: list[int] = []
+        """The directions that each kind of frames allows."""
+        self._of_pairs: list[int] = []
+        """What each kind of frames shows after each kind of requests."""
+        self._of_triples: list[int] = []
+        """What each kind of frames shows after a request and a frame that waits."""
 
     @cached_property
     def _directions(self) -> Directions:
         """The rules for the frames of one node; for them, each node is on a bus of its own."""
+        return self._new_directions()
+
+    @cached_property
+    def _trial(self) -> Directions:
+        """The same rules, for pairs of frames."""
+        return self._new_directions()
+
+    def _new_directions(self) -> Directions:
         default = self._edition if self._sharing is _Sharing.NODES else None
         return Directions(self._editions, default, window=self._window, behaviours=self._of_nodes)
 
@@ -372,16 +330,29 @@ class _Log:
         held = _Held(block, block.direction.copy(), [])
         if not block.id.size:
             return held
-        if self._kinds.is_full:
-            self._kinds = self._new_kinds()
+        if self._classes.is_full:
+            self._forget()
         clock = self._advanced(block)
-        rows, numbers = self._kinds.numbers(block, [self._behaviour(bus) for bus in block.buses])
-        given = block.direction[rows]
-        classes = np.where(given == UNKNOWN, self._kinds.classes(numbers, block.data[rows]), given)
-        held.direction[rows] = np.minimum(classes, UNKNOWN)
+        rows, classes = self._classes.numbers(block, [self._behaviour(bus) for bus in block.buses])
+        kinds = self._kinds_of(block, rows, classes)
+        allowed = np.array(self._allowed, np.uint8)[kinds]
+        held.direction[rows] = np.minimum(allowed, UNKNOWN)
         if self._sharing is not _Sharing.NOTHING:
-            self._pair(held, clock, _Rows(rows, numbers), classes)
+            self._pair(held, self._entries(block, clock, rows, classes, kinds, allowed))
         return held
+
+    def _kinds_of(self, block: FrameArrays, rows: Array, classes: Array) -> Array:
+        """The numbers of classes with their content and their mark."""
+        contents = self._classes.contents(classes, block.data[rows])
+        given = block.direction[rows]
+        kinds, new = self._kinds.of(classes.astype(np.uint64) << 8 | contents.astype(np.uint64) << 4 | given)
+        for at in new.tolist():
+            allowed = int(given[at])
+            if allowed == UNKNOWN:
+                decided = direction_by_content(self._classes.rules[classes[at]], int(contents[at]))
+                allowed = _BOTH if decided is None else _NONE if decided[0] is None else _NUMBERS[decided[0]]
+            self._allowed.append(allowed)
+        return kinds
 
     def _behaviour(self, bus: str) -> Behaviour:
         return self._behaviours.get(bus, Behaviour())._replace(is_marked=True)
@@ -389,87 +360,97 @@ class _Log:
     def settle_late(self) -> None:
         """Decides on the waiting frames for which it is too late at the end of the last block."""
         for name, bus in self._open.items():
-            self._directions.settle(name, self._clocks[bus][1])
+            self._directions.decide_pending(name, self._clocks[bus][1])
 
     def settle_all(self) -> None:
         """Decides on all waiting frames."""
         for name in self._open:
-            self._directions.settle(name)
+            self._directions.decide_pending(name)
 
     def _advanced(self, block: FrameArrays) -> Array:
         """The clock of the bus at each frame."""
-        found = np.empty(block.id.size, np.int64)
+        clocks = np.empty(block.id.size, np.int64)
         for number in np.flatnonzero(np.bincount(block.bus)).tolist():
             rows = np.flatnonzero(block.bus == number)
             time = block.time[rows]
             last, clock = self._clocks.get(block.buses[number], (time[0], 0))
-            found[rows] = clock + np.cumsum(np.maximum(np.diff(time, prepend=last), 0))
-            self._clocks[block.buses[number]] = int(time[-1]), int(found[rows[-1]])
-        return found
+            clocks[rows] = clock + np.cumsum(np.maximum(np.diff(time, prepend=last), 0))
+            self._clocks[block.buses[number]] = int(time[-1]), int(clocks[rows[-1]])
+        return clocks
 
-    def _pair(self, held: _Held, clock: Array, frames: _Rows, classes: Array) -> None:
+    def _pair(self, held: _Held, entries: _Entries) -> None:
         """Decides on the frames that can be requests or replies."""
-        entries = self._entries(held.block, clock, frames, classes)
         steps = self._steps(held.block, entries).tobytes()
-        second = bytearray(len(steps))
+        is_reply = bytearray(len(steps))
         ends = np.flatnonzero(np.diff(entries.nodes, append=-1)) + 1
-        judged: list[tuple[int, Judged | Arrived]] = []
+        decided: list[tuple[int, DirectedFrame | PendingFrame]] = []
         place = 0
         for end in ends.tolist():
             name, _ = self._names[entries.nodes[place]]
             if name in self._open:
-                place = self._judge(held.block, entries, place, end, judged)
+                place = self._decide(held.block, entries, place, end, decided)
             while place < end:
                 step = steps[place]
-                if step == 2:
-                    second[place + 1] = 1
-                elif not step:
-                    place = self._judge(held.block, entries, place, end, judged)
+                if step == _CLOSES:
+                    is_reply[place + 1] = 1
+                elif step == _UNCERTAIN:
+                    place = self._decide(held.block, entries, place, end, decided)
                 place += step
-        both = entries.classes == _BOTH
-        held.direction[entries.of.rows[both]] = np.where(np.frombuffer(second, np.bool_)[both], REPLY, REQUEST)
-        held.waiting = [(row, one) for row, one in judged if not _set(held.direction, row, one)]
+        both = entries.allowed == _BOTH
+        held.direction[entries.rows[both]] = np.where(np.frombuffer(is_reply, np.bool_)[both], REPLY, REQUEST)
+        held.waiting = [(row, result) for row, result in decided if not _set(held.direction, row, result)]
 
-    def _judge(
-        self, block: FrameArrays, entries: _Entries, place: int, end: int, judged: list[tuple[int, Judged | Arrived]]
+    def _decide(
+        self,
+        block: FrameArrays,
+        entries: _Entries,
+        place: int,
+        end: int,
+        decided: list[tuple[int, DirectedFrame | PendingFrame]],
     ) -> int:
-        """Judges the frames of a node one by one until no exchange is open; returns the place of the next one."""
+        """Decides on the frames of a node one by one until no exchange is open; returns the place of the next one."""
         name, bus = self._names[entries.nodes[place]]
         self._open[name] = bus
         for at in range(place, end):
-            row = int(entries.of.rows[at])
-            mark = _MARKS[int(block.direction[row])]
-            found = self._directions.accept(Recorded(int(entries.clock[at]), name, _frame(block, row), mark))
-            if entries.classes[at] == _BOTH:
-                judged.append((row, found))
-            if isinstance(found, Judged) and found.ends_part:
+            result = self._directions.accept(self._log_frame(block, entries, at))
+            if entries.allowed[at] == _BOTH:
+                decided.append((int(entries.rows[at]), result))
+            if isinstance(result, DirectedFrame) and result.ends_part:
                 del self._open[name]
                 return at + 1
         return end
 
-    def _entries(self, block: FrameArrays, clock: Array, frames: _Rows, classes: Array) -> _Entries:
-        first = [next(iter(opened.items()), (_ABSENT, _NOTHING)) for opened in self._kinds.opens]
-        nodes, opens = np.array(first, np.int64).reshape(-1, 2)[frames.kinds].T
-        places = [np.flatnonzero((classes != _NONE) & (nodes != _ABSENT))]
+    def _log_frame(self, block: FrameArrays, entries: _Entries, at: int) -> LogFrame:
+        """A frame as `Directions` reads it, on the bus of its node."""
+        row, (name, _) = int(entries.rows[at]), self._names[entries.nodes[at]]
+        return LogFrame(int(entries.clock[at]), name, _frame(block, row), _MARKS[int(block.direction[row])])
+
+    def _entries(
+        self, block: FrameArrays, clock: Array, rows: Array, classes: Array, kinds: Array, allowed: Array
+    ) -> _Entries:
+        first = [next(iter(opened.items()), (_ABSENT, False)) for opened in self._classes.opens]
+        nodes, opens = np.array(first, np.int64).reshape(-1, 2)[classes].T
+        places = [np.flatnonzero((allowed != _NONE) & (nodes != _ABSENT))]
         columns = [(nodes[places[0]], opens[places[0]])]
-        for number, opened in enumerate(self._kinds.opens):
+        for number, opened in enumerate(self._classes.opens):
             if len(opened) > 1:
-                these = np.flatnonzero((frames.kinds == number) & (classes != _NONE))
-                for node, how in [*opened.items()][1:]:
+                these = np.flatnonzero((classes == number) & (allowed != _NONE))
+                for node, is_open in [*opened.items()][1:]:
                     places.append(these)
-                    columns.append((np.full(these.size, node), np.full(these.size, how)))
+                    columns.append((np.full(these.size, node), np.full(these.size, is_open)))
         at = np.concatenate(places)
         nodes, opens = (np.concatenate(column) for column in zip(*columns, strict=True))
-        rows = frames.rows[at]
-        buses = block.bus[rows]
+        own = rows[at]
+        buses = block.bus[own]
         known = np.array([self._buses.setdefault(name, len(self._buses)) for name in block.buses], np.uint64)
         numbers, new = self._nodes.of(known[buses] << 32 | (nodes - _ANY).astype(np.uint64))
         for place in new.tolist():
             self._add_node(block.buses[buses[place]], int(nodes[place]))
-        order = np.argsort(numbers * block.id.size + rows)
-        at, rows = at[order], rows[order]
-        of = _Rows(rows, frames.kinds[at])
-        return _Entries(numbers[order], of, opens[order], classes[at], clock[rows], block.data[rows])
+        order = np.argsort(numbers * block.id.size + own)
+        at, own = at[order], own[order]
+        return _Entries(
+            numbers[order], own, classes[at], kinds[at], opens[order].astype(np.bool_), allowed[at], clock[own]
+        )
 
     def _add_node(self, bus: str, number: int) -> None:
         node = None if number == _ANY else number
@@ -481,61 +462,68 @@ class _Log:
     def _steps(self, block: FrameArrays, entries: _Entries) -> Array:
         """How many frames later no exchange is open again if none is open before a frame; 0 if it is not certain.
 
-        Without an open exchange, a frame that can be both is a request. After 2 frames, the second answers the first. A
-        request that the next one replaces counts as none.
+        Without an open exchange, a frame that can be both is a request.
         """
-        nodes, of, opens, classes, clock, data = entries
-        kinds = self._kinds
-        is_copied = np.array(kinds.is_copied, np.bool_)[of.kinds]
-        steps: Array = (((classes == REPLY) | (opens == _NOTHING)) & ~is_copied).astype(np.uint8)
-        first = np.flatnonzero((classes != REPLY) & (opens == _ONE) & ~is_copied)
-        first = first[first + 1 < nodes.size]
-        first = first[nodes[first] == nodes[first + 1]]
-        gap = clock[first + 1] - clock[first]
-        is_answered = gap <= np.array(kinds.window, np.int64)[of.kinds[first]]
-        steps[first[~is_answered]] = 1
-        first, gap = first[is_answered], gap[is_answered]
-        then = first + 1
-        asking, kind = of.kinds[first], of.kinds[then]
-        is_same = data[first] == data[then]
-        is_echoed = np.array(kinds.is_echoed, np.bool_)[asking]
-        answers = ~is_echoed | is_same
-        possible = np.flatnonzero(answers)
-        answers[possible] = kinds.answers(block, of.at(first[possible]), of.at(then[possible]))
-        is_soon = gap <= np.array(kinds.within, np.int64)[asking]
-        is_distinct = np.array(kinds.is_distinct, np.bool_)[kind]
-        has_old_bits = np.array(kinds.has_old_bits, np.bool_)[kind]
-        is_repeated = asking == kind
-        is_same &= is_repeated
-        is_both = classes[then] == _BOTH
-        closes = answers & np.where(is_echoed, is_soon, ~is_distinct & (is_soon | ~(is_same | has_old_bits)))
-        steps[first[np.where(is_both, closes, answers & (classes[then] == REPLY))]] = 2
-        replaces = ~answers | (~is_soon & (is_distinct | is_same | has_old_bits))
-        is_replaced = is_repeated & ~is_echoed & np.where(is_both, replaces, classes[then] == REQUEST)
-        steps[first[is_replaced]] = 1
-        waits = np.flatnonzero(is_both & answers & ~is_echoed & is_soon & is_distinct)
-        steps[self._waiting_replies(block, entries, first[waits])] = 2
+        is_certain = np.array(self._classes.is_certain, np.bool_)[entries.classes]
+        is_request = entries.opens & (entries.allowed != REPLY)
+        steps: Array = np.where(~is_request & is_certain, _ENDS, _UNCERTAIN).astype(np.uint8)
+        first = np.flatnonzero(is_request & is_certain)
+        first = first[first + 1 < entries.nodes.size]
+        first = first[entries.nodes[first] == entries.nodes[first + 1]]
+        gap = entries.clock[first + 1] - entries.clock[first]
+        times = np.array([(rule.within, rule.window) for rule in self._classes.rules], np.int64).reshape(-1, 2)
+        within, window = times[entries.classes[first]].T
+        steps[first[gap > window]] = _ENDS
+        first, is_soon = first[gap <= window], (gap <= within)[gap <= window]
+        keys = entries.kinds[first].astype(np.uint64) << 32 | self._following(block, entries, first, 1, is_soon)
+        pairs, new = self._pairs.of(keys)
+        self._of_pairs += [self._verdict(block, entries, at, at + 1) for at in first[new].tolist()]
+        verdicts = np.array(self._of_pairs, np.uint8)[pairs]
+        steps[first] = verdicts % _WAITS
+        waits = verdicts == _WAITS
+        steps[self._with_waiting_replies(block, entries, first[waits], pairs[waits])] = _CLOSES
         return steps
 
-    def _waiting_replies(self, block: FrameArrays, entries: _Entries, first: Array) -> Array:
-        """The requests whose next frame can be a request too, but replies: no other frame replies within the window."""
-        nodes, of, _, classes, clock, _ = entries
-        found = [first[:0]]
+    def _following(self, block: FrameArrays, entries: _Entries, places: Array, distance: int, is_soon: Array) -> Array:
+        """The properties of the frames some places later on which it depends what they mean after these frames."""
+        later, data = places + distance, block.data[entries.rows]
+        bits = is_soon | (data[places] == data[later]) << 1 | entries.opens[later] << 2
+        properties: Array = (entries.kinds[later] << 3 | bits).astype(np.uint64)
+        return properties
+
+    def _with_waiting_replies(self, block: FrameArrays, entries: _Entries, first: Array, pairs: Array) -> Array:
+        """The requests whose next frame can be a request too, but replies, as one of the frames after it shows."""
+        replied = [first[:0]]
+        times = np.array([(rule.within, rule.bus_window) for rule in self._classes.rules], np.int64).reshape(-1, 2)
         for distance in range(2, _LOOKED_AFTER + 2):
-            first = first[first + distance < nodes.size]
-            first = first[nodes[first] == nodes[first + distance]]
+            inside = first + distance < entries.nodes.size
+            first, pairs = first[inside], pairs[inside]
+            own = entries.nodes[first] == entries.nodes[first + distance]
+            first, pairs = first[own], pairs[own]
             later = first + distance
-            is_late = clock[later] - clock[first + 1] > np.array(self._kinds.window, np.int64)[of.kinds[first]]
-            found.append(first[is_late])
-            first, later = first[~is_late], later[~is_late]
-            if not first.size:
-                break
-            answers = self._kinds.answers(block, of.at(first), of.at(later))
-            is_reply = classes[later] == REPLY
-            ends = ~is_reply & ((answers & (classes[later] == _BOTH)) | (of.kinds[first] == of.kinds[later]))
-            found.append(first[ends])
-            first = first[~ends & ~(is_reply & answers)]
-        return np.concatenate(found)
+            gap = entries.clock[later] - entries.clock[first + 1]
+            within, window = times[entries.classes[first]].T
+            keys = (pairs << 1 | (gap > window)).astype(np.uint64) << 32
+            triples, new = self._triples.of(keys | self._following(block, entries, first, distance, gap <= within))
+            self._of_triples += [self._verdict(block, entries, at, at + 1, at + distance) for at in first[new].tolist()]
+            verdicts = np.array(self._of_triples, np.uint8)[triples]
+            replied.append(first[verdicts == _CLOSES])
+            first, pairs = first[verdicts == _WAITS], pairs[verdicts == _WAITS]
+        return np.concatenate(replied)
+
+    def _verdict(self, block: FrameArrays, entries: _Entries, *places: int) -> int:
+        """What a later frame shows of a request and the frame after it."""
+        frames = [self._log_frame(block, entries, at) for at in places]
+        request, second, *later = [self._trial.accept(frame) for frame in frames]
+        last = later[0] if later else second
+        open_ = {*self._trial.forget(frames[0].bus)}
+        following = second.directed if isinstance(second, PendingFrame) else second
+        if following is None:
+            return _WAITS if last is second or isinstance(last, DirectedFrame) else _UNCERTAIN
+        is_reply = following.request == request.number
+        if isinstance(last, PendingFrame) or not open_ <= {last.number} or (later and not is_reply):
+            return _UNCERTAIN
+        return _ENDS if open_ and not later else _CLOSES
 
 
 class _Sharing(Enum):
@@ -557,20 +545,20 @@ def _sharing(edition: Edition) -> _Sharing:
     if not any(_shared_nodes(*pair) for pair in itertools.product(*ids.values())):
         return _Sharing.NOTHING
     pairs = itertools.combinations({**ids[Direction.REQUEST], **ids[Direction.REPLY]}, 2)
-    is_separate = all(node == other for pair in pairs for node, other in _shared_nodes(*pair))
+    is_separate = all(node == second for pair in pairs for node, second in _shared_nodes(*pair))
     return _Sharing.IDS if is_separate and all(map(_is_answered_by_itself, edition.commands)) else _Sharing.NODES
 
 
 def _shared_nodes(first: _Ids, second: _Ids) -> set[tuple[int | None, int | None]]:
     """The nodes that an id can mean by two rules."""
-    (rule, mask), (other, other_mask) = first, second
-    if rule.extended is not other.extended:
+    (rule, mask), (other_rule, other_mask) = first, second
+    if rule.extended is not other_rule.extended:
         return set()
     fixed = ~(mask | other_mask)
-    found: dict[int, list[int | None]] = {}
+    nodes: dict[int, list[int | None]] = {}
     for id_, node in _ids(rule):
-        found.setdefault(id_ & fixed, []).append(node)
-    return {(node, own) for id_, own in _ids(other) for node in found.get(id_ & fixed, ())}
+        nodes.setdefault(id_ & fixed, []).append(node)
+    return {(node, own) for id_, own in _ids(other_rule) for node in nodes.get(id_ & fixed, ())}
 
 
 def _ids(rule: IdRule) -> Iterator[tuple[int, int | None]]:

@@ -38,9 +38,20 @@ from ..model.message import Direction, Message
 from ..semantics.decoder import Identified, Rejection, rejects_constants
 from ..semantics.frame import CanFrame, node_of
 from .bus_behaviour import COPIED_WITHIN, LOOKED_AHEAD, Behaviour
-from .frame_kinds import Channel, FrameKind, FrameKinds, Opened
+from .frame_classes import (
+    IS_REGULAR,
+    IS_REPLY,
+    IS_REQUEST,
+    MAX_CLASSES,
+    Channel,
+    DirectionRule,
+    FrameClasses,
+    Opened,
+    bus_window,
+    frame_classes,
+)
+from .log_frame import LogFrame, Mark
 from .observed_behaviour import Observed, observe
-from .recorded import Mark, Recorded
 
 _WINDOWS = (None, 20_000_000, 200_000_000)
 """The windows in ns that are tried while the behaviour is learned."""
@@ -54,8 +65,6 @@ MAX_OPEN = 16
 """The maximum number of open exchanges on a channel, and of frames that wait in one."""
 MAX_WAITING = 4096
 """The maximum number of frames that wait for an earlier frame."""
-MAX_KINDS = 1 << 16
-"""The maximum number of kinds of frames that are remembered for a bus."""
 
 
 class DecidedBy(str, Enum):
@@ -74,7 +83,7 @@ class DecidedBy(str, Enum):
     """No message has the id, or none the content."""
 
 
-class Judged(NamedTuple):
+class DirectedFrame(NamedTuple):
     """A frame of a log, its direction, and the message that it is.
 
     `edition` is None for an id of no edition, `direction` if no message of either direction fits, `node` for a frame
@@ -83,7 +92,7 @@ class Judged(NamedTuple):
     If `ends_part`, no exchange is open on the bus after this frame.
     """
 
-    recorded: Recorded
+    recorded: LogFrame
     number: int
     node: int | None
     edition: Edition | None
@@ -91,10 +100,10 @@ class Judged(NamedTuple):
     decided_by: DecidedBy
     message: Message | None
     rejection: Rejection | None
-    request: int | None
-    latency: int | None
-    is_late: bool
     ends_part: bool
+    request: int | None = None
+    latency: int | None = None
+    is_late: bool = False
 
 
 class Change(NamedTuple):
@@ -106,40 +115,40 @@ class Change(NamedTuple):
 
 
 class _Known(NamedTuple):
-    """A kind of frames, and what it opens as a request: in each edition, on each channel of a node of this edition."""
+    """The rule for a class of frames, and what it opens as a request: in each edition, on each channel of its nodes."""
 
-    kind: FrameKind
-    opens: Sequence[tuple[FrameKind, Opened]]
+    rule: DirectionRule
+    opens: Sequence[tuple[DirectionRule, Opened]]
 
 
-class _Line:
-    """The frames of one id and length on a bus: the editions that have the id, and the kinds of frames.
+class _IdState:
+    """The frames of one id and length on a bus: the editions that have the id, and the rules for the classes of frames.
 
     There are several editions if nodes of different editions obey one broadcast; the first decides on the direction.
     """
 
     __slots__ = ("editions", "key_bits", "known", "node")
 
-    def __init__(self, editions: list[FrameKinds], frame: CanFrame, node: int | None) -> None:
+    def __init__(self, editions: Sequence[FrameClasses], frame: CanFrame, node: int | None) -> None:
         self.editions = editions
         self.node = node
-        self.key_bits = functools.reduce(operator.or_, (kinds.key_bits(frame) for kinds in editions), 0)
+        self.key_bits = functools.reduce(operator.or_, (each.id_class(frame).key_bits for each in editions), 0)
         self.known: dict[int, _Known] = {}
 
 
-class Arrived:
-    """A frame at its time on the clock of its bus; `judged` is None while it waits for later frames."""
+class PendingFrame:
+    """A frame at its time on the clock of its bus; `directed` is None while it waits for later frames."""
 
-    __slots__ = ("bus", "clock", "exchange", "judged", "known", "line", "number", "recorded")
+    __slots__ = ("bus", "clock", "directed", "exchange", "known", "line", "number", "recorded")
 
-    def __init__(self, bus: _Bus, recorded: Recorded, number: int, line: _Line, known: _Known) -> None:
+    def __init__(self, bus: _Bus, recorded: LogFrame, number: int, line: _IdState, known: _Known) -> None:
         self.bus = bus
         self.clock = bus.clock
         self.recorded = recorded
         self.number = number
         self.line = line
         self.known = known
-        self.judged: Judged | None = None
+        self.directed: DirectedFrame | None = None
         self.exchange: _Exchange | None = None
         """The exchange in which it waits."""
 
@@ -147,20 +156,20 @@ class Arrived:
 class _Exchange:
     """A request that waits for replies on a channel, and the frames after it that can be replies or requests."""
 
-    __slots__ = ("channel", "kind", "missing", "request", "settled", "until", "waiting")
+    __slots__ = ("channel", "missing", "request", "rule", "settled", "until", "waiting")
 
-    def __init__(self, kind: FrameKind, request: Arrived, opened: Opened) -> None:
-        self.kind = kind
+    def __init__(self, rule: DirectionRule, request: PendingFrame, opened: Opened) -> None:
+        self.rule = rule
         self.request = request
         self.channel, self.missing = opened
         """The number of replies that it waits for."""
-        self.until = request.clock + kind.window
-        self.waiting: list[Arrived] = []
+        self.until = request.clock + rule.window
+        self.waiting: list[PendingFrame] = []
         self.settled = 0
         """The time after which it is too late to decide on waiting frames by the next one."""
 
     @property
-    def last(self) -> Arrived:
+    def last(self) -> PendingFrame:
         return self.waiting[-1] if self.waiting else self.request
 
 
@@ -188,9 +197,9 @@ class _Bus:
         self.window = window
         self.clock = 0
         self.time: int | None = None
-        self.lines: dict[tuple[int, bool, bool, int], _Line] = {}
+        self.lines: dict[tuple[int, bool, bool, int], _IdState] = {}
         self.count = 0
-        """The number of kinds."""
+        """The number of ids and classes."""
         self.open: dict[Channel, list[_Exchange]] = {}
         self.until = 0
         """The time at which the last exchange ends."""
@@ -199,13 +208,18 @@ class _Bus:
         self.latest: dict[int | None, _Latest] = {}
         """The last frame of each node, if frames are recorded twice and it can have a copy."""
 
+    def forget_classes(self) -> None:
+        """Forgets the ids and classes of frames: what they are has changed, or there are too many."""
+        self.lines.clear()
+        self.count = 0
+
 
 class _Latest(NamedTuple):
     """A frame, its time on the clock of its bus, and its result."""
 
     frame: CanFrame
     clock: int
-    result: Judged | Arrived
+    result: DirectedFrame | PendingFrame
 
 
 class Directions:
@@ -237,7 +251,7 @@ class Directions:
         self._default = default
         self._changes = changes
         used = dict.fromkeys([*editions.values(), *([default] if default else []), *others])
-        self._kinds = [FrameKinds(edition, number, window) for number, edition in enumerate(used)]
+        self._classes = [frame_classes(edition) for edition in used]
         self._window = window
         self._recorder = recorder
         other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
@@ -247,7 +261,7 @@ class Directions:
         self._number = first
         self._buses: dict[str, _Bus] = {}
 
-    def judge(self, recorded: Iterable[Recorded]) -> Iterator[Judged]:
+    def classify(self, recorded: Iterable[LogFrame]) -> Iterator[DirectedFrame]:
         """The frames of a log in their order, with their directions."""
         iterator = iter(recorded)
         if self.behaviours is None and self._is_stream:
@@ -256,32 +270,32 @@ class Directions:
             start = list(itertools.islice(iterator, LOOKED_AHEAD))
             self.behaviours = self.learn(start)
             iterator = itertools.chain(start, iterator)
-        held: deque[Arrived | Judged] = deque()
-        for one in iterator:
-            judged = self.accept(one)
-            if isinstance(judged, Judged) and not held:
+        held: deque[PendingFrame | DirectedFrame] = deque()
+        for frame in iterator:
+            judged = self.accept(frame)
+            if isinstance(judged, DirectedFrame) and not held:
                 yield judged
                 continue
             held.append(judged)
-            if len(held) > MAX_WAITING and isinstance(held[0], Arrived) and held[0].exchange is not None:
-                self._settle(held[0].exchange)
+            if len(held) > MAX_WAITING and isinstance(held[0], PendingFrame) and held[0].exchange is not None:
+                self._decide_pending(held[0].exchange)
             yield from _released(held)
         for bus in self._buses:
-            self.settle(bus)
+            self.decide_pending(bus)
         yield from _released(held)
 
-    def _learning(self, recorded: Iterable[Recorded]) -> Iterator[Recorded]:
+    def _learning(self, recorded: Iterable[LogFrame]) -> Iterator[LogFrame]:
         """The frames of a stream; the behaviour is learned while they pass, at a sent frame of a bus without marks too."""
-        start: list[Recorded] = []
+        start: list[LogFrame] = []
         iterator, due = iter(recorded), _LEARNED_FROM
-        for one in itertools.islice(iterator, LOOKED_AHEAD):
-            start.append(one)
-            known = (self.behaviours or {}).get(one.bus)
-            is_marked = one.mark is Mark.SENT and not (known and known.is_marked) and self._has_id(one)
+        for frame in itertools.islice(iterator, LOOKED_AHEAD):
+            start.append(frame)
+            known = (self.behaviours or {}).get(frame.bus)
+            is_marked = frame.mark is Mark.SENT and not (known and known.is_marked) and self._has_id(frame)
             if is_marked or len(start) == due:
                 self._behave(self.learn(start))
             due *= 4 if len(start) == due else 1
-            yield one
+            yield frame
         self._behave(self.learn(start))
         yield from iterator
 
@@ -293,81 +307,89 @@ class Directions:
                 bus = self._buses[name]
                 bus.behaviour, bus.is_marked, bus.copied = behaviour, behaviour.is_marked, behaviour.copied
                 bus.window = self._bus_window(behaviour)
-                bus.lines.clear()
-                bus.count = 0
+                bus.forget_classes()
 
     def _bus_window(self, behaviour: Behaviour) -> int:
-        return max((kinds.bus_window(behaviour) for kinds in self._kinds), default=0)
+        windows = (bus_window(classes.edition, behaviour, self._window) for classes in self._classes)
+        return max(windows, default=0)
 
-    def learn(self, start: Sequence[Recorded], marked: Collection[str] | None = None) -> dict[str, Behaviour]:
+    def learn(self, start: Sequence[LogFrame], marked: Collection[str] | None = None) -> dict[str, Behaviour]:
         """The behaviour of the buses in the first frames of a log, decided as if nothing were known of them.
 
         `marked` are the buses with marks; None if the frames show them.
         """
         if marked is None:
-            marked = {one.bus for one in start if one.mark is Mark.SENT and self._has_id(one)}
+            marked = {frame.bus for frame in start if frame.mark is Mark.SENT and self._has_id(frame)}
         known = {bus: Behaviour(is_marked=True) for bus in marked}
-        found: dict[str, Behaviour] = {}
+        learned: dict[str, Behaviour] = {}
         for _ in range(_ROUNDS):
             observed = self._observed(start, known)
-            found = {bus: one.behaviour(known.get(bus, Behaviour())) for bus, one in observed.items()}
-            certain = {bus: one.certain for bus, one in found.items()}
-            if all(one == known.get(bus, Behaviour()) for bus, one in certain.items()):
+            learned = {bus: own.behaviour(known.get(bus, Behaviour())) for bus, own in observed.items()}
+            certain = {bus: own.certain for bus, own in learned.items()}
+            if all(own == known.get(bus, Behaviour()) for bus, own in certain.items()):
                 break
             known = certain
-        return found
+        return learned
 
-    def _observed(self, start: Sequence[Recorded], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
+    def _observed(self, start: Sequence[LogFrame], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
         """What the first frames show of each bus with the shortest window in which most replies have requests."""
         # A request with old bits looks like a reply, and its copy like one of a reply.
         every = frozenset(Direction)
-        tried = {bus: one._replace(copied=every if one.copied else one.copied) for bus, one in known.items()}
+        tried = {bus: own._replace(copied=every if own.copied else own.copied) for bus, own in known.items()}
         best: dict[str, Observed] = {}
         for window in _WINDOWS if self._window is None else [self._window]:
             trial = Directions(self._editions, self._default, window=window, recorder=self._recorder, behaviours=tried)
-            for bus, one in observe(trial.judge(start)).items():
-                if bus not in best or 2 * one.unexpected < best[bus].unexpected:
-                    best[bus] = one
-            if all(one.is_plausible for one in best.values()):
+            for bus, own in observe(trial.classify(start)).items():
+                if bus not in best or 2 * own.unexpected < best[bus].unexpected:
+                    best[bus] = own
+            if all(own.is_plausible for own in best.values()):
                 break
         return best
 
-    def _has_id(self, one: Recorded) -> bool:
-        return any(kinds.nodes(one.frame) for kinds in self._kinds)
+    def _has_id(self, frame: LogFrame) -> bool:
+        return any(classes.id_class(frame.frame).nodes for classes in self._classes)
 
-    def settle(self, bus: str, time: int | None = None) -> None:
+    def decide_pending(self, bus: str, time: int | None = None) -> None:
         """Decides on the frames of a bus that wait: of those for which it is too late at a time, or of all."""
-        found = self._buses[bus]
+        state = self._buses[bus]
         if time is not None:
-            self._advance(found, time)
+            self._advance(state, time)
             return
-        for exchange in [*found.waiting]:
-            self._settle(exchange)
+        for exchange in [*state.waiting]:
+            self._decide_pending(exchange)
 
-    def accept(self, one: Recorded) -> Judged | Arrived:
+    def forget(self, bus: str) -> Sequence[int]:
+        """Forgets the exchanges of a bus; returns the numbers of the requests of those that are open."""
+        state = self._buses[bus]
+        requests = [exchange.request.number for open_ in state.open.values() for exchange in open_]
+        for frames in (state.open, state.waiting, state.latest):
+            frames.clear()
+        return requests
+
+    def accept(self, recorded: LogFrame) -> DirectedFrame | PendingFrame:
         """The result for the next frame of the log; the frame itself if it has to wait."""
         number = self._number
         self._number = number + 1
         if number in self._changes:
             self._change(self._changes[number])
-        bus = self._buses.get(one.bus)
+        bus = self._buses.get(recorded.bus)
         if bus is None:
-            behaviour = (self.behaviours or {}).get(one.bus, Behaviour())
-            bus = self._buses[one.bus] = _Bus(behaviour, self._bus_window(behaviour))
-        self._advance(bus, one.time)
-        frame = one.frame
-        if bus.count >= MAX_KINDS:
-            self._forget(bus)
-        line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, one)
+            behaviour = (self.behaviours or {}).get(recorded.bus, Behaviour())
+            bus = self._buses[recorded.bus] = _Bus(behaviour, self._bus_window(behaviour))
+        self._advance(bus, recorded.time)
+        frame = recorded.frame
+        if bus.count >= MAX_CLASSES:
+            bus.forget_classes()
+        line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, recorded)
         if not line.editions:
             ends_part = not bus.open and not bus.latest
-            return Judged(one, number, None, None, None, DecidedBy.NONE, None, None, None, None, False, ends_part)
+            return DirectedFrame(recorded, number, None, None, None, DecidedBy.NONE, None, None, ends_part)
         data = int.from_bytes(frame.data, "little")
-        known = line.known.get(data & line.key_bits) or self._known(bus, line, one, data)
-        arrived = Arrived(bus, one, number, line, known)
+        known = line.known.get(data & line.key_bits) or self._known(bus, line, recorded, data)
+        arrived = PendingFrame(bus, recorded, number, line, known)
         return self._with_copies(arrived, data) if bus.copied else self._decide(arrived, data)
 
-    def _with_copies(self, arrived: Arrived, data: int) -> Judged | Arrived:
+    def _with_copies(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result on a bus where frames are recorded twice."""
         bus, node = arrived.bus, arrived.line.node
         latest = bus.latest.pop(node, None)
@@ -385,68 +407,68 @@ class Directions:
                     ends_part=not bus.open and not bus.latest,
                 )
         result = self._decide(arrived, data)
-        if isinstance(result, Arrived) or result.direction in bus.copied:
+        if isinstance(result, PendingFrame) or result.direction in bus.copied:
             bus.latest[node] = _Latest(arrived.recorded.frame, bus.clock, result)
-        if isinstance(result, Judged):
+        if isinstance(result, DirectedFrame):
             return result._replace(ends_part=result.ends_part and not bus.latest)
         return result
 
-    def _first(self, latest: _Latest) -> Judged:
+    def _first(self, latest: _Latest) -> DirectedFrame:
         """The result for a frame that is recorded again; one that waits has the direction that is recorded twice."""
         result = latest.result
-        if isinstance(result, Judged):
+        if isinstance(result, DirectedFrame):
             return result
-        if result.exchange is not None and result.judged is None:
-            settle = self._settle if Direction.REPLY in result.bus.copied else self._repeat
+        if result.exchange is not None and result.directed is None:
+            settle = self._decide_pending if Direction.REPLY in result.bus.copied else self._repeat
             settle(result.exchange)
-        assert result.judged is not None
-        return result.judged
+        assert result.directed is not None
+        return result.directed
 
-    def _decide(self, arrived: Arrived, data: int) -> Judged | Arrived:
+    def _decide(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result by the mark, the id, the content or the exchange; the frame itself if it has to wait."""
-        one, known = arrived.recorded, arrived.known
-        if one.mark is not None and arrived.bus.is_marked:
-            direction: Direction | None = self._of_mark[one.mark]
+        recorded, known = arrived.recorded, arrived.known
+        if recorded.mark is not None and arrived.bus.is_marked:
+            direction: Direction | None = self._of_mark[recorded.mark]
             decided_by = DecidedBy.MARK
         else:
-            found = _by_content(known.kind, data)
-            if found is None:
+            decided = direction_by_content(known.rule, known.rule.content(data))
+            if decided is None:
                 return self._by_exchange(arrived)
-            direction, decided_by = found
+            direction, decided_by = decided
         if direction is Direction.REQUEST:
             return self._request(arrived, decided_by)
         if direction is Direction.REPLY:
             return self._reply(arrived, decided_by, self._answered(arrived, replies_only=True))
-        rejection = known.kind.rejection(Direction.REQUEST, one.frame)
-        return _judged(arrived, None, decided_by, arrived.line.node, None, rejection)
+        rejection = known.rule.frame_class.rejection(Direction.REQUEST, recorded.frame)
+        return _directed(arrived, None, decided_by, arrived.line.node, None, rejection)
 
-    def _by_exchange(self, arrived: Arrived) -> Judged | Arrived:
+    def _by_exchange(self, arrived: PendingFrame) -> DirectedFrame | PendingFrame:
         """The result for a frame that can be a request or a reply; the frame itself if it has to wait."""
         answered = self._answered(arrived)
         if answered is None:
             return self._request(arrived, DecidedBy.PAIRING)
         exchange, first = answered.exchange, answered.exchange.request
-        is_soon = arrived.clock - exchange.last.clock <= exchange.kind.within
-        if exchange.kind.is_echoed:
+        is_soon = arrived.clock - exchange.last.clock <= exchange.rule.within
+        if exchange.rule.frame_class.is_echoed:
             if is_soon:
                 self._repeat(exchange)
                 return self._reply(arrived, DecidedBy.PAIRING, self._answered(arrived))
             return self._wait(arrived, exchange)
         if exchange.waiting:
-            self._settle(exchange)
+            self._decide_pending(exchange)
             return self._by_exchange(arrived)
-        kind = arrived.known.kind
-        if is_soon and kind.is_distinct:
+        rule = arrived.known.rule
+        if is_soon and rule.is_distinct:
             return self._wait(arrived, exchange)
         if arrived.recorded.frame == first.recorded.frame and not is_soon:
             return self._request(arrived, DecidedBy.RETRY)
-        if not is_soon and (kind.is_distinct or kind.has_old_bits):
+        if not is_soon and (rule.is_distinct or rule.has_old_bits):
             return self._request(arrived, DecidedBy.PAIRING)
         return self._reply(arrived, DecidedBy.PAIRING, answered)
 
-    def _wait(self, arrived: Arrived, exchange: _Exchange) -> Judged | Arrived:
+    def _wait(self, arrived: PendingFrame, exchange: _Exchange) -> DirectedFrame | PendingFrame:
         if len(exchange.waiting) >= MAX_OPEN:
-            self._settle(exchange)
+            self._decide_pending(exchange)
             return self._by_exchange(arrived)
         bus = arrived.bus
         if not exchange.waiting:
@@ -461,38 +483,39 @@ class Directions:
     def _repeat(self, exchange: _Exchange) -> None:
         """Decides that the waiting frames of an exchange are requests: only the last one is answered."""
         for arrived in self._take_waiting(exchange):
-            arrived.judged = self._request(arrived, self._repeated(exchange, arrived))
+            arrived.directed = self._request(arrived, self._repeated(exchange, arrived))
 
-    def _settle(self, exchange: _Exchange) -> None:
+    def _decide_pending(self, exchange: _Exchange) -> None:
         """Decides on the waiting frames of an exchange in which no reply follows soon: replies and requests alternate."""
         answered: _Answered | None = None
         for arrived in self._take_waiting(exchange):
             answered = None if answered else self._answered(arrived)
             if answered is None:
-                arrived.judged = self._request(arrived, self._repeated(exchange, arrived))
+                arrived.directed = self._request(arrived, self._repeated(exchange, arrived))
             else:
-                arrived.judged = self._reply(arrived, DecidedBy.PAIRING, answered)
+                arrived.directed = self._reply(arrived, DecidedBy.PAIRING, answered)
 
-    def _take_waiting(self, exchange: _Exchange) -> Sequence[Arrived]:
+    def _take_waiting(self, exchange: _Exchange) -> Sequence[PendingFrame]:
         waiting = exchange.waiting
         if waiting:
             exchange.waiting = []
             waiting[0].bus.waiting.remove(exchange)
         return waiting
 
-    def _repeated(self, exchange: _Exchange, arrived: Arrived) -> DecidedBy:
+    def _repeated(self, exchange: _Exchange, arrived: PendingFrame) -> DecidedBy:
         is_same = arrived.recorded.frame == exchange.request.recorded.frame
         return DecidedBy.RETRY if is_same else DecidedBy.PAIRING
 
-    def _answered(self, arrived: Arrived, *, replies_only: bool = False) -> _Answered | None:
+    def _answered(self, arrived: PendingFrame, *, replies_only: bool = False) -> _Answered | None:
         """The oldest open exchange that a frame can close."""
-        open_, kind, frame = arrived.bus.open, arrived.known.kind, arrived.recorded.frame
+        open_, own, frame = arrived.bus.open, arrived.known.rule.frame_class, arrived.recorded.frame
         if not open_:
             return None
-        for channel in kind.answers:
+        for channel in own.answers:
             for exchange in open_.get(channel, ()):
                 if exchange.until >= arrived.clock:
-                    reply = kind.reply_to(exchange.kind, exchange.request.recorded.frame, frame)
+                    asked = exchange.request.recorded.frame
+                    reply = own.reply_to(exchange.rule.frame_class, asked, frame)
                     if reply is not None and replies_only and exchange.waiting:
                         self._repeat(exchange)
                         return self._answered(arrived)
@@ -500,66 +523,57 @@ class Directions:
                         return _Answered(exchange, reply)
         return None
 
-    def _request(self, arrived: Arrived, decided_by: DecidedBy) -> Judged:
-        kind = arrived.known.kind
-        rejection = kind.rejection(Direction.REQUEST, arrived.recorded.frame)
-        if rejection is not None or kind.request is None:
-            return _judged(arrived, Direction.REQUEST, decided_by, arrived.line.node, None, rejection)
+    def _request(self, arrived: PendingFrame, decided_by: DecidedBy) -> DirectedFrame:
+        own = arrived.known.rule.frame_class
+        rejection = own.rejection(Direction.REQUEST, arrived.recorded.frame)
+        if rejection is not None or own.request is None:
+            return _directed(arrived, Direction.REQUEST, decided_by, arrived.line.node, None, rejection)
         for asking, opened in arrived.known.opens:
             self._open(_Exchange(asking, arrived, opened))
-        return _judged(arrived, Direction.REQUEST, decided_by, kind.request.node, kind.request.message)
+        return _directed(arrived, Direction.REQUEST, decided_by, own.request.node, own.request.message)
 
     def _open(self, exchange: _Exchange) -> None:
         """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes."""
-        bus, kind, frame = exchange.request.bus, exchange.kind, exchange.request.recorded.frame
-        others = bus.open.get(exchange.channel)
-        if others:
+        bus, own, frame = exchange.request.bus, exchange.rule.frame_class, exchange.request.recorded.frame
+        before = bus.open.get(exchange.channel)
+        if before:
             replaced = [
-                other
-                for other in others
-                if other.kind.request is kind.request and (not kind.is_echoed or other.request.recorded.frame == frame)
+                earlier
+                for earlier in before
+                if earlier.rule.frame_class is own and (not own.is_echoed or earlier.request.recorded.frame == frame)
             ]
-            for other in replaced:
-                self._settle(other)
-            kept = [o for o in others if o not in replaced and o.until >= exchange.request.clock]
-            for other in kept[: 1 - MAX_OPEN]:
-                self._settle(other)
+            for earlier in replaced:
+                self._decide_pending(earlier)
+            kept = [o for o in before if o not in replaced and o.until >= exchange.request.clock]
+            for earlier in kept[: 1 - MAX_OPEN]:
+                self._decide_pending(earlier)
             bus.open[exchange.channel] = [*kept[1 - MAX_OPEN :], exchange]
         else:
             bus.open[exchange.channel] = [exchange]
         bus.until = max(bus.until, exchange.until)
 
-    def _reply(self, arrived: Arrived, decided_by: DecidedBy, answered: _Answered | None) -> Judged:
-        kind, one = arrived.known.kind, arrived.recorded
+    def _reply(self, arrived: PendingFrame, decided_by: DecidedBy, answered: _Answered | None) -> DirectedFrame:
+        own, recorded = arrived.known.rule.frame_class, arrived.recorded
         if answered is None:
-            identified = kind.identified[Direction.REPLY]
-            rejection = kind.rejection(Direction.REPLY, one.frame)
-            node = arrived.line.node if isinstance(identified, Rejection) else node_of(identified.message, one.frame)
+            identified = own.identified[Direction.REPLY]
+            rejection = own.rejection(Direction.REPLY, recorded.frame)
+            node = (
+                arrived.line.node if isinstance(identified, Rejection) else node_of(identified.message, recorded.frame)
+            )
             message = None if isinstance(identified, Rejection) or rejection else identified.message
-            return _judged(arrived, Direction.REPLY, decided_by, node, message, rejection)
+            return _directed(arrived, Direction.REPLY, decided_by, node, message, rejection)
         exchange, (message, node) = answered
         self._close(exchange)
-        if node is None and exchange.kind.request is not None:
-            node = exchange.kind.request.node
-        rejection = rejects_constants(message, one.frame, {}) if message in kind.with_constants else None
+        if node is None and exchange.rule.request is not None:
+            node = exchange.rule.request.node
+        rejection = rejects_constants(message, recorded.frame, {}) if message in own.with_constants else None
         asked = exchange.request
         latency = None
-        if one.time is not None and asked.recorded.time is not None and one.time >= asked.recorded.time:
-            latency = one.time - asked.recorded.time
-        return Judged(
-            one,
-            arrived.number,
-            node,
-            kind.edition,
-            Direction.REPLY,
-            decided_by,
-            None if rejection else message,
-            rejection,
-            asked.number,
-            latency,
-            latency is not None and _is_late(exchange.kind, latency, node),
-            arrived.exchange is None and not arrived.bus.open,
-        )
+        if recorded.time is not None and asked.recorded.time is not None and recorded.time >= asked.recorded.time:
+            latency = recorded.time - asked.recorded.time
+        is_late = latency is not None and _is_late(exchange.rule, latency, node)
+        known = None if rejection else message
+        return _directed(arrived, Direction.REPLY, decided_by, node, known, rejection, (asked.number, latency, is_late))
 
     def _close(self, exchange: _Exchange) -> None:
         """Counts a reply; the last one closes the exchange."""
@@ -583,51 +597,46 @@ class Directions:
         bus.time = time
         for exchange in sorted(bus.waiting, key=_SETTLED) if bus.waiting else ():
             if exchange.settled < bus.clock:
-                self._settle(exchange)
+                self._decide_pending(exchange)
         if bus.latest:
-            bus.latest = {node: one for node, one in bus.latest.items() if bus.clock - one.clock <= COPIED_WITHIN}
+            bus.latest = {
+                node: latest for node, latest in bus.latest.items() if bus.clock - latest.clock <= COPIED_WITHIN
+            }
         if bus.open and bus.until < bus.clock:
             bus.open.clear()
 
     def _change(self, changes: Iterable[Change]) -> None:
-        """Gives nodes other editions, so that frames have other kinds."""
+        """Gives nodes other editions, so that frames have other classes."""
         for bus, node, edition in changes:
             self._changed[bus, node] = edition
             if bus in self._buses:
-                self._buses[bus].lines.clear()
-                self._buses[bus].count = 0
+                self._buses[bus].forget_classes()
 
-    def _forget(self, bus: _Bus) -> None:
-        """Forgets the kinds of frames, which a log with random frames has without end."""
-        bus.lines.clear()
-        bus.count = 0
-        self._kinds = [FrameKinds(kinds.edition, kinds.number, self._window) for kinds in self._kinds]
-
-    def _known(self, bus: _Bus, line: _Line, one: Recorded, data: int) -> _Known:
+    def _known(self, bus: _Bus, line: _IdState, recorded: LogFrame, data: int) -> _Known:
         """The kind of a frame of a known id and length."""
-        kinds = [each.kind(one.frame, bus.behaviour) for each in line.editions]
+        rules = [DirectionRule(each.of(recorded.frame), bus.behaviour, self._window) for each in line.editions]
         opens = [
-            (kind, opened)
-            for kind in kinds
-            for opened in kind.opens
-            if self._is_of(one.bus, kind.edition, opened.channel.node)
+            (rule, opened)
+            for rule in rules
+            for opened in rule.frame_class.opens
+            if self._is_of(recorded.bus, rule.frame_class.edition, opened.channel.node)
         ]
-        known = line.known[data & line.key_bits] = _Known(kinds[0], opens)
+        known = line.known[data & line.key_bits] = _Known(rules[0], opens)
         bus.count += 1
         return known
 
-    def _line(self, bus: _Bus, one: Recorded) -> _Line:
+    def _line(self, bus: _Bus, recorded: LogFrame) -> _IdState:
         """The frames of the id and the length of a frame."""
-        frame = one.frame
+        frame = recorded.frame
         having = [
-            (kinds, node)
-            for kinds in self._kinds
-            for node in kinds.nodes(frame)
-            if self._is_of(one.bus, kinds.edition, node)
+            (classes, node)
+            for classes in self._classes
+            for node in classes.id_class(frame).nodes
+            if self._is_of(recorded.bus, classes.edition, node)
         ]
         node = having[0][1] if having else None
-        editions = [kinds for kinds, other in having if other == node]
-        line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _Line(editions, frame, node)
+        editions = [classes for classes, sender in having if sender == node]
+        line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _IdState(editions, frame, node)
         bus.count += 1
         return line
 
@@ -639,65 +648,49 @@ class Directions:
         if known is not None or node is not None:
             return known is edition
         return edition is self._default or any(
-            other is edition and where == bus for (where, _), other in (*self._editions.items(), *self._changed.items())
+            each is edition and where == bus for (where, _), each in (*self._editions.items(), *self._changed.items())
         )
 
 
-def _released(held: deque[Arrived | Judged]) -> Iterator[Judged]:
+def _released(held: deque[PendingFrame | DirectedFrame]) -> Iterator[DirectedFrame]:
     """Takes the frames from the left that do not wait."""
     while held:
-        judged = held[0].judged if isinstance(held[0], Arrived) else held[0]
+        judged = held[0].directed if isinstance(held[0], PendingFrame) else held[0]
         if judged is None:
             return
         held.popleft()
         yield judged
 
 
-def _judged(
-    arrived: Arrived,
+def _directed(
+    arrived: PendingFrame,
     direction: Direction | None,
     decided_by: DecidedBy,
     node: int | None,
     message: Message | None,
     rejection: Rejection | None = None,
-) -> Judged:
-    """The result for a frame that answers no request."""
-    edition, ends_part = arrived.known.kind.edition, arrived.exchange is None and not arrived.bus.open
-    return Judged(
-        arrived.recorded,
-        arrived.number,
-        node,
-        edition,
-        direction,
-        decided_by,
-        message,
-        rejection,
-        None,
-        None,
-        False,
-        ends_part,
+    answer: tuple[int | None, int | None, bool] = (None, None, False),
+) -> DirectedFrame:
+    """The result for a frame; `answer` is the number of the request, the latency, and whether it is late."""
+    edition, ends_part = arrived.known.rule.frame_class.edition, arrived.exchange is None and not arrived.bus.open
+    return DirectedFrame(
+        arrived.recorded, arrived.number, node, edition, direction, decided_by, message, rejection, ends_part, *answer
     )
 
 
-def _is_late(asking: FrameKind, latency: int, node: int | None) -> bool:
+def _is_late(asking: DirectionRule, latency: int, node: int | None) -> bool:
     """Whether a reply is late. Nodes that answer one broadcast reply one after the other."""
-    assert asking.request is not None
-    from_each = asking.edition.command(asking.request.message.command).from_each
+    from_each = asking.frame_class.exchange.nodes
     after = asking.late_after
     return after is not None and latency > after * (from_each.index(node) + 1 if node in from_each else 1)
 
 
-def _by_content(kind: FrameKind, data: int) -> tuple[Direction | None, DecidedBy] | None:
+def direction_by_content(rule: DirectionRule, content: int) -> tuple[Direction | None, DecidedBy] | None:
     """The direction of a frame by its id, its log or its content; None if both directions are possible."""
-    if kind.is_shared and kind.request is not None:
-        return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
-    if kind.only is not None:
-        return kind.only, DecidedBy.LOG if kind.by_log else DecidedBy.ID
-    request = kind.request is not None and kind.request.has_constants(data)
-    reply = any(form.has_constants(data) for form in kind.replies)
-    if request and reply:
-        assert kind.request is not None
-        return None if kind.request.is_regular(data) else (Direction.REPLY, DecidedBy.CONTENT)
-    if request or reply:
-        return (Direction.REQUEST if request else Direction.REPLY), DecidedBy.CONTENT
+    if rule.only is not None:
+        return rule.only, DecidedBy.LOG if rule.by_log else DecidedBy.ID
+    if content & IS_REQUEST and content & IS_REPLY:
+        return None if content & IS_REGULAR else (Direction.REPLY, DecidedBy.CONTENT)
+    if content & (IS_REQUEST | IS_REPLY):
+        return Direction.REQUEST if content & IS_REQUEST else Direction.REPLY, DecidedBy.CONTENT
     return None, DecidedBy.NONE

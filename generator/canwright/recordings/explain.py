@@ -13,9 +13,8 @@ from ..model.types import Assignment
 from ..semantics.decoder import Rejection, rejects_constants
 from ..semantics.encoder import Encoder
 from ..semantics.frame import CanFrame, raw_of
-from .bus_behaviour import Behaviour
-from .frame_kinds import Form, FrameKinds
-from .rows import CellValue, is_within, plausible_limits, value_reader
+from .frame_classes import MessageForm, frame_classes
+from .rows import CellValue, value_reader
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ class Meaning:
 
 def meanings(edition: Edition, frame: CanFrame, assignment: Assignment) -> Iterator[Meaning]:
     """The messages that a frame can be, replies first, or a rejection for each direction."""
-    kind = FrameKinds(edition, 0, None).kind(frame, Behaviour())
+    kind = frame_classes(edition).of(frame)
     forms = {
         Direction.REPLY: kind.replies,
         Direction.REQUEST: (kind.request,) if kind.request else (),
@@ -67,7 +66,7 @@ Only = Mapping[str, tuple[str, ...]]
 """Parameters, and their values under which a command or a field exists."""
 
 
-def _meaning(form: Form, frame: CanFrame, assignment: Assignment, only: Only) -> Meaning:
+def _meaning(form: MessageForm, frame: CanFrame, assignment: Assignment, only: Only) -> Meaning:
     message = form.message
     rejection = rejects_constants(message, frame, assignment)
     if rejection is not None:
@@ -76,14 +75,14 @@ def _meaning(form: Form, frame: CanFrame, assignment: Assignment, only: Only) ->
     fields = variant.fields if variant else message.layout.fields
     parameter = None if variant else message.layout.parameter
     varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.role.is_value]
-    found = [one for f, limits in varying for one in _fields(f, frame, assignment, only, limits)]
+    meanings = [meaning for f, limits in varying for meaning in _fields(f, frame, assignment, only, limits)]
     unusual = [*_reserved(form, frame)]
     for field, limits in varying:
         unusual += _unusual(field, frame, assignment, {**only, **limits})
-    return Meaning(message.direction, message, form.node, tuple(unusual), tuple(found), None)
+    return Meaning(message.direction, message, form.node, tuple(unusual), tuple(meanings), None)
 
 
-def _reserved(form: Form, frame: CanFrame) -> Iterator[str]:
+def _reserved(form: MessageForm, frame: CanFrame) -> Iterator[str]:
     """The bytes with reserved bits that are not sent."""
     wrong = (int.from_bytes(frame.data, "little") & form.reserved.mask) ^ form.reserved.value
     bytes_ = [f"DATA[{at}]" for at, byte in enumerate(wrong.to_bytes(len(frame.data), "little")) if byte]
@@ -94,23 +93,21 @@ def _reserved(form: Form, frame: CanFrame) -> Iterator[str]:
 def _unusual(field: Field, frame: CanFrame, assignment: Assignment, only: Only) -> Iterator[str]:
     """The elements of a field whose values are not sent under any possible value of a parameter, or are implausible."""
     raw, type_ = raw_of(field, frame), field.type
-    limits, plausible = type_.raw_range, plausible_limits(type_)
+    limits = type_.raw_range
     cases: list[Assignment] = [assignment]
     if limits.parameter is not None and limits.parameter not in assignment:
         names = [case for case in limits.cases if case in only.get(limits.parameter, limits.cases)]
         cases = [{**assignment, limits.parameter: case} for case in names] or cases
-    for (name, _), one in zip(formatting.elements(field), raw if isinstance(raw, list) else [raw], strict=True):
-        if all(Encoder(case).rejects_raw(field, one) for case in cases):
+    for (name, _), number in zip(formatting.elements(field), raw if isinstance(raw, list) else [raw], strict=True):
+        if all(Encoder(case).rejects_raw(field, number) for case in cases):
             if type_.enum or type_.flags:
                 yield f"`{name}` has {'bits' if type_.flags else 'a value'} without a name"
                 continue
             spans = dict.fromkeys(formatting.span(span) for case in cases if (span := limits.at(case)))
-            yield f"`{name}` is {one}" + (
+            yield f"`{name}` is {number}" + (
                 f", outside the raw range {' or '.join(spans)}" if spans else ", no valid number"
             )
-        elif plausible is not None and not any(
-            is_within(value, plausible) for _, value in _values(field, one, assignment, only)
-        ):
+        elif not any(type_.is_plausible(value) for _, value in _values(field, number, assignment, only)):
             unit = f" {type_.unit.symbol}" if type_.unit else ""
             range_ = formatting.span(type_.plausible) if type_.plausible else ""
             yield f"`{name}` is outside the plausible range {range_}{unit}"
@@ -120,10 +117,10 @@ def _fields(field: Field, frame: CanFrame, assignment: Assignment, command: Only
     raw = raw_of(field, frame)
     raws = raw if isinstance(raw, list) else [raw]
     unit = field.type.unit.symbol if field.type.unit else ""
-    for (name, segments), one in zip(formatting.elements(field), raws, strict=True):
-        values = list(_values(field, one, assignment, {**command, **only}))
+    for (name, segments), number in zip(formatting.elements(field), raws, strict=True):
+        values = list(_values(field, number, assignment, {**command, **only}))
         place = formatting.place(field.space, segments)
-        yield FieldMeaning(name, place, one, values, unit, formatting.condition(only))
+        yield FieldMeaning(name, place, number, values, unit, formatting.condition(only))
 
 
 def _values(field: Field, raw: int, assignment: Assignment, only: Only) -> Iterator[tuple[str, CellValue]]:

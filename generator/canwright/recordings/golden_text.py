@@ -47,7 +47,7 @@ def golden_text(edition: Edition, message: Message, frame: CanFrame, assignment:
         for name in _used(message, assignment)
     }
     parts += [
-        f"{key}: {_mapping(one)}" for key, one in (("parameters", used), ("raw", raws), ("values", values)) if one
+        f"{key}: {_mapping(items)}" for key, items in (("parameters", used), ("raw", raws), ("values", values)) if items
     ]
     if Encoder(assignment).encode_raws(message, decoded.node, decoded.raws) != frame:
         parts.append("decode_only: true")

@@ -20,12 +20,20 @@ class Group:
 
 def groups(results: Iterable[NodeResult]) -> list[Group]:
     """The nodes of each bus that fit the same editions, in the order of their first nodes."""
-    found: dict[tuple[object, ...], list[NodeResult]] = {}
-    for one in results:
-        changed = (one.node, one.start) if one.start else None
-        outcome = (one.bus, one.node is None, one.editions, one.distinguishing, one.is_judged, one.is_stray, changed)
-        found.setdefault(outcome, []).append(one)
-    return [Group(tuple(one.node for one in own), _merged(own)) for own in found.values()]
+    by_outcome: dict[tuple[object, ...], list[NodeResult]] = {}
+    for result in results:
+        changed = (result.node, result.start) if result.start else None
+        outcome = (
+            result.bus,
+            result.node is None,
+            result.editions,
+            result.distinguishing,
+            result.is_judged,
+            result.is_stray,
+            changed,
+        )
+        by_outcome.setdefault(outcome, []).append(result)
+    return [Group(tuple(result.node for result in own), _merged(own)) for own in by_outcome.values()]
 
 
 def _merged(results: Sequence[NodeResult]) -> NodeResult:
@@ -34,10 +42,12 @@ def _merged(results: Sequence[NodeResult]) -> NodeResult:
         return first
     return dataclasses.replace(
         first,
-        frames=sum(one.frames for one in results),
-        unexplained=tuple(sorted((item for one in results for item in one.unexplained), key=lambda item: -item[1])),
+        frames=sum(result.frames for result in results),
+        unexplained=tuple(
+            sorted((item for result in results for item in result.unexplained), key=lambda item: -item[1])
+        ),
         scores=tuple(
-            _sum([next(s for s in one.scores if s.edition is score.edition) for one in results])
+            _sum([next(s for s in result.scores if s.edition is score.edition) for result in results])
             for score in first.scores
         ),
     )
@@ -46,24 +56,24 @@ def _merged(results: Sequence[NodeResult]) -> NodeResult:
 def _sum(scores: Sequence[EditionScore]) -> EditionScore:
     return EditionScore(
         scores[0].edition,
-        explained=sum(one.explained for one in scores),
-        score=sum(one.score for one in scores),
-        against=_evidence(evidence for one in scores for evidence in one.against),
-        requests=sum(one.requests for one in scores),
-        unanswered=sum((Counter(one.unanswered) for one in scores), Counter()),
+        explained=sum(score.explained for score in scores),
+        score=sum(score.score for score in scores),
+        against=_evidence(evidence for score in scores for evidence in score.against),
+        requests=sum(score.requests for score in scores),
+        unanswered=sum((Counter(score.unanswered) for score in scores), Counter()),
     )
 
 
 def _evidence(evidence: Iterable[Evidence]) -> tuple[Evidence, ...]:
     """Evidence with equal texts merged, the strongest first."""
-    found: dict[str, Evidence] = {}
-    for one in evidence:
-        same = found.get(one.text)
-        found[one.text] = (
-            one
+    merged: dict[str, Evidence] = {}
+    for item in evidence:
+        same = merged.get(item.text)
+        merged[item.text] = (
+            item
             if same is None
             else dataclasses.replace(
-                same, count=same.count + one.count, among=same.among + one.among, counts=same.counts or one.counts
+                same, count=same.count + item.count, among=same.among + item.among, counts=same.counts or item.counts
             )
         )
-    return tuple(sorted(found.values(), key=lambda e: (not e.counts, -e.points, -e.count)))
+    return tuple(sorted(merged.values(), key=lambda e: (not e.counts, -e.points, -e.count)))

@@ -22,9 +22,9 @@ from ..model.message import Direction, IdRule
 from ..semantics.bits import data_bits
 from ..semantics.frame import CanFrame, node_in_id, node_of
 from .changes import BLOCK, NodeFrames
-from .recorded import Mark, Recorded
+from .log_frame import LogFrame, Mark
 from .results import Identification, NodeResult
-from .scoring import Kind, Kinds, Observation
+from .scoring import Observation, ScoredClass, ScoredClasses
 from .steps import State, Step, Waiting, meaning
 
 MAX_KNOWN = 1 << 16
@@ -37,11 +37,11 @@ STRAY = 20
 """A node with at most one of so many frames as the busiest node of its bus is stray, if its frames are far apart."""
 
 
-def identify(recorded: Iterable[Recorded], editions: Sequence[Edition]) -> Identification:
+def identify(recorded: Iterable[LogFrame], editions: Sequence[Edition]) -> Identification:
     """The identification of the frames of a log. All editions are of one family."""
     identifier = Identifier(editions)
-    for one in recorded:
-        identifier.add(one)
+    for frame in recorded:
+        identifier.add(frame)
     return identifier.result()
 
 
@@ -52,11 +52,11 @@ class _Code:
 
     def __init__(self, key_bits: int) -> None:
         self.key_bits = key_bits
-        self.kind: Kind | None = None
-        self.kinds: dict[int, Kind] = {}
+        self.kind: ScoredClass | None = None
+        self.kinds: dict[int, ScoredClass] = {}
 
 
-class _Line:
+class _IdState:
     """The frames of one id and length on a bus; `rule` is None if the id belongs to no edition.
 
     Their node is that of the id, or if `node` is None, depends on the `node_bits` of the data.
@@ -87,8 +87,8 @@ class Identifier:
         self.marked: set[str] = set()
         """The buses with frames that are marked as sent."""
         self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: other}
-        self._kinds = Kinds(editions)
-        self._lines: dict[tuple[str, int, bool, bool, int], _Line] = {}
+        self._kinds = ScoredClasses(editions)
+        self._lines: dict[tuple[str, int, bool, bool, int], _IdState] = {}
         self._nodes: dict[tuple[str, int | None], NodeFrames] = {}
         self._states: dict[tuple[Waiting, ...], State] = {}
         self._steps = 0
@@ -101,7 +101,7 @@ class Identifier:
         """The number of frames whose id belongs to no edition."""
         return self._foreign_count
 
-    def add(self, recorded: Recorded) -> NodeFrames | None:
+    def add(self, recorded: LogFrame) -> NodeFrames | None:
         """The next frame of the log; returns the frames of its node, None if its id belongs to no edition."""
         _, bus, frame, mark = recorded
         id_, content, extended, remote = frame
@@ -130,7 +130,7 @@ class Identifier:
     def results_of(self, node: NodeFrames) -> list[NodeResult]:
         """The result of each part of the frames of a node so far."""
         node.examine()
-        busiest = max(other.frames for other in self._nodes.values() if other.bus == node.bus)
+        busiest = max(each.frames for each in self._nodes.values() if each.bus == node.bus)
         return self._results(node, busiest)
 
     def result(self) -> Identification:
@@ -159,7 +159,7 @@ class Identifier:
             self.marked.add(bus)
         return self._of_mark[mark] if bus in self.marked else None
 
-    def _line(self, bus: str, frame: CanFrame) -> _Line:
+    def _line(self, bus: str, frame: CanFrame) -> _IdState:
         """The frames with the id and length of a frame, remembered."""
         if len(self._lines) >= MAX_KNOWN:
             self._lines.clear()
@@ -170,15 +170,15 @@ class Identifier:
             )
             nodes = [m.node_bits for m in having if m.id.nodes is None] if number is None else []
             bits = data_bits((run.space, run.segments) for run in nodes if run is not None)
-            line = _Line(message.id, self._kinds.first_key(frame), bits)
+            line = _IdState(message.id, self._kinds.first_key(frame), bits)
             if not bits:
                 line.node = self._frames_of(bus, number)
         else:
-            line = _Line(None, slice(0, 0), 0)
+            line = _IdState(None, slice(0, 0), 0)
         self._lines[bus, frame.id, frame.extended, frame.remote, len(frame.data)] = line
         return line
 
-    def _node(self, line: _Line, recorded: Recorded) -> NodeFrames:
+    def _node(self, line: _IdState, recorded: LogFrame) -> NodeFrames:
         """The frames of the node in the data of a frame."""
         frame = recorded.frame
         key_bits = self._kinds.all_key_bits(frame)
@@ -199,7 +199,7 @@ class Identifier:
             node = self._nodes[bus, number] = NodeFrames(bus, number, self.editions, state)
         return node
 
-    def _kind(self, line: _Line, frame: CanFrame) -> Kind:
+    def _kind(self, line: _IdState, frame: CanFrame) -> ScoredClass:
         """The kind of a frame, remembered for its line."""
         assert line.rule is not None
         first = frame.data[line.first]
@@ -232,7 +232,7 @@ class Identifier:
                 self.editions, state.waiting, observation.by_edition, strict=True
             )
         ]
-        then = self._state(tuple(one.waiting for one in meanings))
+        then = self._state(tuple(each.waiting for each in meanings))
         step = Step(observation.kind, meanings, then)
         state.steps[observation if direction is None else (observation, direction)] = step
         self._steps += 1
@@ -243,10 +243,7 @@ def _with_broadcasts(results: Sequence[NodeResult]) -> Iterator[NodeResult]:
     """The results, where a broadcast fits only editions of the nodes on its bus that answer it."""
     for result in results:
         names = {
-            edition
-            for other in results
-            if other.bus == result.bus and other.node is not None
-            for edition in other.editions
+            edition for each in results if each.bus == result.bus and each.node is not None for edition in each.editions
         }
         broadcast = result.node is None and any(_is_broadcast(edition) for edition in result.editions)
         editions = tuple(edition for edition in result.editions if edition in names)

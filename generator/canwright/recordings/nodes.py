@@ -16,9 +16,9 @@ from ..model.edition import Edition
 from ..model.message import Direction
 from ..model.types import Assignment
 from .changes import BLOCK, NodeFrames
-from .directions import Change, Judged
+from .directions import Change, DirectedFrame
 from .identify import Identifier
-from .recorded import Recorded
+from .log_frame import LogFrame
 from .results import Identification, NodeResult, Place
 
 LOOKAHEAD = 2048
@@ -93,13 +93,13 @@ class Nodes:
 
     def assignment(self, bus: str, node: int | None) -> Assignment:
         """The parameters of a node. A setting of the node replaces one of all nodes."""
-        found: dict[str, str] = {}
-        for setting in sorted(self.settings, key=lambda one: (one.node is not None, one.bus is not None)):
+        assigned: dict[str, str] = {}
+        for setting in sorted(self.settings, key=lambda setting: (setting.node is not None, setting.bus is not None)):
             if isinstance(setting.value, str) and setting.applies(bus, node):
-                found[setting.name] = setting.value
-        return found
+                assigned[setting.name] = setting.value
+        return assigned
 
-    def label(self, judged: Judged) -> str:
+    def label(self, judged: DirectedFrame) -> str:
         """The names of the editions that fit the node of a frame; exactly one if it is identified or given."""
         if judged.edition is None:
             return ""
@@ -126,8 +126,11 @@ class Nodes:
             self.editions[key] = choice.edition
 
     def _given(self, bus: str, node: int | None) -> Edition | None:
-        given = sorted(self.settings, key=lambda one: (one.node is None, one.bus is None))
-        return next((one.value for one in given if isinstance(one.value, Edition) and one.applies(bus, node)), None)
+        given = sorted(self.settings, key=lambda setting: (setting.node is None, setting.bus is None))
+        return next(
+            (setting.value for setting in given if isinstance(setting.value, Edition) and setting.applies(bus, node)),
+            None,
+        )
 
     def is_stray(self, bus: str, node: int | None) -> bool:
         """Whether a node has few frames that are far apart, as frames with a damaged id are."""
@@ -153,7 +156,8 @@ def common_edition(editions: Sequence[Edition], settings: Sequence[NodeSetting])
     if any(setting.bus is not None or setting.node is not None for setting in given):
         return None
     return next(
-        (one.value for one in given if isinstance(one.value, Edition)), editions[0] if len(editions) == 1 else None
+        (setting.value for setting in given if isinstance(setting.value, Edition)),
+        editions[0] if len(editions) == 1 else None,
     )
 
 
@@ -164,7 +168,7 @@ class Identifiers:
         families = dict.fromkeys(edition.family for edition in editions)
         self._all = [Identifier([e for e in editions if e.family == name], recorder) for name in families]
 
-    def add(self, recorded: Recorded) -> None:
+    def add(self, recorded: LogFrame) -> None:
         """The next frame of the log."""
         for identifier in self._all:
             identifier.add(recorded)
@@ -178,21 +182,21 @@ class Identifiers:
 def nodes_of(identifier: Identifier, settings: Sequence[NodeSetting]) -> Nodes:
     """The nodes of a log that has been identified."""
     nodes = Nodes(identifier.editions, settings)
-    found = identifier.result()
-    for result in _with_nodes(found):
-        nodes.choose(result.bus, result.node, _choice(result, found))
+    identification = identifier.result()
+    for result in _with_nodes(identification):
+        nodes.choose(result.bus, result.node, _choice(result, identification))
     return nodes
 
 
 def follow(
-    frames: Iterator[Recorded], editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
-) -> tuple[Nodes, Iterator[Recorded]]:
+    frames: Iterator[LogFrame], editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
+) -> tuple[Nodes, Iterator[LogFrame]]:
     """The nodes of a stream, and its frames; later choices are added to the nodes before the frame is yielded."""
     identifiers = Identifiers(editions, recorder)
-    start: list[Recorded] = []
-    for one in itertools.islice(frames, LOOKAHEAD):
-        start.append(one)
-        identifiers.add(one)
+    start: list[LogFrame] = []
+    for frame in itertools.islice(frames, LOOKAHEAD):
+        start.append(frame)
+        identifiers.add(frame)
         if len(start) % (4 * BLOCK) == 0 and _is_decided(identifiers.best):
             break
     identifier = identifiers.best
@@ -213,17 +217,17 @@ class _Following:
         self._identifier = identifier
         self._nodes = nodes
         self._number = number
-        self._held: deque[tuple[int, Recorded, NodeFrames | None]] = deque()
+        self._held: deque[tuple[int, LogFrame, NodeFrames | None]] = deque()
         self._waiting: set[NodeFrames] = set()
         """New nodes whose edition is not chosen yet."""
         self._next: dict[NodeFrames, int] = {}
         """The number of frames of a node at which it is examined again."""
 
-    def frames(self, frames: Iterable[Recorded]) -> Iterator[Recorded]:
+    def frames(self, frames: Iterable[LogFrame]) -> Iterator[LogFrame]:
         """The frames of a stream; those of a new node wait."""
-        for one in frames:
-            node = self._identifier.add(one)
-            self._held.append((self._number, one, node))
+        for frame in frames:
+            node = self._identifier.add(frame)
+            self._held.append((self._number, frame, node))
             if node is not None:
                 self._examine(node)
             self._number += 1
@@ -245,17 +249,17 @@ class _Following:
             if node not in self._waiting or len(results[-1].editions) == 1:
                 self._choose(node, results[-1])
 
-    def _released(self) -> Recorded:
-        _, one, node = self._held[0]
+    def _released(self) -> LogFrame:
+        _, frame, node = self._held[0]
         if node is not None and node in self._waiting:
             self._choose(node, self._identifier.results_of(node)[-1])
         self._held.popleft()
-        return one
+        return frame
 
     def _choose(self, node: NodeFrames, result: NodeResult) -> None:
         """Chooses the edition of a node for its first frame that waits, or the next one."""
         self._waiting.discard(node)
-        number, time = next(((n, one.time) for n, one, of in self._held if of is node), (self._number, None))
+        number, time = next(((n, frame.time) for n, frame, of in self._held if of is node), (self._number, None))
         choice = _choice(result, None)._replace(start=Place(number, time))
         choices = self._nodes.identified.get((node.bus, node.number))
         if not choices or choices[-1][1:3] != choice[1:3]:
@@ -282,24 +286,24 @@ def _misread(key: Key, choices: Sequence[Choice], first: int, last: int, edition
             yield Misread(*key, start, end - 1, choice.label or "foreign", edition)
 
 
-def _with_nodes(found: Identification) -> Iterator[NodeResult]:
+def _with_nodes(identification: Identification) -> Iterator[NodeResult]:
     """The results with a node; of frames without a node only where no frames have one."""
-    having = {result.bus for result in found.nodes if result.node is not None}
-    return (result for result in found.nodes if result.node is not None or result.bus not in having)
+    having = {result.bus for result in identification.nodes if result.node is not None}
+    return (result for result in identification.nodes if result.node is not None or result.bus not in having)
 
 
-def _choice(result: NodeResult, found: Identification | None) -> Choice:
+def _choice(result: NodeResult, identification: Identification | None) -> Choice:
     """Of several editions that fit, that of another node, if any."""
     start = result.start or Place(0, None)
-    others = [other for other in _with_nodes(found) if not other.is_stray] if found else []
-    certain = [(other.bus, other.editions[0]) for other in others if len(other.editions) == 1]
+    listed = [each for each in _with_nodes(identification) if not each.is_stray] if identification else []
+    certain = [(each.bus, each.editions[0]) for each in listed if len(each.editions) == 1]
     fitting = result.editions
     if result.is_stray and len(fitting) > 1:
-        fitting = tuple(one for one in fitting if (result.bus, one) in certain)
+        fitting = tuple(candidate for candidate in fitting if (result.bus, candidate) in certain)
     if fitting:
-        edition = next((one for _, one in certain if one in fitting), fitting[0])
-        rest = tuple(one for one in fitting if one is not edition)
+        edition = next((candidate for _, candidate in certain if candidate in fitting), fitting[0])
+        rest = tuple(candidate for candidate in fitting if candidate is not edition)
         return Choice(start, edition, rest, result.differing if rest else frozenset(), is_stray=result.is_stray)
     explained = [s.edition for s in result.scores if s.is_explained(result.judged)] if result.is_judged else []
-    assumed = next((one for bus, one in certain if bus == result.bus and one in explained), None)
+    assumed = next((candidate for bus, candidate in certain if bus == result.bus and candidate in explained), None)
     return Choice(start, assumed, is_assumed=assumed is not None, is_stray=result.is_stray)

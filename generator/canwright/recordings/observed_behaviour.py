@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..model.message import Command, Direction, Message
 from ..semantics.frame import CanFrame
 from .bus_behaviour import COPIED_WITHIN, Behaviour, OldBits
-from .frame_kinds import form_of
+from .frame_classes import form_of
 
 if TYPE_CHECKING:
-    from .directions import Judged
+    from .directions import DirectedFrame
 
 _LONG = 1_000_000_000
 """A pause in ns before which nothing counts."""
@@ -23,12 +23,15 @@ _RARE = 32
 """Reserved bits of a request are old if it is followed by its reply as if both were replies, once in so many or more."""
 
 
-def observe(judged: Iterable[Judged]) -> dict[str, Observed]:
+def observe(judged: Iterable[DirectedFrame]) -> dict[str, Observed]:
     """What the first frames of a log show of each bus."""
     buses: dict[str, Observed] = {}
-    for one in judged:
-        if one.edition is not None:
-            buses.setdefault(one.recorded.bus, Observed()).add(one)
+    for directed in judged:
+        if directed.edition is not None:
+            bus = directed.recorded.bus
+            if bus not in buses:
+                buses[bus] = Observed()
+            buses[bus].add(directed)
     return buses
 
 
@@ -53,7 +56,7 @@ class _Copies:
     pairs: Counter[Direction] = field(default_factory=Counter)
     _open: dict[int | None, _Run] = field(default_factory=dict)
 
-    def add(self, judged: Judged, time: int, command: Command) -> None:
+    def add(self, judged: DirectedFrame, time: int, command: Command) -> None:
         run = self._open.pop(judged.node, None)
         frame = judged.recorded.frame
         if run is not None and run.frame == frame and 0 <= time - run.time <= COPIED_WITHIN:
@@ -68,14 +71,14 @@ class _Copies:
     def directions(self) -> frozenset[Direction]:
         """The directions in which frames are recorded twice."""
         request, reply = Direction.REQUEST, Direction.REPLY
-        found = set()
+        copied = set()
         # Requests with old bits look like replies: then half of all runs are pairs.
         is_most = _is_share(self.pairs[request], self.runs[request], 3, 4)
         if is_most or _is_share(self.pairs.total(), self.runs.total(), 3, 8):
-            found.add(request)
+            copied.add(request)
         if _is_share(self.pairs[reply], self.runs[reply], 3, 4):
-            found.add(reply)
-        return frozenset(found)
+            copied.add(reply)
+        return frozenset(copied)
 
 
 class _Reply(NamedTuple):
@@ -165,7 +168,7 @@ class Observed:
             else None
         )
 
-    def add(self, judged: Judged) -> None:
+    def add(self, judged: DirectedFrame) -> None:
         """Counts the next frame."""
         assert judged.edition is not None
         if judged.message is None or judged.decided_by == "copy":
@@ -187,7 +190,9 @@ class Observed:
             self._latencies.append(judged.latency)
         if judged.decided_by == "content" and command.request is not None:
             bits = self._reserved_bits(command.request, judged.recorded.frame)
-            replies = self._of_request.setdefault(command.request, _Replies(command.is_echoed))
+            if command.request not in self._of_request:
+                self._of_request[command.request] = _Replies(command.is_echoed)
+            replies = self._of_request[command.request]
             replies.add(judged.node, time, bits, is_orphan=judged.request is None)
 
     def _reserved_bits(self, request: Message, frame: CanFrame) -> int:
@@ -217,7 +222,7 @@ class Observed:
     def _old_bits(self) -> Iterable[OldBits]:
         """The requests with old bits; a request with few frames counts as the others of its bus."""
         every = self._of_request.values()
-        is_bus = _is_share(sum(one.pairs for one in every), sum(one.count for one in every), 1, _RARE)
+        is_bus = _is_share(sum(each.pairs for each in every), sum(each.count for each in every), 1, _RARE)
         for request, replies in self._of_request.items():
             value = _constant(request, replies)
             is_old = _is_share(replies.pairs, replies.count, 1, _RARE) if replies.count >= _LEAST else is_bus

@@ -29,7 +29,7 @@ class ParquetTables:
     def __init__(self, folder: Path) -> None:
         require("pyarrow", "pyarrow", "Parquet")
         self._folder = folder
-        self._tables: dict[Layout, _Table] = {}
+        self._tables: dict[Layout, _LayoutTable] = {}
         self._paths: set[Path] = set()
         self._buffered = 0
 
@@ -40,12 +40,12 @@ class ParquetTables:
         table = self._tables.get(judged.message.layout)
         if table is None:
             path = self._path(judged.edition, judged.message.layout)
-            table = self._tables[judged.message.layout] = _Table(path, judged.edition, judged.message.layout)
+            table = self._tables[judged.message.layout] = _LayoutTable(path, judged.edition, judged.message.layout)
         table.add(row)
         self._buffered += 1
         if len(table.rows) >= _BATCH or self._buffered >= _MAX_BUFFERED:
-            for one in [table] if self._buffered < _MAX_BUFFERED else self._tables.values():
-                self._buffered -= one.flush()
+            for full in [table] if self._buffered < _MAX_BUFFERED else self._tables.values():
+                self._buffered -= full.flush()
 
     def close(self) -> None:
         for table in self._tables.values():
@@ -61,7 +61,7 @@ class ParquetTables:
         return path
 
 
-class _Table:
+class _LayoutTable:
     """The file of one layout."""
 
     def __init__(self, path: Path, edition: Edition, layout: Layout) -> None:
@@ -100,8 +100,8 @@ class _Table:
     def add(self, row: Row) -> None:
         judged = row.judged
         assert judged.message is not None
-        found: list[Any] = [None] * len(self._schema.names)
-        found[:9] = (
+        values: list[Any] = [None] * len(self._schema.names)
+        values[:9] = (
             judged.number,
             judged.recorded.time,
             bus_name(judged.recorded.bus),
@@ -116,11 +116,11 @@ class _Table:
             field = cell.column.field
             at = self._fields[field]
             if field.is_array:
-                found[at] = [*(found[at] or ()), cell.value]
-                found[at + 1] = [*(found[at + 1] or ()), cell.raw]
+                values[at] = [*(values[at] or ()), cell.value]
+                values[at + 1] = [*(values[at + 1] or ()), cell.raw]
             else:
-                found[at], found[at + 1] = cell.value, cell.raw
-        self.rows.append(found)
+                values[at], values[at + 1] = cell.value, cell.raw
+        self.rows.append(values)
 
     def flush(self) -> int:
         """Writes the rows; returns their number."""

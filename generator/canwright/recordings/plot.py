@@ -37,8 +37,8 @@ class Curve:
 
     def points(self) -> tuple[list[float], list[float]]:
         """Times and values."""
-        found = [point for bucket in self._buckets for point in bucket]
-        return [time for time, _ in found], [value for _, value in found]
+        points = [point for bucket in self._buckets for point in bucket]
+        return [time for time, _ in points], [value for _, value in points]
 
 
 def _ends(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -81,8 +81,8 @@ class Plot:
     @property
     def missing(self) -> list[str]:
         """The fields without a value so far."""
-        found = {name for name, _ in self._curves} | {name.partition("[")[0] for name, _ in self._curves}
-        return [name for name in self._fields if name not in found]
+        names = {name for name, _ in self._curves} | {name.partition("[")[0] for name, _ in self._curves}
+        return [name for name in self._fields if name not in names]
 
     def save(self, path: Path, form: str) -> None:
         """Saves the picture in a format of FORMATS. Equal logs give equal files."""

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ..semantics.frame import Parts, bits_at
-from .checks import Check, Reason, ReservedCheck
+from .checks import Check, Reason
 
 MAX_KNOWN = 1 << 12
 """The maximum number of results that are remembered of each probe."""
@@ -27,17 +27,12 @@ class Probe:
         self._parts = parts
         self._known: dict[int, int] = {}
         self._numbers: dict[tuple[Reason | None, ...], int] = {}
-        ((shift, mask, _), *others) = parts
+        ((shift, mask, _), *rest) = parts
         self._shift = shift
         self.width = mask.bit_length()
         self.start, self.end = shift // 8, (shift + self.width) // 8
         """The bytes, if it is an integer in whole bytes."""
-        self.is_integer = not in_id and not others and shift % 8 == 0 and self.width in _INTEGERS
-
-    @property
-    def is_reserved(self) -> bool:
-        """Whether the bits are a byte that only has reserved bits."""
-        return self.is_integer and self.width == 8 and all(isinstance(check, ReservedCheck) for check in self.checks)
+        self.is_integer = not in_id and not rest and shift % 8 == 0 and self.width in _INTEGERS
 
     @functools.cached_property
     def limits(self) -> tuple[int, ...] | None:
@@ -85,13 +80,13 @@ def probes_of(forms: Iterable[Sequence[Check]]) -> list[Probe]:
 
 def _whole_byte(parts: Parts) -> Parts:
     """The byte that contains some bits; the bits themselves if they are in several."""
-    ((shift, mask, _), *others) = parts
-    is_within = not others and shift % 8 + mask.bit_length() <= 8
+    ((shift, mask, _), *rest) = parts
+    is_within = not rest and shift % 8 + mask.bit_length() <= 8
     return ((shift // 8 * 8, 0xFF, 0),) if is_within else parts
 
 
 class Unpacker(NamedTuple):
-    """A function that unpacks data into integers and bytes, and for each of these a mapping to results."""
+    """A function that unpacks data into integers, and for each of these a mapping to results."""
 
     unpack: Callable[[bytes], tuple[Any, ...]]
     results: Sequence[Any]
@@ -99,16 +94,16 @@ class Unpacker(NamedTuple):
 
 def unpackers(probes: Sequence[Probe], length: int) -> list[Unpacker]:
     """Unpackers of data of a length for the probes of integers; several if their bytes overlap, at least one."""
-    layers: list[list[_Part]] = [[]]
+    layers: list[list[_ByteRun]] = [[]]
     for part in _parts(probes):
-        layer = next((one for one in layers if all(not part.overlaps(other) for other in one)), None)
+        layer = next((known for known in layers if all(not part.overlaps(run) for run in known)), None)
         if layer is None:
             layers.append(layer := [])
         layer.append(part)
     return [_unpacker(layer, length) for layer in layers]
 
 
-class _Part(NamedTuple):
+class _ByteRun(NamedTuple):
     """Consecutive bytes, the notation of `struct` for them, and their results."""
 
     start: int
@@ -116,25 +111,19 @@ class _Part(NamedTuple):
     notation: str
     results: Any
 
-    def overlaps(self, other: _Part) -> bool:
-        return self.start < other.end and other.start < self.end
+    def overlaps(self, run: _ByteRun) -> bool:
+        return self.start < run.end and run.start < self.end
 
 
-def _parts(probes: Sequence[Probe]) -> Iterator[_Part]:
-    """Integers, joined with checks of their bytes, other bytes, and runs of bytes that only have reserved bits."""
+def _parts(probes: Sequence[Probe]) -> Iterator[_ByteRun]:
+    """Integers, joined with checks of their bytes, and other bytes."""
     octets = {probe.start: probe for probe in probes if probe.width == 8}
     for probe in probes:
         if probe.width != 8:
             table = _with_octets(probe, octets) if probe.width == 16 else None
-            yield _Part(probe.start, probe.end, _INTEGERS[probe.width], table or _results(probe))
-    run: list[Probe] = []
-    for probe in sorted(octets.values(), key=lambda octet: octet.start):
-        if run and not (probe.is_reserved and run[-1].is_reserved and probe.start == run[-1].end):
-            yield _part_of(run)
-            run = []
-        run.append(probe)
-    if run:
-        yield _part_of(run)
+            yield _ByteRun(probe.start, probe.end, _INTEGERS[probe.width], table or _results(probe))
+    for probe in octets.values():
+        yield _ByteRun(probe.start, probe.end, "B", _results(probe))
 
 
 def _with_octets(probe: Probe, octets: dict[int, Probe]) -> bytes | None:
@@ -147,13 +136,7 @@ def _with_octets(probe: Probe, octets: dict[int, Probe]) -> bytes | None:
     return joined
 
 
-def _part_of(run: Sequence[Probe]) -> _Part:
-    """Consecutive bytes; several only have reserved bits."""
-    start, end = run[0].start, run[-1].end
-    return _Part(start, end, "B", _results(run[0])) if len(run) == 1 else _Part(start, end, f"{len(run)}s", _Run(run))
-
-
-def _unpacker(parts: Sequence[_Part], length: int) -> Unpacker:
+def _unpacker(parts: Sequence[_ByteRun], length: int) -> Unpacker:
     """The unpacker of parts that do not overlap."""
     ordered = sorted(parts, key=lambda part: part.start)
     notation, at = "<", 0
@@ -175,23 +158,10 @@ class _Results(dict[int, int]):
         self._probe = probe
 
     def __missing__(self, bits: int) -> int:
-        found = self._probe.result(bits)
+        number = self._probe.result(bits)
         if len(self) < MAX_KNOWN:
-            self[bits] = found
-        return found
-
-
-class _Run(dict[bytes, tuple[int, ...]]):
-    """The results of probes of consecutive bytes, remembered."""
-
-    def __init__(self, probes: Sequence[Probe]) -> None:
-        self._probes = probes
-
-    def __missing__(self, data: bytes) -> tuple[int, ...]:
-        found = tuple([probe.result(byte) for probe, byte in zip(self._probes, data, strict=True)])
-        if len(self) < MAX_KNOWN:
-            self[data] = found
-        return found
+            self[bits] = number
+        return number
 
 
 class _Spans:
@@ -222,5 +192,7 @@ def _joined(table: bytes, low: bytes | None, high: bytes | None) -> bytes | None
     for byte in range(256):
         own = table[byte << 8 : (byte + 1) << 8], high[byte]
         if own not in blocks:
-            blocks[own] = bytes((one * lows + other) * highs + own[1] for one, other in zip(own[0], low, strict=True))
+            blocks[own] = bytes(
+                (number * lows + low_number) * highs + own[1] for number, low_number in zip(own[0], low, strict=True)
+            )
     return b"".join(blocks[table[byte << 8 : (byte + 1) << 8], high[byte]] for byte in range(256))

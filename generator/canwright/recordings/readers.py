@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import BinaryIO, cast
 
 from . import by_python_can, candump, savvycan
+from .log_frame import OVERLONG, Counts, LogFrame, SkippedPart
 from .packages import MissingPackageError
-from .recorded import OVERLONG, Counts, Part, Recorded
 
 STANDARD_INPUT = "-"
 _PEEKED = 4096
@@ -47,7 +47,7 @@ class Log:
         """Whether the log is a regular file, so that it can be read again by its name."""
         return Path(self.name).is_file()
 
-    def __iter__(self) -> Iterator[Recorded]:
+    def __iter__(self) -> Iterator[LogFrame]:
         """Raises LogError and OSError."""
         frames = 0
         try:
@@ -59,7 +59,7 @@ class Log:
         except MissingPackageError as error:
             raise LogError(str(error)) from None
         except (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile) as error:
-            self.counts.skip(Part.TRUNCATED, 0, str(error))
+            self.counts.skip(SkippedPart.TRUNCATED, 0, str(error))
         finally:
             self.counts.frames = frames
         if not self.counts.frames:
@@ -91,7 +91,7 @@ def _buffered(source: BinaryIO) -> io.BufferedReader:
     return source if isinstance(source, io.BufferedReader) else io.BufferedReader(cast("io.RawIOBase", source))
 
 
-def _read(source: io.BufferedReader, counts: Counts) -> Iterator[Recorded]:
+def _read(source: io.BufferedReader, counts: Counts) -> Iterator[LogFrame]:
     """The frames of a log in the format that its first bytes have."""
     start = source.peek(_PEEKED)[:_PEEKED]
     for magic, opened in _COMPRESSED.items():

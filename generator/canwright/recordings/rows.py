@@ -11,7 +11,7 @@ from ..model.message import Message
 from ..model.types import Assignment, Encoding, Type
 from ..semantics.decoder import linear_of, value_of
 from ..semantics.frame import CanFrame, bits_at, parts_of
-from .directions import Judged
+from .directions import DirectedFrame
 
 CellValue = int | float | str | list[str] | None
 """A number in the unit, the name of a member, the names of flags; None without a scale or a name."""
@@ -44,7 +44,7 @@ class Row(NamedTuple):
     `edition` has the names of all editions that fit. `implausible` are values outside the plausible range of their type.
     """
 
-    judged: Judged
+    judged: DirectedFrame
     edition: str
     cells: tuple[Cell, ...] = ()
     missing: tuple[str, ...] = ()
@@ -58,7 +58,8 @@ class _Reader(NamedTuple):
     in_id: bool
     raw: Callable[[int], int]
     value: Callable[[int], CellValue]
-    plausible: tuple[float, float] | None
+    is_plausible: Callable[[CellValue], bool] | None
+    """None if all values are plausible."""
 
 
 class _Plan(NamedTuple):
@@ -71,7 +72,7 @@ class _Plan(NamedTuple):
 _MAX_PLANS = 1 << 14
 
 
-def _edition_name(judged: Judged) -> str:
+def _edition_name(judged: DirectedFrame) -> str:
     return judged.edition.name if judged.edition else ""
 
 
@@ -79,56 +80,47 @@ class RowReader:
     """Reads the fields of frames; `assignment` are the parameters of a node on a bus, `label` names the editions that fit."""
 
     def __init__(
-        self, assignment: Callable[[str, int | None], Assignment], label: Callable[[Judged], str] = _edition_name
+        self, assignment: Callable[[str, int | None], Assignment], label: Callable[[DirectedFrame], str] = _edition_name
     ) -> None:
         self._assignment = assignment
         self._label = label
         self._plans: dict[tuple[Message, str, int | None], _Plan] = {}
 
-    def rows(self, judged: Iterable[Judged]) -> Iterator[Row]:
+    def rows(self, judged: Iterable[DirectedFrame]) -> Iterator[Row]:
         """A row for each frame."""
-        for one in judged:
-            edition = self._label(one)
-            if one.message is None:
-                yield Row(one, edition)
+        for directed in judged:
+            edition = self._label(directed)
+            if directed.message is None:
+                yield Row(directed, edition)
                 continue
-            known = (one.message, one.recorded.bus, one.node)
+            known = (directed.message, directed.recorded.bus, directed.node)
             plan = self._plans.get(known)
             if plan is None:
                 if len(self._plans) >= _MAX_PLANS:
                     self._plans.clear()
-                plan = self._plans[known] = _plan(one.message, self._assignment(one.recorded.bus, one.node))
-            yield Row(one, edition, *_read(plan, one.recorded.frame))
+                plan = self._plans[known] = _plan(
+                    directed.message, self._assignment(directed.recorded.bus, directed.node)
+                )
+            yield Row(directed, edition, *_read(plan, directed.recorded.frame))
 
 
 def cells(message: Message, frame: CanFrame, assignment: Assignment) -> tuple[Cell, ...]:
     """The values of a frame that is known to be a message."""
-    found, _, _ = _read(_plan(message, assignment), frame)
-    return found
+    values, _, _ = _read(_plan(message, assignment), frame)
+    return values
 
 
 def _read(plan: _Plan, frame: CanFrame) -> tuple[tuple[Cell, ...], tuple[str, ...], tuple[Cell, ...]]:
     """The values, the parameters that are missing, and the values that are not plausible."""
     id_, data = frame.id, int.from_bytes(frame.data, "little")
-    found, implausible = [], []
-    for column, in_id, raw_of, value, plausible in plan.readers:
+    cells, implausible = [], []
+    for column, in_id, raw_of, value, is_plausible in plan.readers:
         raw = raw_of(id_ if in_id else data)
         cell = Cell(column, raw, value(raw))
-        found.append(cell)
-        if plausible is not None and not is_within(cell.value, plausible):
+        cells.append(cell)
+        if is_plausible is not None and not is_plausible(cell.value):
             implausible.append(cell)
-    return tuple(found), plan.missing, tuple(implausible)
-
-
-def is_within(value: CellValue, limits: tuple[float, float]) -> bool:
-    """Whether a value is within limits; True if it is no number."""
-    return not isinstance(value, (int, float)) or limits[0] <= value <= limits[1]
-
-
-def plausible_limits(type_: Type) -> tuple[float, float] | None:
-    """The plausible values of a type, in its unit; None if all are."""
-    span = type_.plausible
-    return None if span is None else (float(span.low.constant), float(span.high.constant))
+    return tuple(cells), plan.missing, tuple(implausible)
 
 
 def _plan(message: Message, assignment: Assignment) -> _Plan:
@@ -140,10 +132,13 @@ def _plan(message: Message, assignment: Assignment) -> _Plan:
     for field in fields:
         if field.role.is_value:
             missing += [name for name in needed(field.type, assignment) if name not in assignment]
-            value, plausible = value_reader(field.type, assignment), plausible_limits(field.type)
+            value, is_plausible = (
+                value_reader(field.type, assignment),
+                field.type.is_plausible if field.type.plausible else None,
+            )
             for column, element in zip(columns(field), field.elements, strict=True):
                 raw = _raw_reader(field.type, element)
-                readers.append(_Reader(column, field.space is Space.ID, raw, value, plausible))
+                readers.append(_Reader(column, field.space is Space.ID, raw, value, is_plausible))
     return _Plan(tuple(readers), tuple(dict.fromkeys(missing)))
 
 
@@ -186,7 +181,7 @@ def value_reader(type_: Type, assignment: Assignment) -> Callable[[int], CellVal
         return lambda raw: (raw * factor + addend) / divisor  # of integers, so it is rounded once
 
     def value(raw: int) -> CellValue:
-        found = value_of(type_, raw, assignment)
-        return found if found is None or isinstance(found, (str, list)) else float(found)
+        exact = value_of(type_, raw, assignment)
+        return exact if exact is None or isinstance(exact, (str, list)) else float(exact)
 
     return value

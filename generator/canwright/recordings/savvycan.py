@@ -6,13 +6,13 @@ from collections.abc import Iterable, Iterator
 
 from ..model.layout import MAX_DATA_BYTES
 from ..semantics.frame import CanFrame
-from .recorded import Counts, Mark, Part, Recorded
+from .log_frame import Counts, LogFrame, Mark, SkippedPart
 
 START = "Time Stamp,ID,Extended"
 _MARKS = {"rx": Mark.RECEIVED, "tx": Mark.SENT}
 
 
-def read(lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
+def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
     """The frames of the lines of a log, the first of which names the columns."""
     numbered = enumerate(lines, start=1)
     columns = {name.strip(): at for at, name in enumerate(next(numbered)[1].strip().split(","))}
@@ -20,7 +20,7 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
     for number, line in numbered:
         cells = [cell.strip() for cell in line.strip().split(",")]
         if not any(cells):
-            counts.skip(Part.OTHER, number, line)
+            counts.skip(SkippedPart.OTHER, number, line)
             continue
         try:
             length = int(cells[columns["LEN"]])
@@ -29,11 +29,11 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[Recorded]:
             extended, bus = cells[columns["Extended"]].lower() == "true", cells[columns["Bus"]]
             mark = _MARKS.get(cells[columns["Dir"]].lower()) if "Dir" in columns else None
         except (ValueError, IndexError):
-            counts.skip(Part.MALFORMED if line.endswith("\n") else Part.TRUNCATED, number, line)
+            counts.skip(SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED, number, line)
             continue
         if length > MAX_DATA_BYTES:
-            counts.skip(Part.FD, number, line)
+            counts.skip(SkippedPart.FD, number, line)
         elif len(data) < length:
-            counts.skip(Part.MALFORMED if line.endswith("\n") else Part.TRUNCATED, number, line)
+            counts.skip(SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED, number, line)
         else:
-            yield Recorded(time, bus, CanFrame(id_, data, extended), mark)
+            yield LogFrame(time, bus, CanFrame(id_, data, extended), mark)

@@ -42,22 +42,22 @@ class Interpretation:
         self.is_careless = is_of_host and all(reason.points <= WEAK for reason in reasons)
         """Whether a host can have sent this: it left reserved bytes uncleared, or exceeded a range."""
         reserved = sum(reason.points for reason in reasons if reason.byte is not None)
-        others = sum(reason.points for reason in reasons if reason.byte is None)
-        self.points = min(others + (min(reserved, WEAK) if is_of_host else reserved), STRONG)
+        rest = sum(reason.points for reason in reasons if reason.byte is None)
+        self.points = min(rest + (min(reserved, WEAK) if is_of_host else reserved), STRONG)
 
 
 @dataclass(frozen=True, eq=False)
 class Observation:
     """Equal frames, as far as any edition distinguishes them: the interpretations in each edition, replies first."""
 
-    kind: Kind
+    kind: ScoredClass
     by_edition: tuple[tuple[Interpretation, ...], ...]
 
 
-class Kind:
+class ScoredClass:
     """The frames with the same candidates in all editions: the same id rule, length and keys."""
 
-    def __init__(self, forms: Sequence[Sequence[Form]], nothing: Sequence[Reason], length: int) -> None:
+    def __init__(self, forms: Sequence[Sequence[ScoredForm]], nothing: Sequence[Reason], length: int) -> None:
         self._forms = forms
         self._nothing = nothing
         self._probes = probes_of(form.checks for form in dict.fromkeys(form for own in forms for form in own))
@@ -69,14 +69,14 @@ class Kind:
 
     def observation(self, id_: int, data: bytes) -> Observation:
         """The observation of a frame with this id and data."""
-        found: tuple[object, ...] = tuple(map(getitem, self._results, self._unpack(data)))
+        numbers: tuple[object, ...] = tuple(map(getitem, self._results, self._unpack(data)))
         for unpack, results in self._more:
-            found += tuple(map(getitem, results, unpack(data)))
+            numbers += tuple(map(getitem, results, unpack(data)))
         if self._others:
-            found += tuple([probe.result_of(id_, data) for probe in self._others])
-        return self._known.get(found) or self._new(found, id_, data)
+            numbers += tuple([probe.result_of(id_, data) for probe in self._others])
+        return self._known.get(numbers) or self._new(numbers, id_, data)
 
-    def _new(self, found: tuple[object, ...], id_: int, data: bytes) -> Observation:
+    def _new(self, numbers: tuple[object, ...], id_: int, data: bytes) -> Observation:
         """The observation of a frame; frames with equal results of all checks have the same."""
         results = tuple(probe.result_of(id_, data) for probe in self._probes)
         observation = self._observations.get(results)
@@ -85,7 +85,7 @@ class Kind:
             if len(self._observations) < MAX_KNOWN:
                 self._observations[results] = observation
         if len(self._known) < MAX_KNOWN:
-            self._known[found] = observation
+            self._known[numbers] = observation
         return observation
 
     def interpretations(self, id_: int, data: bytes) -> tuple[tuple[Interpretation, ...], ...]:
@@ -97,25 +97,25 @@ class Kind:
         )
 
 
-class Kinds:
+class ScoredClasses:
     """The kinds of frames of several editions."""
 
     def __init__(self, editions: Sequence[Edition]) -> None:
         self._candidates = [Candidates(edition) for edition in editions]
         self._editions = editions
-        self._forms: dict[tuple[int, Message], list[Form]] = {}
-        self._kinds: dict[tuple[object, ...], Kind] = {}
+        self._forms: dict[tuple[int, Message], list[ScoredForm]] = {}
+        self._kinds: dict[tuple[object, ...], ScoredClass] = {}
         self._messages: dict[tuple[int, bool, bool], list[Message]] = {}
 
     def messages(self, frame: CanFrame) -> list[Message]:
         """The messages of all editions with the id of a frame."""
         id_ = frame.id, frame.extended, frame.remote
-        found = self._messages.get(id_)
-        if found is None:
-            found = [m for edition in self._editions for m in edition.all_messages() if has_id(m, frame)]
+        known = self._messages.get(id_)
+        if known is None:
+            known = [m for edition in self._editions for m in edition.all_messages() if has_id(m, frame)]
             if len(self._messages) < MAX_KNOWN:
-                self._messages[id_] = found
-        return found
+                self._messages[id_] = known
+        return known
 
     def first_key(self, frame: CanFrame) -> slice[int, int, None]:
         """The bytes of the first keys of all messages with the id of a frame; empty if these are not whole bytes."""
@@ -144,32 +144,36 @@ class Kinds:
         """The messages that a frame can be in any edition."""
         return [message for candidates in self._candidates for message in candidates.of(frame)]
 
-    def kind(self, frame: CanFrame, rule: IdRule) -> Kind:
+    def kind(self, frame: CanFrame, rule: IdRule) -> ScoredClass:
         """The kind of a frame with an id of `rule`."""
-        found = [tuple(candidates.of(frame)) if candidates.has_id(frame) else None for candidates in self._candidates]
+        candidates_of = [
+            tuple(candidates.of(frame)) if candidates.has_id(frame) else None for candidates in self._candidates
+        ]
         code = frame.data[:1] if self.first_key(frame) == slice(0, 1) else b""
-        known = (rule, len(frame.data), code, *found)
+        known = (rule, len(frame.data), code, *candidates_of)
         if known not in self._kinds:
             where = formatting.id_rule(rule)
             start = f" that starts with {code.hex().upper()}" if code else ""
             unknown = f"no frame of {formatting.counted(len(frame.data), 'byte')}{start} on {where}"
             nothing = [
                 Reason(STRONG, f"{where} is not an id of this edition" if messages is None else unknown)
-                for messages in found
+                for messages in candidates_of
             ]
-            forms = [[f for m in messages or () for f in self._forms_of(i, m)] for i, messages in enumerate(found)]
-            self._kinds[known] = Kind(forms, nothing, len(frame.data))
+            forms = [
+                [f for m in messages or () for f in self._forms_of(i, m)] for i, messages in enumerate(candidates_of)
+            ]
+            self._kinds[known] = ScoredClass(forms, nothing, len(frame.data))
         return self._kinds[known]
 
-    def _forms_of(self, edition: int, message: Message) -> list[Form]:
+    def _forms_of(self, edition: int, message: Message) -> list[ScoredForm]:
         """A form for each variant of the layout."""
         if (edition, message) not in self._forms:
-            own = [Form(self._editions[edition], message, variant) for variant in message.layout.variants]
+            own = [ScoredForm(self._editions[edition], message, variant) for variant in message.layout.variants]
             self._forms[edition, message] = own
         return self._forms[edition, message]
 
 
-class Form:
+class ScoredForm:
     """A message under one variant of its layout."""
 
     def __init__(self, edition: Edition, message: Message, variant: Variant) -> None:
@@ -189,8 +193,8 @@ class Form:
 
     def interpret(self, id_: int, data: int) -> Interpretation:
         """A frame as this message, with the reasons against it."""
-        found = (check.reason(bits_at(check.parts, id_ if check.in_id else data)) for check in self.checks)
-        reasons = tuple(reason for reason in found if reason)
+        checked = (check.reason(bits_at(check.parts, id_ if check.in_id else data)) for check in self.checks)
+        reasons = tuple(reason for reason in checked if reason)
         return Interpretation(self._message.name, self._message, reasons, is_of_host=self._is_of_host)
 
 

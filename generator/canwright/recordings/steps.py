@@ -9,9 +9,10 @@ from typing import NamedTuple
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Direction
-from ..semantics.bits import data_bits
+from ..semantics.exchange import exchange_plans
+from ..semantics.plan import message_plan
 from .checks import STRONG, Reason
-from .scoring import Interpretation, Kind, Observation, reply_rule
+from .scoring import Interpretation, Observation, ScoredClass, reply_rule
 
 MAX_OPEN = 4
 """The maximum number of requests of a node that wait for their replies."""
@@ -51,7 +52,7 @@ class Meaning(NamedTuple):
 class Step:
     """An observation in a state: the meaning in each edition, and the state that follows."""
 
-    def __init__(self, kind: Kind, meanings: Sequence[Meaning], then: State) -> None:
+    def __init__(self, kind: ScoredClass, meanings: Sequence[Meaning], then: State) -> None:
         self.kind = kind
         self.meanings = meanings
         self.then = then
@@ -64,8 +65,8 @@ class Step:
     @cached_property
     def is_request(self) -> bool:
         """Whether the frame is a request in all editions that have it."""
-        having = [one.interpretation for one in self.meanings if one.interpretation.points < STRONG]
-        return bool(having) and all(one.is_request for one in having)
+        having = [meaning.interpretation for meaning in self.meanings if meaning.interpretation.points < STRONG]
+        return bool(having) and all(meaning.is_request for meaning in having)
 
     @cached_property
     def points(self) -> tuple[int, ...]:
@@ -77,8 +78,8 @@ class Step:
     @cached_property
     def costs(self) -> tuple[int, ...]:
         """The points without those against what a host may have sent."""
-        found = zip(self.points, self.meanings, strict=True)
-        return tuple(0 if meaning.interpretation.is_careless else points for points, meaning in found)
+        pairs = zip(self.points, self.meanings, strict=True)
+        return tuple(0 if meaning.interpretation.is_careless else points for points, meaning in pairs)
 
     @cached_property
     def best(self) -> int:
@@ -101,18 +102,18 @@ def meaning(
     """
     if direction is not None:
         interpretations = _of_direction(interpretations, direction)
-    request = min((one for one in interpretations if one.is_request), key=_points, default=None)
+    request = min((each for each in interpretations if each.is_request), key=_points, default=None)
     answers = [
-        (one, open_)
-        for one in interpretations
-        if not one.is_request
+        (each, open_)
+        for each in interpretations
+        if not each.is_request
         for open_ in waiting
-        if edition.command(open_.command).reply is one.message
+        if edition.command(open_.command).reply is each.message
     ]
     is_regular = request is not None and not request.reasons
     if answers and (not is_regular or _is_like_a_reply(edition, request)):
         reply, answered = min(answers, key=lambda item: item[0].points)
-        return Meaning(reply, tuple(other for other in waiting if other is not answered))
+        return Meaning(reply, tuple(open_ for open_ in waiting if open_ is not answered))
     if request is not None and not is_regular and len(interpretations) == 1:
         message = request.message
         assert message is not None
@@ -129,11 +130,11 @@ def meaning(
     reply_message = edition.command(message.command).reply
     if reply_message is None or (not has_number and reply_message.id.nodes is not None):
         return Meaning(best, waiting)
-    opened = Open(message.command, not any(not one.is_request and not one.points for one in interpretations))
+    opened = Open(message.command, not any(not each.is_request and not each.points for each in interpretations))
     replaced = next((open_ for open_ in waiting if open_.command == opened.command), None)
-    others = tuple(open_ for open_ in waiting if open_ is not replaced)
-    unanswered = replaced or (others[0] if len(others) >= MAX_OPEN else None)
-    return Meaning(best, (*others[1 - MAX_OPEN :], opened), opened, unanswered)
+    kept = tuple(open_ for open_ in waiting if open_ is not replaced)
+    unanswered = replaced or (kept[0] if len(kept) >= MAX_OPEN else None)
+    return Meaning(best, (*kept[1 - MAX_OPEN :], opened), opened, unanswered)
 
 
 def _points(interpretation: Interpretation) -> int:
@@ -147,18 +148,20 @@ def _points_and_direction(interpretation: Interpretation) -> tuple[int, bool]:
 
 def _of_direction(interpretations: Sequence[Interpretation], direction: Direction) -> Sequence[Interpretation]:
     """The interpretations in a direction that the log marks."""
-    found = [one for one in interpretations if one.message is None or one.message.direction is direction]
-    if found:
-        return found
-    other = interpretations[0]
-    text = f"{other.kind} is marked as a {direction.value}"
-    return [Interpretation(other.kind, None, (Reason(STRONG, text),))]
+    having = [
+        interpretation
+        for interpretation in interpretations
+        if interpretation.message is None or interpretation.message.direction is direction
+    ]
+    if having:
+        return having
+    first = interpretations[0]
+    text = f"{first.kind} is marked as a {direction.value}"
+    return [Interpretation(first.kind, None, (Reason(STRONG, text),))]
 
 
 def _is_like_a_reply(edition: Edition, request: Interpretation | None) -> bool:
     """Whether a reply can equal the request: it is an echo, or the request has no reserved bit."""
     assert request is not None and request.message is not None
     message = request.message
-    places = [(key.space, key.segments) for key in message.keys]
-    places += [(f.space, e.segments) for f in message.layout.fields for e in f.elements]
-    return edition.command(message.command).is_echoed or data_bits(places) == (1 << 8 * message.dlc) - 1
+    return exchange_plans(edition)[message].is_echo or not message_plan(message).reserved.mask

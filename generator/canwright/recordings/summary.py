@@ -10,7 +10,7 @@ from ..model.message import Command, Direction
 from ..model.refusal import Refusal
 from ..semantics.decoder import Rejection
 from ..semantics.frame import CanFrame
-from .directions import DecidedBy, Judged
+from .directions import DecidedBy, DirectedFrame
 from .rows import Cell, Row
 
 _MAX_WAITING = 1 << 16
@@ -148,7 +148,7 @@ class Summary:
             known = self.nodes[bus, node] = NodeSummary()
         return known
 
-    def _request(self, judged: Judged, edition: Edition) -> None:
+    def _request(self, judged: DirectedFrame, edition: Edition) -> None:
         assert judged.message is not None
         command = edition.command(judged.message.command)
         if not command.replies:
@@ -157,7 +157,7 @@ class Summary:
         if len(self._waiting) > _MAX_WAITING:
             self._count_missing(self._waiting.pop(next(iter(self._waiting))))
 
-    def _reply(self, node: NodeSummary, judged: Judged, edition: Edition) -> None:
+    def _reply(self, node: NodeSummary, judged: DirectedFrame, edition: Edition) -> None:
         assert judged.message is not None
         if judged.request is None:
             node.unexpected += edition.command(judged.message.command).request is not None

@@ -16,7 +16,7 @@ from ..model.message import Command
 from ..semantics.frame import CanFrame
 from .checks import STRONG
 from .results import JUDGED, EditionScore, Evidence, NodeResult, Place
-from .scoring import Kind
+from .scoring import ScoredClass
 from .steps import Step, Waiting
 
 LEAD = 3
@@ -32,7 +32,7 @@ class Seen(NamedTuple):
     example: CanFrame
 
 
-class _KindTally:
+class _ClassTally:
     """The frames of one kind; the lists have a number for each edition."""
 
     def __init__(self, editions: int, example: CanFrame) -> None:
@@ -62,7 +62,7 @@ class Tally:
     def __init__(self, editions: Sequence[Edition], start: Place | None = None) -> None:
         self.start = start
         self._editions = editions
-        self._kinds: dict[Kind, _KindTally] = {}
+        self._kinds: dict[ScoredClass, _ClassTally] = {}
         self._found: list[dict[str, _Found]] = [{} for _ in editions]
         self._names: list[Counter[str]] = [Counter() for _ in editions]
         self._opened: list[Counter[bool]] = [Counter() for _ in editions]
@@ -76,28 +76,28 @@ class Tally:
             count = sign * number
             kind = self._kinds.get(step.kind)
             if kind is None:
-                kind = self._kinds[step.kind] = _KindTally(len(self._editions), example)
+                kind = self._kinds[step.kind] = _ClassTally(len(self._editions), example)
             kind.frames += count
             if step.is_unexplained:
                 kind.unexplained += count
                 continue
             for i, meaning in enumerate(step.meanings):
-                one = meaning.interpretation
-                kind.explained[i] += count * (one.points < STRONG)
+                interpretation = meaning.interpretation
+                kind.explained[i] += count * (interpretation.points < STRONG)
                 kind.points[i] += count * step.costs[i]
-                kind.weak[i] += count * (one.points - step.costs[i])
-                self._names[i][one.kind] += count
+                kind.weak[i] += count * (interpretation.points - step.costs[i])
+                self._names[i][interpretation.kind] += count
                 self._unrequested[i] += count * meaning.is_unrequested
                 if meaning.opened is not None:
                     self._opened[i][meaning.opened.is_certain] += count
                 if meaning.unanswered is not None:
                     self._unanswered[i][meaning.unanswered] += count
-                for reason in one.reasons:
+                for reason in interpretation.reasons:
                     if reason.text not in self._found[i]:
-                        self._found[i][reason.text] = _Found(one.kind, reason.points, example)
+                        self._found[i][reason.text] = _Found(interpretation.kind, reason.points, example)
                     if reason.byte is not None:
                         self._found[i][reason.text].by_byte[reason.byte] += count
-                for text in {reason.text for reason in one.reasons}:
+                for text in {reason.text for reason in interpretation.reasons}:
                     self._found[i][text].frames += count
 
     def result(self, bus: str, node: int | None, waiting: Sequence[Waiting]) -> NodeResult:
@@ -114,10 +114,10 @@ class Tally:
             score = sum(kind.points[i] for kind in often) + weak
             against = self._evidence(i, rare)
             scores.append(EditionScore(edition, explained[i], score, against, *self._requests(i, waiting[i])))
-        possible = [one for one in scores if judged > JUDGED * frames and one.is_possible(judged)]
-        scores.sort(key=lambda one: (one not in possible, one.score, -one.explained))
-        limit = min((one.score for one in possible), default=0) + LEAD * max(1, math.sqrt(noise))
-        fitting = tuple(one.edition for one in scores if one in possible and one.score < limit)
+        possible = [candidate for candidate in scores if judged > JUDGED * frames and candidate.is_possible(judged)]
+        scores.sort(key=lambda candidate: (candidate not in possible, candidate.score, -candidate.explained))
+        limit = min((candidate.score for candidate in possible), default=0) + LEAD * max(1, math.sqrt(noise))
+        fitting = tuple(candidate.edition for candidate in scores if candidate in possible and candidate.score < limit)
         seen = {name for names in self._names for name, count in names.items() if count}
         differing = _differing(fitting)
         unexplained = [(kind.example, kind.unexplained) for kind in self._kinds.values() if kind.unexplained]
@@ -151,19 +151,19 @@ class Tally:
     def _evidence(self, edition: int, rare: float) -> tuple[Evidence, ...]:
         """All evidence against an edition, the strongest first."""
         listed = []
-        for text, found in self._found[edition].items():
-            if not found.frames:
+        for text, reason in self._found[edition].items():
+            if not reason.frames:
                 continue
-            among = self._names[edition][found.name]
-            counts = found.frames >= rare and Fraction(found.frames, among) >= SHARE
-            where, points = text, found.points
-            by_byte = +found.by_byte
+            among = self._names[edition][reason.name]
+            counts = reason.frames >= rare and Fraction(reason.frames, among) >= SHARE
+            where, points = text, reason.points
+            by_byte = +reason.by_byte
             if by_byte:
                 often = [byte for byte, count in by_byte.items() if Fraction(count, among) >= SHARE]
                 bytes_ = sorted(often or by_byte)
                 where = f"{text}: {', '.join(f'DATA[{byte}]' for byte in bytes_)} should be 0"
                 points = min(points * len(bytes_), STRONG)
-            listed.append(Evidence(points, where, found.frames, among, found.example, counts))
+            listed.append(Evidence(points, where, reason.frames, among, reason.example, counts))
         return tuple(sorted(listed, key=lambda e: (not e.counts, -e.points, -e.count)))
 
 

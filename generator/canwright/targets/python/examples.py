@@ -167,18 +167,9 @@ def _differ(edition: Edition, request: Message, reply: Message, node: int) -> bo
         return True
     fields = [field for field in found.variant.fields if field.role.is_value]
     return any(
-        encoder.rejects_raw(field, found.raws[field.name]) or _is_implausible(field, found.values[field.name])
+        encoder.rejects_raw(field, found.raws[field.name]) or not field.type.is_plausible(found.values[field.name])
         for field in fields
     )
-
-
-def _is_implausible(field: Field, value: object) -> bool:
-    """Whether no working node reports a value."""
-    plausible = field.type.plausible
-    if plausible is None or not isinstance(value, Fraction):
-        return False
-    low, high = plausible.low.at({}), plausible.high.at({})
-    return (low is not None and value < low) or (high is not None and value > high)
 
 
 def arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:

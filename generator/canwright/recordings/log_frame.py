@@ -17,7 +17,7 @@ class Mark(str, Enum):
     RECEIVED = "Rx"
 
 
-class Recorded(NamedTuple):
+class LogFrame(NamedTuple):
     """A frame of a log; `time` in nanoseconds since the epoch or the start of the log, `bus` as the log names it."""
 
     time: int | None
@@ -26,7 +26,7 @@ class Recorded(NamedTuple):
     mark: Mark | None
 
 
-class Part(str, Enum):
+class SkippedPart(str, Enum):
     """What else is in a log; each is counted and then skipped."""
 
     MALFORMED = "malformed"
@@ -49,11 +49,11 @@ class Counts:
 
     frames: int = 0
     remote: int = 0
-    skipped: Counter[Part] = field(default_factory=Counter)
-    examples: dict[Part, list[tuple[int, str]]] = field(default_factory=dict)
+    skipped: Counter[SkippedPart] = field(default_factory=Counter)
+    examples: dict[SkippedPart, list[tuple[int, str]]] = field(default_factory=dict)
     """Number and text of the first lines of each part."""
 
-    def skip(self, part: Part, number: int = 0, text: str = "") -> None:
+    def skip(self, part: SkippedPart, number: int = 0, text: str = "") -> None:
         """Counts what is no frame; `number` is that of its line, 0 in a binary log."""
         self.skipped[part] += 1
         kept = self.examples.setdefault(part, [])

@@ -1,0 +1,392 @@
+"""Classes of frames: what the frames of one id, length and key bits can be, and how a bus decides on their directions."""
+
+from __future__ import annotations
+
+import functools
+import operator
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from ..model.edition import Edition
+from ..model.layout import Field, Space
+from ..model.message import Direction, IdRule, Message
+from ..model.types import Type
+from ..semantics.bits import data_bits, placed
+from ..semantics.candidates import Candidates
+from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constants
+from ..semantics.exchange import ExchangePlan, check_reply, exchange_plans
+from ..semantics.frame import (
+    CanFrame,
+    Parts,
+    bits_at,
+    has_id,
+    has_id_rule,
+    node_in_id,
+    node_of,
+    parts_of,
+    wrong_constants,
+)
+from ..semantics.plan import MaskedBits, message_plan
+from ..semantics.valid_raws import FlagBits, NamedRaws, RawInterval, valid_raws
+from .bus_behaviour import Behaviour
+
+WINDOW = 2_000_000
+"""The time in ns within which a request is answered, unless the spec or the log shows a longer one."""
+MAX_CLASSES = 1 << 16
+"""The maximum number of ids and of classes of an edition that are remembered."""
+IS_REQUEST, IS_REPLY, IS_REGULAR = 1, 2, 4
+"""The bits of `DirectionRule.content`: the data has the constants of the request, or of a reply; a program that obeys the
+spec can send it as the request."""
+
+
+class Channel(NamedTuple):
+    """The source of replies: an edition, the number of one of its id rules, and the node; None if any."""
+
+    edition: Edition
+    rule: int
+    node: int | None
+
+
+class Opened(NamedTuple):
+    """A channel on which a request is answered, and the number of replies."""
+
+    channel: Channel
+    replies: int
+
+
+class Limit(NamedTuple):
+    """Bits of the data that do not all have a meaning: the bits, and whether a raw integer is allowed."""
+
+    parts: Parts
+    allows: Callable[[Any], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class MessageForm:
+    """A message that a frame can be; `constants` is None if a constant in the id differs.
+
+    Data with other `constants` is rejected. Data with other `reserved` bits, or beyond the limits, is not sent by a
+    program that obeys the spec, but received. Data is one integer, or an array of them.
+    """
+
+    message: Message
+    node: int | None
+    constants: MaskedBits | None
+    reserved: MaskedBits
+    limits: tuple[Limit, ...]
+
+    def has_constants(self, data: Any) -> Any:
+        """Whether all constants have their values."""
+        return self.constants is not None and data & self.constants.mask == self.constants.value
+
+    def is_regular(self, data: Any) -> Any:
+        """Whether a program that obeys the spec can send this data."""
+        regular = data & self.reserved.mask == self.reserved.value
+        for parts, allows in self.limits:
+            if regular is False:
+                break
+            regular = regular & allows(bits_at(parts, data))
+        return regular
+
+
+@dataclass(eq=False, kw_only=True)
+class FrameClass:
+    """The messages of an edition that a frame can be, by its id, its length, its keys and the node in its data.
+
+    A request is answered on the channels `opens`; a reply answers a request that opened one of `answers`. `identified`
+    are the results of the dispatch plan. `only` is the direction of all frames with this id; None if it has both.
+    """
+
+    edition: Edition
+    decoder: Decoder
+    identified: Mapping[Direction, Identified | Rejection]
+    only: Direction | None
+    request: MessageForm | None
+    replies: tuple[MessageForm, ...]
+    opens: tuple[Opened, ...]
+    answers: tuple[Channel, ...]
+    with_constants: frozenset[Message]
+    _replies_to: dict[FrameClass, Identified | None] = field(default_factory=dict)
+
+    @cached_property
+    def exchange(self) -> ExchangePlan:
+        """The exchange that the request starts."""
+        assert self.request is not None
+        return exchange_plans(self.edition)[self.request.message]
+
+    @cached_property
+    def is_echoed(self) -> bool:
+        """Whether the node sends the request back."""
+        return self.request is not None and self.exchange.is_echo
+
+    @cached_property
+    def has_node_in_data(self) -> bool:
+        """Whether the node in the data of the request or of its reply decides which frames answer it."""
+        return self.exchange.asked is not None or self.exchange.reported is not None
+
+    @cached_property
+    def is_certain(self) -> bool:
+        """Whether the data does not decide which frames answer a frame of this class, but for an echo."""
+        if self.request is None:
+            return True
+        identified = self.identified[Direction.REQUEST]
+        is_request = isinstance(identified, Identified) and identified.message is self.request.message
+        return is_request and self.request.message not in self.with_constants and not self.has_node_in_data
+
+    def reply_to(self, asking: FrameClass, request: CanFrame, reply: CanFrame) -> Identified | None:
+        """The message with which a frame of this class answers a request of class `asking`; None if it does not."""
+        if asking.is_echoed and request.data != reply.data:
+            return None
+        if asking.has_node_in_data:
+            return _answer(self.decoder, request, reply)
+        if asking not in self._replies_to:
+            self._replies_to[asking] = _answer(self.decoder, request, reply)
+        return self._replies_to[asking]
+
+    def rejection(self, direction: Direction, frame: CanFrame) -> Rejection | None:
+        """The reason why a frame is no message of a direction; None if it is one."""
+        identified = self.identified[direction]
+        if isinstance(identified, Rejection):
+            return identified
+        return rejects_constants(identified.message, frame, {}) if identified.message in self.with_constants else None
+
+
+class DirectionRule:
+    """How the directions of the frames of a class are decided on a bus of some behaviour.
+
+    `only` is the direction of all frames with this id, and that of all frames of the log if it is `by_log`. `window` is the
+    time in ns within which the request is answered, `bus_window` that of other requests. If `has_old_bits`, its reserved bits can have any value.
+    """
+
+    def __init__(self, frame_class: FrameClass, behaviour: Behaviour, window: int | None) -> None:
+        self.frame_class = frame_class
+        self.by_log = frame_class.only is None and behaviour.only is not None
+        self.only = frame_class.only or behaviour.only
+        self.request, self.has_old_bits = frame_class.request, False
+        self._own_time: int | None = None
+        self._reply_time = behaviour.reply_time
+        self._is_by_time = any(bits.value is None for bits in behaviour.old_bits)
+        if self.request is not None:
+            within = frame_class.exchange.command.reply_within_ms
+            self._own_time = None if within is None else int(within * 1_000_000)
+            old = behaviour.old_bits_of(self.request.message)
+            if old is not None:
+                self.has_old_bits = old.value is None
+                mask = 0 if old.value is None else self.request.reserved.mask
+                self.request = replace(self.request, reserved=MaskedBits(mask, (old.value or 0) & mask))
+        self.bus_window = bus_window(frame_class.edition, behaviour, window)
+        self.window = max(self.bus_window, self._own_time or 0)
+
+    @cached_property
+    def _forms(self) -> Sequence[MessageForm]:
+        return [*self.frame_class.replies, *([self.request] if self.request else [])]
+
+    @cached_property
+    def _is_shared(self) -> bool:
+        """Whether all data can be a reply, and be a request but for its reserved bits and limits."""
+        free = not any(form.constants is None or form.constants.mask for form in self._forms)
+        return self.request is not None and len(self._forms) > 1 and free
+
+    @cached_property
+    def is_distinct(self) -> bool:
+        """Whether a reply can have data that the request does not allow."""
+        if self.request is None or self.request.limits:
+            return True
+        return any(self.request.reserved.mask & ~reply.reserved.mask for reply in self.frame_class.replies)
+
+    def content(self, data: Any) -> Any:
+        """What data can be, in the bits IS_REQUEST, IS_REPLY and IS_REGULAR; data is one integer, or an array."""
+        if self.only is not None:
+            return 0  # the content does not matter
+        if self._is_shared:
+            assert self.request is not None
+            return self.request.is_regular(data) * IS_REGULAR | (IS_REQUEST | IS_REPLY)
+        bits: Any = 0
+        if self.request is not None:
+            bits = self.request.has_constants(data) * IS_REQUEST | self.request.is_regular(data) * IS_REGULAR
+        for form in self.frame_class.replies:
+            bits = bits | form.has_constants(data) * IS_REPLY
+        return bits
+
+    @cached_property
+    def within(self) -> int:
+        """The time in ns within which the reply is expected, at most the window; a later frame can be a request.
+
+        That of the spec; of the log if replies take longer. Shorter ones show less, because some pairs are wrong.
+        """
+        stated, usual = self._stated_time, self._reply_time or 0
+        if self._own_time is None and (self._is_by_time or usual > (stated or WINDOW)):
+            return min(self.window, self.late_after or WINDOW // 4)
+        return min(self.window, stated or WINDOW // 4)
+
+    @cached_property
+    def late_after(self) -> int | None:
+        """The time in ns after which a reply is late: by the spec and, half as long again as nine of ten take, by the log.
+
+        None if neither is known.
+        """
+        if self._own_time is not None or self._reply_time is None:
+            return self._stated_time
+        return max(self._stated_time or 0, self._reply_time * 3 // 2)
+
+    @property
+    def _stated_time(self) -> int | None:
+        """The time of the command, or twice that of the bus, because the reply has to be sent too."""
+        within = self.frame_class.edition.bus.reply_within_ms
+        if self._own_time is not None or within is None or self.request is None:
+            return self._own_time
+        return int(2 * within * 1_000_000)
+
+
+def bus_window(edition: Edition, behaviour: Behaviour, window: int | None) -> int:
+    """The time in ns within which a request is answered, but for commands with a reply time of their own.
+
+    That which is given; None for the time that suits the edition and the bus.
+    """
+    if window is not None:
+        return window
+    return max(WINDOW, int(2 * (edition.bus.reply_within_ms or 0) * 1_000_000), 2 * (behaviour.reply_time or 0))
+
+
+class IdClass(NamedTuple):
+    """The nodes that an id can mean, and the data bits that identify a frame: all keys, and the node if the id has none."""
+
+    nodes: tuple[int | None, ...]
+    key_bits: int
+
+
+class FrameClasses:
+    """Finds the classes of the frames of one edition."""
+
+    def __init__(self, edition: Edition) -> None:
+        self.edition = edition
+        self._decoder = Decoder(edition)
+        self._with_constants = frozenset(
+            m for m in edition.all_messages() if any(f.role.is_checked for f in m.layout.fields)
+        )
+        rules = dict.fromkeys(reply.id for reply in edition.messages(Direction.REPLY))
+        self._rules = {rule: number for number, rule in enumerate(rules)}
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forgets the classes, of which a log with random frames has many."""
+        self._candidates = Candidates(self.edition)
+        self._ids: dict[tuple[int, bool, bool], IdClass] = {}
+        self._classes: dict[tuple[int, bool, bool, int, int], FrameClass] = {}
+
+    def id_class(self, frame: CanFrame) -> IdClass:
+        """What the id of a frame can mean; without nodes if it is no id of this edition."""
+        id_ = frame.id, frame.extended, frame.remote
+        if id_ not in self._ids:
+            if len(self._ids) >= MAX_CLASSES:
+                self._forget()
+            having = [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
+            in_data = [message.node_bits for message in having if message.id.nodes is None]
+            runs = [*(key for message in having for key in message.keys), *(bits for bits in in_data if bits)]
+            nodes = dict.fromkeys(node_in_id(message, frame) for message in having)
+            self._ids[id_] = IdClass(tuple(nodes), data_bits((run.space, run.segments) for run in runs))
+        return self._ids[id_]
+
+    def of(self, frame: CanFrame) -> FrameClass:
+        """The class of a frame."""
+        bits = int.from_bytes(frame.data, "little") & self.id_class(frame).key_bits
+        known = (frame.id, frame.extended, frame.remote, len(frame.data), bits)
+        if known not in self._classes:
+            if len(self._classes) >= MAX_CLASSES:
+                self._forget()
+            self._classes[known] = self._class(frame)
+        return self._classes[known]
+
+    def _class(self, frame: CanFrame) -> FrameClass:
+        forms = [form_of(message, frame) for message in self._candidates.of(frame)]
+        request = next((form for form in forms if form.message.direction is Direction.REQUEST), None)
+        messages = self.edition.all_messages()
+        having = [message for message in messages if has_id(message, frame)]
+        having = having or [message for message in messages if has_id_rule(message, frame)]
+        directions = {message.direction for message in having}
+        sources = [(m.id, node_in_id(m, frame)) for m in having if m.direction is Direction.REPLY]
+        return FrameClass(
+            edition=self.edition,
+            decoder=self._decoder,
+            identified={direction: self._decoder.identify(direction, frame) for direction in Direction},
+            only=next(iter(directions)) if len(directions) == 1 else None,
+            request=request,
+            replies=tuple(form for form in forms if form.message.direction is Direction.REPLY),
+            opens=self._opens(request) if request else (),
+            answers=tuple(dict.fromkeys(self._channel(rule, n) for rule, node in sources for n in (node, None))),
+            with_constants=self._with_constants,
+        )
+
+    def _opens(self, request: MessageForm) -> tuple[Opened, ...]:
+        command = self.edition.command(request.message.command)
+        if command.reply is None:
+            return ()
+        rule, nodes = command.reply.id, command.from_each or (request.node,)
+        if rule.nodes is None:
+            return (Opened(self._channel(rule, None), len(nodes)),)
+        return tuple(Opened(self._channel(rule, node), 1) for node in nodes)
+
+    def _channel(self, rule: IdRule, node: int | None) -> Channel:
+        return Channel(self.edition, self._rules[rule], node)
+
+
+frame_classes = functools.lru_cache(maxsize=32)(FrameClasses)
+"""The classes of the frames of an edition, found once for all logs."""
+
+
+def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified | None:
+    answer = check_reply(decoder, request, reply)
+    return answer if isinstance(answer, Identified) else None
+
+
+def form_of(message: Message, frame: CanFrame) -> MessageForm:
+    """A message that a frame can be by its id, its length and its keys."""
+    always = [f for f in message.layout.fields if not f.only]
+    constant = [f for f in always if f.role.is_checked]
+    in_id = [f for f in constant if f.space is Space.ID]
+    limited = [(f, _allows(f.type)) for f in always if f.role.is_value and f.space is Space.DATA]
+    reserved = message_plan(message).reserved
+    return MessageForm(
+        message=message,
+        node=node_of(message, frame),
+        constants=None if wrong_constants(in_id, frame) else _bits(constant),
+        reserved=MaskedBits(0, 0) if frame.remote else reserved,
+        limits=tuple(Limit(parts_of(e.segments), allows) for f, allows in limited if allows for e in f.elements),
+    )
+
+
+def _bits(fields: Iterable[Field]) -> MaskedBits:
+    """The data bits of constants."""
+    elements = [(f, e.segments) for f in fields if f.space is Space.DATA for e in f.elements]
+    mask = data_bits((Space.DATA, segments) for _, segments in elements)
+    return MaskedBits(mask, sum(placed(segments, field.role.sent_raw or 0) for field, segments in elements))
+
+
+def _allows(type_: Type) -> Callable[[Any], Any] | None:
+    """Whether the raw bits of a type are valid under some parameters; None if all are.
+
+    The function takes one integer, or an array of unsigned ones.
+    """
+    full = 1 << type_.width
+    cases = [case for _, case in valid_raws(type_).distinct()]
+    if isinstance(cases[0], FlagBits):
+        unnamed = (full - 1) & ~cases[0].mask
+        return lambda bits: bits & unnamed == 0
+    if isinstance(cases[0], NamedRaws):
+        runs = [_is_between(run.start, run.stop - 1, full) for run in cases[0].runs]
+        return lambda bits: functools.reduce(operator.or_, [is_between(bits) for is_between in runs])
+    spans = [case for case in cases if isinstance(case, RawInterval) and not (case.low_bound or case.high_bound)]
+    if len(spans) < len(cases):
+        return None
+    limits = min(span.low for span in spans), max(span.high for span in spans)
+    return None if limits == type_.raw_limits else _is_between(*limits, full)
+
+
+def _is_between(low: int, high: int, full: int) -> Callable[[Any], Any]:
+    """Whether raw bits, of which there are `full`, are in a range; negative numbers are in two's complement."""
+    if low > high:
+        return lambda bits: bits < 0
+    offset, mask, span = -low % full, full - 1, high - low
+    return lambda bits: (bits + offset) & mask <= span
