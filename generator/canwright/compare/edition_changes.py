@@ -156,7 +156,8 @@ def _rule(
     if before != after:
         facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": _id(old), "new": _id(new)}
         impact = Impact.SILENT if _taken(old, new) else Impact.LOUD
-        found.add("id-changed", item, at(paths(*pair), directions[0].value), impact, Use(sides), **facts)
+        key = directions[0].value if len(directions) == 1 else "id"
+        found.add("id-changed", item, at(paths(*pair), key), impact, Use(sides), **facts)
     if old.nodes is not None and new.nodes is not None and old.nodes != new.nodes:
         facts = {"old": f"{old.nodes[0]}..{old.nodes[-1]}", "new": f"{new.nodes[0]}..{new.nodes[-1]}"}
         for side in sides:
