@@ -89,7 +89,8 @@ class ExchangeSimulation:
             if old.request is not None:
                 yield from self._identified(_Case(Side.SENDING, old, None), old.request, None)
             elif old.reply is not None:
-                yield self._absent(_Case(Side.RECEIVING, old, None), "received-removed", old.reply)
+                of_existence = paths.of_existence(old, old.reply)
+                yield self._absent(_Case(Side.RECEIVING, old, None), "received-removed", old.reply, {}, of_existence)
         for new in pairs.added:
             if new.request is None and new.reply is not None:
                 yield from self._identified(_Case(Side.RECEIVING, None, new), new.reply, None)
@@ -386,7 +387,7 @@ class ExchangeSimulation:
             if trial.is_of_id or not has_same_address:
                 yield from paths.of_id(command, message)
             if read is None:
-                yield ("addresses", message.address)
+                yield from paths.of_existence(command, message)
             if not trial.is_of_id:
                 yield from paths.of_identity(command, message)
 

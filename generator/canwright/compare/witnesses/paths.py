@@ -60,9 +60,14 @@ def is_named(type_: Type) -> bool:
 
 
 def of_use(command: Command, direction: Direction) -> Iterator[DocumentPath]:
-    """What makes a frame one of a command: its request or reply as a whole, and the table with its entry."""
+    """What makes a frame one of a command: its request or reply as a whole, and the table."""
     yield (*command.path, direction.value)
     yield (*command.path, "table")
+
+
+def of_existence(command: Command, message: Message) -> Iterator[DocumentPath]:
+    """What a command without a counterpart exists by, besides itself."""
+    yield ("addresses", message.address)
     if command.entry is not None:
         yield command.entry.path
 
