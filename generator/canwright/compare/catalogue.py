@@ -234,6 +234,7 @@ _DOC = (
 )
 
 _WITHOUT_WITNESS = {
+    "address-added": "frames",
     "effects-changed": "effects",
     "implemented-changed": "effects",
     "limits-changed": "effects",
