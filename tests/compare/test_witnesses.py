@@ -501,3 +501,15 @@ def test_only_frames_that_exist_are_shown(tmp_path: Path) -> None:
     (moved,) = (c for c in changes if c.rule.id == "field-moved")
     assert moved.impact is Impact.SILENT
     assert moved.witnesses == ()
+
+
+def test_a_float_that_becomes_a_constant_keeps_its_meaning(tmp_path: Path) -> None:
+    """A constant is the raw integer of its type: the old host reads the float that these bits are."""
+    changes = found(tmp_path, JOINT, ("reply: {code: 0x7B, layout: {limit: {at: 4, raw: f32}}}", CONSTANT_LIMIT))
+    assert verdicts(changes) == {"constant-changed command get_limit": {}}
+    integer = CONSTANT_LIMIT.replace("f32", "u32")
+    changes = found(tmp_path, JOINT, ("reply: {code: 0x7B, layout: {limit: {at: 4, raw: f32}}}", integer))
+    assert verdicts(changes)["encoding-changed command get_limit"] == {"receiving": SILENT}
+
+
+CONSTANT_LIMIT = "reply: {code: 0x7B, layout: {limit: {at: 4, raw: f32, constant: 1}}}"

@@ -35,6 +35,7 @@ def _case(family: str, name: str, folder: Path) -> Case:
         ("pump", "commands.status.reply.current narrowed to 8 bits, a field beside it", SAFE, SILENT),
         ("winch", "commands.wind.request.speed becomes the constant 1: plain", SILENT, SAFE),
         ("winch", "settings: names of top_speed and brake_delay swapped", SILENT, SAFE),
+        ("joint", "commands.get_limit.reply.layout.limit becomes a constant", SAFE, SAFE),
     ],
 )
 def test_what_generated_code_does(family: str, edit: str, sending: int, receiving: int, tmp_path: Path) -> None:
