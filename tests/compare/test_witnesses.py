@@ -450,7 +450,8 @@ def test_bounds_and_offsets_are_decimals(tmp_path: Path) -> None:
 
 def test_allowed_values_are_in_the_unit(tmp_path: Path) -> None:
     changes = found(tmp_path, MIXER, ("0..100*channels-1", "0..50*channels-1"))
-    assert {w.says().partition("the new node ")[2] for c in changes for w in c.witnesses} == {"allows 0..6.49 mm"}
+    allowed = {w.condition: w.says().partition("the new node ")[2] for c in changes for w in c.witnesses}
+    assert allowed == {"channels 13": "allows 0..6.49 mm", "channels 64": "allows 0..31.99 mm"}
 
 
 def test_offsets_that_are_printed_alike_differ(tmp_path: Path) -> None:

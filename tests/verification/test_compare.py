@@ -43,6 +43,12 @@ def test_what_generated_code_does(family: str, edit: str, sending: int, receivin
     assert (sides[SENDING].low, sides[RECEIVING].low) == (sending, receiving)
 
 
+def test_the_largest_value_of_a_parameter_is_tried(tmp_path: Path) -> None:
+    """Numbers of few channels fit into four bits, and all 64 do not."""
+    case = _case("mixer", "commands.set_levels.request.channel narrowed to 4 bits", tmp_path)
+    assert (case.dangerous, case.reported[SENDING]) == ([], SILENT)
+
+
 def test_a_sample_of_all_edits(tmp_path: Path) -> None:
     files = [f for f in (*OWN, *SMALL) if f.parent.name in ("blower", "oven", "pump", "winch")]
     totals = run(files, tmp_path, sample=5)

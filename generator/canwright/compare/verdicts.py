@@ -43,8 +43,7 @@ class _Causes:
     def explain(self, witness: Witness) -> bool:
         """Whether changes at the paths of a witness explain it, or of the bits of its commands; they are its causes."""
         numbers = [n for n in self._of_paths(witness.paths) if _applies(self._changes[n], witness)]
-        if not (numbers or witness.is_of_field):
-            numbers = [n for n, change in enumerate(self._changes) if _may_cause(change, witness)]
+        numbers = numbers or [n for n, change in enumerate(self._changes) if _may_cause(change, witness)]
         for number in numbers:
             self.explained[number].append(witness)
         return bool(numbers)

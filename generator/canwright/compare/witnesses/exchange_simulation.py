@@ -398,6 +398,7 @@ class ExchangeSimulation:
             for message in (command.request, command.reply):
                 if message is not None:
                     yield from paths.of_identity(command, message)
+                    yield from paths.of_id(command, message)
                     yield from paths.of_node(message)
 
     def _is_ambiguous(self, receiver: Decoder, read: Message, frame: CanFrame, encoder: Encoder) -> bool:
