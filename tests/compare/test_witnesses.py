@@ -450,7 +450,8 @@ def test_bounds_and_offsets_are_decimals(tmp_path: Path) -> None:
 
 def test_allowed_values_are_in_the_unit(tmp_path: Path) -> None:
     changes = found(tmp_path, MIXER, ("0..100*channels-1", "0..50*channels-1"))
-    assert {w.says().partition("the new node ")[2] for c in changes for w in c.witnesses} == {"allows 0..6.49 mm"}
+    allowed = {w.condition: w.says().partition("the new node ")[2] for c in changes for w in c.witnesses}
+    assert allowed == {"channels 13": "allows 0..6.49 mm", "channels 64": "allows 0..31.99 mm"}
 
 
 def test_offsets_that_are_printed_alike_differ(tmp_path: Path) -> None:
@@ -501,3 +502,15 @@ def test_only_frames_that_exist_are_shown(tmp_path: Path) -> None:
     (moved,) = (c for c in changes if c.rule.id == "field-moved")
     assert moved.impact is Impact.SILENT
     assert moved.witnesses == ()
+
+
+def test_a_float_that_becomes_a_constant_keeps_its_meaning(tmp_path: Path) -> None:
+    """A constant is the raw integer of its type: the old host reads the float that these bits are."""
+    changes = found(tmp_path, JOINT, ("reply: {code: 0x7B, layout: {limit: {at: 4, raw: f32}}}", CONSTANT_LIMIT))
+    assert verdicts(changes) == {"constant-changed command get_limit": {}}
+    integer = CONSTANT_LIMIT.replace("f32", "u32")
+    changes = found(tmp_path, JOINT, ("reply: {code: 0x7B, layout: {limit: {at: 4, raw: f32}}}", integer))
+    assert verdicts(changes)["encoding-changed command get_limit"] == {"receiving": SILENT}
+
+
+CONSTANT_LIMIT = "reply: {code: 0x7B, layout: {limit: {at: 4, raw: f32, constant: 1}}}"

@@ -25,7 +25,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Segment, Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
-from canwright.model.types import Parameter
+from canwright.model.types import Encoding, Parameter
 from canwright.targets import python as target
 from canwright.targets.base import EditionInput
 from canwright.targets.python.text import attribute, class_name
@@ -244,9 +244,18 @@ def meaning(message: Any) -> Meaning:
 
 
 def _constants(message: Message) -> Iterator[tuple[str, Any]]:
-    """The constants of a message with their values: numbers without a unit."""
+    """The constants of a message with their values: numbers without a unit. That of a float is given by its bits."""
     yield from ((attribute(k.name), (k.value, "")) for k in message.keys if k.role is KeyRole.CONSTANT)
-    yield from ((attribute(f.name), (f.role.required_raw, "")) for f in message.layout.fields if f.role.is_checked)
+    for field in message.layout.fields:
+        raw = field.role.required_raw
+        if raw is not None:
+            is_float = field.type.encoding is Encoding.FLOAT
+            yield attribute(field.name), (_float(raw, field.type.width) if is_float else raw, "")
+
+
+def _float(raw: int, width: int) -> float:
+    value: float = struct.unpack({32: "<f", 64: "<d"}[width], raw.to_bytes(width // 8, "little"))[0]
+    return value
 
 
 def _value(type_: Any, raw: Any, parameters: Any, name: str) -> Any:

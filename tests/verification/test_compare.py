@@ -35,11 +35,18 @@ def _case(family: str, name: str, folder: Path) -> Case:
         ("pump", "commands.status.reply.current narrowed to 8 bits, a field beside it", SAFE, SILENT),
         ("winch", "commands.wind.request.speed becomes the constant 1: plain", SILENT, SAFE),
         ("winch", "settings: names of top_speed and brake_delay swapped", SILENT, SAFE),
+        ("joint", "commands.get_limit.reply.layout.limit becomes a constant", SAFE, SAFE),
     ],
 )
 def test_what_generated_code_does(family: str, edit: str, sending: int, receiving: int, tmp_path: Path) -> None:
     sides = _case(family, edit, tmp_path).found.sides
     assert (sides[SENDING].low, sides[RECEIVING].low) == (sending, receiving)
+
+
+def test_the_largest_value_of_a_parameter_is_tried(tmp_path: Path) -> None:
+    """Numbers of few channels fit into four bits, and all 64 do not."""
+    case = _case("mixer", "commands.set_levels.request.channel narrowed to 4 bits", tmp_path)
+    assert (case.dangerous, case.reported[SENDING]) == ([], SILENT)
 
 
 def test_a_sample_of_all_edits(tmp_path: Path) -> None:

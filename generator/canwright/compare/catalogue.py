@@ -233,8 +233,26 @@ _DOC = (
     ("erratum-changed", "The text of an erratum is changed.", "the erratum `{name}` is changed: {used}"),
 )
 
+_WITHOUT_WITNESS = {
+    "address-added": "frames",
+    "effects-changed": "effects",
+    "implemented-changed": "effects",
+    "limits-changed": "effects",
+    "member-effects-changed": "effects",
+    "state-effects-changed": "effects",
+    "state-entry-changed": "effects",
+    "bit-rates-changed": "setting",
+    "max-nodes-changed": "setting",
+    "mode-added": "setting",
+    "mode-of-command-changed": "setting",
+    "mode-removed": "setting",
+    "parameter-bounds-changed": "setting",
+    "reply-time-changed": "timing",
+}
+"""The changes of bits and of meaning that no frame shows, with the key of the reason."""
+
 CHANGES: dict[str, ChangeRule] = {
-    id_: ChangeRule(id_, category, purpose, says)
+    id_: ChangeRule(id_, category, purpose, says, _WITHOUT_WITNESS.get(id_, ""))
     for category, rows in (
         (Category.WIRE, _WIRE),
         (Category.VALUE, _VALUE),

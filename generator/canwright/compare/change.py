@@ -91,6 +91,13 @@ class ChangeRule:
     category: Category
     purpose: str
     says: str
+    without_witness: str = ""
+    """The key of the reason why no frame can show a change of bits or of meaning."""
+
+    @property
+    def has_witnesses(self) -> bool:
+        """Whether frames show the change, so that its impact is what they show."""
+        return self.category in (Category.WIRE, Category.VALUE) and not self.without_witness
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ..model.deprecation import Deprecation
 from ..model.edition import Edition
 from ..model.types import Assignment, ImpliedTitle, Text
 from .catalogue import CHANGES
-from .change import Change, Fact, Impact, Item, Side, Word, worst
+from .change import Category, Change, Fact, Impact, Item, Side, Word, worst
 from .exported_names import ExportedNames
 
 T = TypeVar("T")
@@ -39,14 +39,14 @@ BOTH_SIDES = Use(tuple(Side))
 class Attribute(Generic[T]):
     """An attribute that is compared by itself: the rule of its change, its key in a spec, and how it is shown.
 
-    `value` is what is compared, where that is not what is shown.
+    `value` is what is compared, where that is not what is shown. `impact` is that of a change without witnesses.
     """
 
     rule: str
     key: str
     shown: Callable[[T], Fact]
-    impact: Impact | Callable[[T, T], Impact]
     value: Callable[[T], object] | None = None
+    impact: Impact | Callable[[T, T], Impact] | None = None
 
 
 class Located(Protocol):
@@ -92,21 +92,24 @@ class Collector:
         rule: str,
         item: Item,
         places: Places,
-        impact: Impact,
         use: Use,
+        impact: Impact | None = None,
         cases: tuple[Assignment, ...] = (),
         announced: bool = False,
         /,
         **facts: Fact,
     ) -> None:
-        """Adds a change by `rule` of something at `places`; the impact counts unless there can be witnesses."""
+        """Adds a change by `rule` of something at `places`, with an `impact` if the rule is one of bits without witnesses."""
+        kind = CHANGES[rule]
+        assert impact is None or kind.without_witness, rule
         old, new = self._original(places[0]), places[1]
         key = (rule, item, tuple((name, _frozen(fact)) for name, fact in facts.items()), old, new)
         known = self._changes.get(key)
-        verdicts = dict.fromkeys(use.sides, impact)
+        impact = impact or (Impact.BUILD if kind.category is Category.API else Impact.SAFE)
+        verdicts = {} if kind.has_witnesses else dict.fromkeys(use.sides, impact)
         sharing = [c for of in use.commands for c in self._sharing[of]] if Side.RECEIVING in use.sides else []
         used_by = tuple(dict.fromkeys((*use.commands, *sharing)))
-        change = Change(CHANGES[rule], item, facts, old, new, verdicts, used_by, cases, announced=announced)
+        change = Change(kind, item, facts, old, new, verdicts, used_by, cases, announced=announced)
         if known is not None:
             both = known.verdicts, verdicts
             verdicts = {s: worst(v[s] for v in both if s in v) for s in Side if any(s in v for v in both)}
@@ -116,12 +119,12 @@ class Collector:
         self._changes[key] = change
 
     def removed(
-        self, rule: str, item: Item, places: Places, impact: Impact, use: Use, was: Deprecation | None, /, **facts: Fact
+        self, rule: str, item: Item, places: Places, use: Use, was: Deprecation | None, /, **facts: Fact
     ) -> None:
         """Adds the removal of something, with its deprecation."""
         allowed = was is not None and was.allows_removal(self._new.name, self._new.date)
         facts["deprecation"] = _removal(was, allowed) if was else ""
-        self.add(rule, item, places, impact, use, (), allowed is True, **facts)
+        self.add(rule, item, places, use, None, (), allowed is True, **facts)
 
     def deprecation(
         self, item: Item, places: Places, name: str, old: Deprecation | None, new: Deprecation | None
@@ -130,7 +133,7 @@ class Collector:
         if old != new:
             kind = "added" if old is None else "removed" if new is None else "changed"
             facts = {key: _period(one) for key, one in (("old", old), ("new", new)) if one}
-            self.add(f"deprecation-{kind}", item, at(places, "deprecated"), Impact.SAFE, UNUSED, name=name, **facts)
+            self.add(f"deprecation-{kind}", item, at(places, "deprecated"), UNUSED, name=name, **facts)
 
     def attributes(
         self, rows: Iterable[Attribute[T]], item: Item, places: Places, old: T, new: T, use: Use, /, **facts: Fact
@@ -139,9 +142,9 @@ class Collector:
         for row in rows:
             value = row.value or row.shown
             if value(old) != value(new):
-                impact = row.impact if isinstance(row.impact, Impact) else row.impact(old, new)
+                impact = row.impact(old, new) if callable(row.impact) else row.impact
                 shown = {"old": row.shown(old), "new": row.shown(new)}
-                self.add(row.rule, item, at(places, row.key), impact, use, **facts, **shown)
+                self.add(row.rule, item, at(places, row.key), use, impact, **facts, **shown)
 
     def renamed(self, rule: str, item: Item, places: Places, use: Use, /, **facts: Fact) -> None:
         """Adds a change of a name alone, where the name differs."""
@@ -149,7 +152,7 @@ class Collector:
             return
         if "{names}" in CHANGES[rule].says:
             facts["names"] = self.names(*places) or f"`{facts['old']}` → `{facts['new']}`"
-        self.add(rule, item, places, Impact.BUILD, use, **facts)
+        self.add(rule, item, places, use, **facts)
 
     def names(self, old: DocumentPath, new: DocumentPath) -> str:
         """The exported names of an item in both editions, of every target where they differ."""
@@ -166,7 +169,7 @@ class Collector:
         """Adds a change of the section of the manual."""
         if old != new:
             facts = {"old": section(old), "new": section(new)}
-            self.add("section-changed", item, at(places, "manual"), Impact.SAFE, use, **facts)
+            self.add("section-changed", item, at(places, "manual"), use, **facts)
 
     def text(self, rule: str, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
         """Adds a change of a text in the languages in which it differs, of those that both have."""
@@ -175,7 +178,7 @@ class Collector:
             differing(old, new) and self._texts.setdefault(key, places) == places
         ):  # as the title of an entry and its field
             before, after = (shortened(text, differing(old, new)) for text in (old, new))
-            self.add(rule, item, places, Impact.SAFE, UNUSED, name=name, old=before, new=after)
+            self.add(rule, item, places, UNUSED, name=name, old=before, new=after)
 
     def title(self, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
         """Adds a change of a title, unless none is written in either spec."""

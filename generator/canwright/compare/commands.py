@@ -69,7 +69,7 @@ def _is_other_table(old: Command, new: Command, edition: Edition) -> bool:
 def _other_table(found: Collector, old: Command, new: Command) -> None:
     facts = {"old": _table(old), "new": _table(new)}
     use = Use(tuple(Side), (old.spec_name,))
-    found.add("table-of-command-changed", _item(old), at(paths(old, new), "table"), Impact.SILENT, use, **facts)
+    found.add("table-of-command-changed", _item(old), at(paths(old, new), "table"), use, **facts)
 
 
 def _table(command: Command) -> Fact:
@@ -89,24 +89,24 @@ def _repurposed(found: Collector, old: Command, new: Command) -> None:
     if old.entry and new.entry and old.spec_name == new.spec_name:
         facts = {"index": discriminators.index(old), "old": old.entry.name, "new": new.entry.name}
         places = paths(old.entry, new.entry)
-        found.add("entry-repurposed", Item.of_entry(old.entry), places, Impact.SILENT, use, **facts)
+        found.add("entry-repurposed", Item.of_entry(old.entry), places, use, **facts)
         return
     facts = {"code": _code(old), "old": old.spec_name, "new": new.spec_name}
-    found.add("command-repurposed", _item(old), paths(old, new), Impact.SILENT, use, **facts, meaning=new.spec_title)
+    found.add("command-repurposed", _item(old), paths(old, new), use, **facts, meaning=new.spec_title)
 
 
 def _removed(found: Collector, command: Command, new: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, new)
     use, places = Use((Side.SENDING,), (command.spec_name,)), (path, parent)
     if kind == "command":
-        found.removed("command-removed", item, places, Impact.LOUD, use, command.deprecated, **facts)
+        found.removed("command-removed", item, places, use, command.deprecated, **facts)
     else:
-        found.add("entry-removed", item, places, Impact.LOUD, use, **facts)
+        found.add("entry-removed", item, places, use, **facts)
 
 
 def _added(found: Collector, command: Command, old: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, old)
-    found.add(f"{kind}-added", item, (parent, path), Impact.SAFE, Use((), (command.spec_name,)), **facts)
+    found.add(f"{kind}-added", item, (parent, path), Use((), (command.spec_name,)), **facts)
 
 
 def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
@@ -166,7 +166,7 @@ def _address(found: Collector, old: Command, new: Command) -> None:
         facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": one.address, "new": other.address}
         places = paths(old, new) if follows else paths(one, other)
         use = Use(tuple(map(Side.of, directions)), (old.spec_name,))
-        found.add("address-of-command-changed", _item(old), at(places, "address"), Impact.LOUD, use, **facts)
+        found.add("address-of-command-changed", _item(old), at(places, "address"), use, **facts)
 
 
 def _layout_name(found: Collector, both: Editions, command: Command, old: Message, new: Message, use: Use) -> None:
@@ -183,7 +183,7 @@ def _layout_name(found: Collector, both: Editions, command: Command, old: Messag
     what = Word("entry" if of_entry else old.direction.value)
     facts = {"direction": what, "old": _name_of(one), "new": _name_of(other)}
     names = found.names(one.path, other.path) or f"`{one.name}` → `{other.name}`"
-    found.add("layout-of-command-changed", item, places, Impact.BUILD, use, **facts, names=names)
+    found.add("layout-of-command-changed", item, places, use, **facts, names=names)
 
 
 def _name_of(layout: Layout) -> Fact:
@@ -197,7 +197,7 @@ def _other_layout(found: Collector, both: Editions, old: Command, new: Command, 
         return False
     rule, key = ("request-changed", "request") if direction is Direction.REQUEST else ("reply-form-changed", "reply")
     shown = [layout.name if is_named(layout) else forms.FIELDS for layout in layouts]
-    found.add(rule, _item(old), at(paths(old, new), key), Impact.SILENT, use, old=shown[0], new=shown[1])
+    found.add(rule, _item(old), at(paths(old, new), key), use, old=shown[0], new=shown[1])
     return True
 
 
@@ -241,14 +241,14 @@ def _implemented(old: Command, new: Command) -> Impact:
 
 _OF_COMMAND = (
     Attribute[Command](
-        "implemented-changed", "implemented", lambda c: Word("yes" if c.implemented else "no"), _implemented
+        "implemented-changed", "implemented", lambda c: Word("yes" if c.implemented else "no"), impact=_implemented
     ),
-    Attribute[Command]("reply-time-changed", "reply_within_ms", lambda c: given(c.reply_within_ms), Impact.SAFE),
+    Attribute[Command]("reply-time-changed", "reply_within_ms", lambda c: given(c.reply_within_ms)),
 )
-_MODE = Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Word("none"), Impact.LOUD)
-_LIMITS = Attribute[Command]("limits-changed", "limited_by", _limits, Impact.SILENT, _limited_by)
+_MODE = Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Word("none"), impact=Impact.LOUD)
+_LIMITS = Attribute[Command]("limits-changed", "limited_by", _limits, _limited_by, Impact.SILENT)
 _EXCEPTIONS = Attribute[Command](
-    "limits-changed", "not_limited_by", _limits, Impact.SAFE, lambda c: {s.name for s in c.not_limited_by}
+    "limits-changed", "not_limited_by", _limits, lambda c: {s.name for s in c.not_limited_by}
 )
 
 
@@ -267,13 +267,13 @@ def _effects(old: _Conditions, new: _Conditions) -> Impact:
 
 
 _OF_CONDITIONS = (
-    Attribute[_Conditions]("availability-changed", "only", lambda c: scope(c.only), Impact.SILENT, lambda c: c.only),
+    Attribute[_Conditions]("availability-changed", "only", lambda c: scope(c.only), lambda c: c.only),
     Attribute[_Conditions](
         "effects-changed",
         "effects",
         lambda c: listed(e.name for e in c.effects),
-        _effects,
         lambda c: {e.name for e in c.effects},
+        _effects,
     ),
 )
 
@@ -327,19 +327,16 @@ def _forms(found: Collector, both: Editions, old: Command, new: Command) -> None
         name = "".join(layout.name for layout in shared if is_named(layout))
         return name or (reply(command) if command is new else forms.reply_form(command, {}))
 
-    rows = (
-        Attribute[Command](
-            "request-changed", "request", request, lambda a, b: Impact.SAFE if b.request else Impact.LOUD
-        ),
+    found.attributes(
+        [Attribute[Command]("request-changed", "request", request)], _item(old), paths(old, new), old, new, sending
     )
-    found.attributes(rows, _item(old), paths(old, new), old, new, sending)
     if _is_gone_with_another(both, old, new):
         return
     if reply(old) == reply(new):
         places = at(paths(old, new), "reply")
         found.attributes([_REPLIERS], _item(old), places, old, new, receiving)
     else:
-        form = Attribute[Command]("reply-form-changed", "reply", shown_reply, _other_form, reply)
+        form = Attribute[Command]("reply-form-changed", "reply", shown_reply, reply)
         found.attributes([form], _item(old), paths(old, new), old, new, receiving)
 
 
@@ -353,26 +350,17 @@ def _repliers(command: Command) -> Fact:
     return (Word("the nodes"), f" {listed(command.from_each)}") if command.from_each else Word("the node addressed")
 
 
-def _other_form(old: Command, new: Command) -> Impact:
-    return Impact.LOUD if not new.replies else Impact.SAFE if not old.replies else Impact.SILENT
-
-
-_REPLIERS = Attribute[Command]("repliers-changed", "from_each", _repliers, Impact.LOUD)
+_REPLIERS = Attribute[Command]("repliers-changed", "from_each", _repliers)
 _OF_MESSAGE = (
-    Attribute[Message](
-        "accept-changed", "accept", lambda m: listed(map(discriminators.code, m.accepted_codes)), Impact.SAFE
-    ),
-    Attribute[Message](
-        "frame-kind-changed", "remote", lambda m: Word("remote frame" if m.remote else "data frame"), Impact.LOUD
-    ),
+    Attribute[Message]("accept-changed", "accept", lambda m: listed(map(discriminators.code, m.accepted_codes))),
+    Attribute[Message]("frame-kind-changed", "remote", lambda m: Word("remote frame" if m.remote else "data frame")),
 )
 _REPLY_CODE = Attribute[Message](
     "reply-code-changed",
     "code",
     lambda m: discriminators.code(discriminators.code_sent(m)),
-    lambda old, new: Impact.SAFE if discriminators.code_sent(new) in old.accepted_codes else Impact.LOUD,
 )
-_DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc), Impact.LOUD)
+_DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc))
 
 
 def _message(

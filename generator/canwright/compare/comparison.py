@@ -12,8 +12,8 @@ from .change import Change
 from .collector import Collector
 from .exported_names import ExportedNames, Exporter
 from .match import Named
-from .verdicts import judged
-from .witnesses.behaviour import Behaviour
+from .verdicts import with_verdicts
+from .witnesses.exchange_simulation import ExchangeSimulation
 
 
 def changes(old: Edition, new: Edition, exporters: Sequence[Exporter]) -> tuple[Change, ...]:
@@ -25,7 +25,7 @@ def changes(old: Edition, new: Edition, exporters: Sequence[Exporter]) -> tuple[
     edition_changes.compare(found, renamed, new)
     commands.compare(found, renamed, new)
     missing_names.compare(found, names, old)
-    return judged(tuple(found), tuple(Behaviour(renamed, new).observations()))
+    return with_verdicts(tuple(found), ExchangeSimulation(renamed, new).witnesses())
 
 
 def _in_order_of(old: Edition, new: Edition) -> Edition:

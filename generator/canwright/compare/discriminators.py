@@ -11,7 +11,7 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Key, KeyRole, Message
 from ..model.types import Order
-from .change import Impact, Item, Side, Word
+from .change import Item, Side, Word
 from .collector import Attribute, Collector, Places, Use, at, given, listed, paths
 from .fields import Editions, constant_keys, place_of
 from .forms import messages
@@ -36,13 +36,13 @@ def index(command: Command) -> str:
 
 _OF_CONSTANT = (
     Attribute["_Field"](
-        "constant-changed", "constant", lambda f: Word("any value") if f.value is None else str(f.value), Impact.LOUD
+        "constant-changed", "constant", lambda f: Word("any value") if f.value is None else str(f.value)
     ),
-    Attribute["_Field"]("field-moved", "at", lambda f: f.place, Impact.LOUD),
-    Attribute["_Field"]("byte-order-changed", "byte_order", lambda f: Word(f.order.value), Impact.LOUD),
+    Attribute["_Field"]("field-moved", "at", lambda f: f.place),
+    Attribute["_Field"]("byte-order-changed", "byte_order", lambda f: Word(f.order.value)),
 )
-_ORDER = Attribute[Key]("byte-order-changed", "byte_order", lambda key: Word(key.order.value), Impact.LOUD)
-_INDEX = Attribute[Command]("index-changed", "index", index, Impact.SILENT)
+_ORDER = Attribute[Key]("byte-order-changed", "byte_order", lambda key: Word(key.order.value))
+_INDEX = Attribute[Command]("index-changed", "index", index)
 
 
 def compare(found: Collector, both: Editions, old: Command, new: Command) -> None:
@@ -58,16 +58,16 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
             c.spec_name for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None)
         ]
         if taken:
-            found.add("code-taken", item, places, Impact.SILENT, use, **facts, other=min(taken))
+            found.add("code-taken", item, places, use, **facts, other=min(taken))
         else:
-            found.add("code-changed", item, places, Impact.LOUD, use, **facts)
+            found.add("code-changed", item, places, use, **facts)
     if old.entry and new.entry:
         use = Use(tuple(Side), (old.spec_name,))
         found.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
         if not same_kind(old, new):
             facts = {"old": given(old.entry.kind), "new": given(new.entry.kind)}
             places = at(paths(old.entry, new.entry), "kind")
-            found.add("kind-changed", Item.of_entry(old.entry), places, Impact.LOUD, use, **facts)
+            found.add("kind-changed", Item.of_entry(old.entry), places, use, **facts)
     for side, one, another in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
         if one and another and (one.address == another.address or one.id == another.id):
             of_replies = side is Side.RECEIVING and not _like_requests(old, new)
@@ -107,10 +107,10 @@ def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
         found.attributes(_OF_CONSTANT, item, places, one, other, use, name=other.name)
     for gone in (one for one in matched.removed if one.name in before):
         places, facts = (gone.path, new.path), {"name": gone.name, "place": gone.place}
-        found.removed("field-removed", item, places, Impact.SILENT, use, None, **facts)
+        found.removed("field-removed", item, places, use, None, **facts)
     for fresh in (one for one in matched.added if one.name in after):
         places, facts = (old.path, fresh.path), {"name": fresh.name, "place": fresh.place}
-        found.add("field-added", item, places, Impact.LOUD, use, **facts)
+        found.add("field-added", item, places, use, **facts)
 
 
 def _fields(message: Message) -> Iterator[_Field]:
@@ -150,7 +150,7 @@ def _code_moved(found: Collector, both: Editions, old: Message, new: Message, ke
     of_address = ("addresses", old.address, key), ("addresses", new.address, key)
     places: Places = (("selector",), ("selector",)) if whole else of_address
     if facts["old"] != facts["new"] and not _follow_edition(both, old, new, KeyRole.CODE):
-        found.add("code-moved", item, places, Impact.LOUD, use, **facts)
+        found.add("code-moved", item, places, use, **facts)
     _turned(found, both, item, places, old, new, KeyRole.CODE, use)
 
 
@@ -190,5 +190,5 @@ def _index_moved(
         at((("tables", old.entry.table), ("tables", new.entry.table)), "index"),
     )
     if facts["old"] != facts["new"] and not _follow_edition(both, one, other, KeyRole.INDEX):
-        found.add("index-moved", item, places, Impact.LOUD, use, **facts)
+        found.add("index-moved", item, places, use, **facts)
     _turned(found, both, item, places, one, other, KeyRole.INDEX, use)

@@ -33,8 +33,6 @@ from .match import Matched, by_name
 
 T = TypeVar("T", bound=Titled)
 
-_Verdict = tuple[Impact, Use]
-_SAFE = (Impact.SAFE, UNUSED)
 _EDITION, _BUS = Item("edition", ""), Item("bus", "")
 
 
@@ -63,22 +61,22 @@ def _entered_by(state: State) -> Fact:
 
 
 _OF_EDITION = (
-    Attribute[Edition](
-        "languages-changed", "languages", lambda e: listed(e.languages), Impact.SAFE, lambda e: set(e.languages)
-    ),
+    Attribute[Edition]("languages-changed", "languages", lambda e: listed(e.languages), lambda e: set(e.languages)),
 )
 _OF_BUS = (
-    Attribute[Bus]("reply-time-changed", "reply_within_ms", lambda b: given(b.reply_within_ms), Impact.SAFE),
-    Attribute[Bus]("max-nodes-changed", "max_nodes", lambda b: given(b.max_nodes), Impact.SAFE),
+    Attribute[Bus]("reply-time-changed", "reply_within_ms", lambda b: given(b.reply_within_ms)),
+    Attribute[Bus]("max-nodes-changed", "max_nodes", lambda b: given(b.max_nodes)),
 )
-_OF_MODE = (Attribute[Mode]("bit-rates-changed", "bit_rates_kbps", _rates, _fewer_rates),)
-_OF_EFFECT = (Attribute[Effect]("effect-level-changed", "level", lambda e: Word(e.level.value), Impact.SAFE),)
-_OF_SETTING = (Attribute[Setting]("setting-scope-changed", "only", lambda s: scope(s.only), Impact.SAFE),)
+_OF_MODE = (Attribute[Mode]("bit-rates-changed", "bit_rates_kbps", _rates, impact=_fewer_rates),)
+_OF_EFFECT = (Attribute[Effect]("effect-level-changed", "level", lambda e: Word(e.level.value)),)
+_OF_SETTING = (Attribute[Setting]("setting-scope-changed", "only", lambda s: scope(s.only)),)
 _OF_STATE = (
-    Attribute[State]("state-entry-changed", "entered_by", _entered_by, Impact.SILENT),
-    Attribute[State]("state-effects-changed", "prevents", lambda s: listed(e.name for e in s.prevents), Impact.SILENT),
+    Attribute[State]("state-entry-changed", "entered_by", _entered_by, impact=Impact.SILENT),
+    Attribute[State](
+        "state-effects-changed", "prevents", lambda s: listed(e.name for e in s.prevents), impact=Impact.SILENT
+    ),
 )
-_OF_PARAMETER = (Attribute[Parameter]("parameter-bounds-changed", "number", _bounds, Impact.SILENT, _ends),)
+_OF_PARAMETER = (Attribute[Parameter]("parameter-bounds-changed", "number", _bounds, _ends, Impact.SILENT),)
 
 
 def compare(found: Collector, old: Edition, new: Edition) -> None:
@@ -104,8 +102,8 @@ def _items(
     matched: Matched[T],
     rows: Sequence[Attribute[T]] = (),
     use: Use = UNUSED,
-    removed: _Verdict = _SAFE,
-    added: _Verdict = _SAFE,
+    removed: tuple[Use, Impact | None] = (UNUSED, None),
+    added: Use = UNUSED,
 ) -> None:
     """Changes of the attributes and texts of items of one kind; items that are removed and added."""
     for one, other in matched.pairs:
@@ -115,7 +113,7 @@ def _items(
     for gone in matched.removed:
         found.add(f"{kind}-removed", Item(kind, gone.name), ((*path, gone.name), path), *removed, name=gone.name)
     for fresh in matched.added:
-        found.add(f"{kind}-added", Item(kind, fresh.name), (path, (*path, fresh.name)), *added, name=fresh.name)
+        found.add(f"{kind}-added", Item(kind, fresh.name), (path, (*path, fresh.name)), added, name=fresh.name)
 
 
 def _addresses(found: Collector, old: Sequence[Address], new: Sequence[Address]) -> None:
@@ -136,11 +134,11 @@ def _addresses(found: Collector, old: Sequence[Address], new: Sequence[Address])
     for gone in matched.removed:
         facts = {"name": gone.name, "old": formatting.id_rule(gone.request)}
         places = gone.path, ("addresses",)
-        found.add("address-removed", Item("address", gone.name), places, Impact.LOUD, BOTH_SIDES, **facts)
+        found.add("address-removed", Item("address", gone.name), places, BOTH_SIDES, **facts)
     for fresh in matched.added:
         facts = {"name": fresh.name, "new": formatting.id_rule(fresh.request)}
         places = ("addresses",), fresh.path
-        found.add("address-added", Item("address", fresh.name), places, Impact.SAFE, UNUSED, **facts)
+        found.add("address-added", Item("address", fresh.name), places, UNUSED, **facts)
 
 
 def _rule(
@@ -155,14 +153,11 @@ def _rule(
     before, after = ((r.base, r.node_step, r.nodes is None) for r in (old, new))
     if before != after:
         facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": _id(old), "new": _id(new)}
-        impact = Impact.SILENT if _taken(old, new) else Impact.LOUD
-        found.add("id-changed", item, at(paths(*pair), directions[0].value), impact, Use(sides), **facts)
+        key = directions[0].value if len(directions) == 1 else "id"
+        found.add("id-changed", item, at(paths(*pair), key), Use(sides), **facts)
     if old.nodes is not None and new.nodes is not None and old.nodes != new.nodes:
         facts = {"old": f"{old.nodes[0]}..{old.nodes[-1]}", "new": f"{new.nodes[0]}..{new.nodes[-1]}"}
-        for side in sides:
-            beyond = set(new.nodes) - set(old.nodes) if side is Side.RECEIVING else set(old.nodes) - set(new.nodes)
-            impact = Impact.LOUD if beyond else Impact.SAFE
-            found.add("nodes-changed", item, at(paths(*pair), "nodes"), impact, Use((side,)), **facts)
+        found.add("nodes-changed", item, at(paths(*pair), "nodes"), Use(sides), **facts)
 
 
 def _extended(found: Collector, item: Item, old: Address, new: Address) -> None:
@@ -173,19 +168,11 @@ def _extended(found: Collector, item: Item, old: Address, new: Address) -> None:
         return request if request == reply else (request, ", ", reply)
 
     facts = {"direction": Word("request and reply"), "old": ids(old), "new": ids(new)}
-    found.add("id-changed", item, at(paths(old, new), "extended"), Impact.LOUD, BOTH_SIDES, **facts)
+    found.add("id-changed", item, at(paths(old, new), "extended"), BOTH_SIDES, **facts)
 
 
 def _id(rule: IdRule) -> Fact:
     return (formatting.id_rule(rule), *((" (", Word("29 bits"), ")") if rule.extended else ()))
-
-
-def _taken(old: IdRule, new: IdRule) -> bool:
-    """Whether an id of one node now is that of another."""
-    if old.extended is not new.extended or old.nodes is None or new.nodes is None:
-        return False
-    node = {new.base + n * new.node_step: n for n in new.nodes}
-    return any(node.get(old.base + n * old.node_step, n) != n for n in old.nodes)
 
 
 def _bus(found: Collector, old: Bus, new: Bus) -> None:
@@ -193,32 +180,24 @@ def _bus(found: Collector, old: Bus, new: Bus) -> None:
     found.renamed("host-renamed", _BUS, at(places, "host"), BOTH_SIDES, old=old.host, new=new.host)
     found.section(_BUS, places, old.manual, new.manual)
     modes = by_name(old.modes, new.modes)
-    _items(found, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, removed=(Impact.LOUD, BOTH_SIDES))
+    _items(found, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, (BOTH_SIDES, Impact.LOUD))
     found.attributes(_OF_BUS, _BUS, places, old, new, UNUSED)
 
 
 def _parameters(found: Collector, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
-    matched, affected = by_name(old, new), (Impact.BUILD, BOTH_SIDES)
+    matched = by_name(old, new)
     for one, other in matched.pairs:
         item, path = Item("parameter", one.name), ("parameters", one.name, "values")
         values = by_name(one.values, other.values)
         for value, now in values.pairs:
             found.texts(item, ((*path, value.name), (*path, now.name)), value, now)
         for value in values.removed:
-            found.add(
-                "parameter-value-removed", item, ((*path, value.name), path), *affected, name=one.name, value=value.name
-            )
+            facts = {"name": one.name, "value": value.name}
+            found.add("parameter-value-removed", item, ((*path, value.name), path), BOTH_SIDES, **facts)
         for value in values.added:
-            found.add(
-                "parameter-value-added",
-                item,
-                (path, (*path, value.name)),
-                Impact.SAFE,
-                UNUSED,
-                name=one.name,
-                value=value.name,
-            )
-    _items(found, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES, affected, affected)
+            facts = {"name": one.name, "value": value.name}
+            found.add("parameter-value-added", item, (path, (*path, value.name)), UNUSED, **facts)
+    _items(found, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES, (BOTH_SIDES, None), BOTH_SIDES)
 
 
 def _states(found: Collector, old: Edition, new: Edition) -> None:
@@ -243,7 +222,7 @@ def _errata(found: Collector, old: Edition, new: Edition) -> None:
             rule, facts = "erratum-moved", {"name": id_, "old": _about(one), "new": _about(other)}
         if rule is not None:
             places = (_erratum(i), _erratum(j))
-            found.add(rule, Item("erratum", id_), places, Impact.SAFE, UNUSED, **facts)
+            found.add(rule, Item("erratum", id_), places, UNUSED, **facts)
 
 
 def _erratum(number: int | None) -> DocumentPath:

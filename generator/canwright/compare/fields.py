@@ -13,7 +13,7 @@ from ..model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Encoding, Type
 from . import match, quantities
-from .change import Category, Change, Fact, Impact, Item, Side, Word, worst
+from .change import Category, Change, Fact, Item, Word
 from .collector import Attribute, Collector, Places, Use, at, paths
 
 
@@ -51,21 +51,16 @@ def compare(found: Collector, both: Editions, command: str, one: Message, anothe
     replaced = matched.also(match.overlap)
     for before, after in (*exchanged, *replaced.pairs[len(matched.pairs) :]):
         facts = {"place": place_of(before), "old": before.name, "new": after.name}
-        found.add("field-replaced", _owner(before, item), paths(before, after), Impact.SILENT, use, **facts)
+        found.add("field-replaced", _owner(before, item), paths(before, after), use, **facts)
     for gone in replaced.removed:
         if gone.name not in constant_keys(another):
             facts = {"name": gone.name, "place": place_of(gone)}
             place = _parent(gone, new)
-            found.removed(
-                "field-removed", _owner(gone, item), (gone.path, place), Impact.SILENT, use, gone.deprecated, **facts
-            )
+            found.removed("field-removed", _owner(gone, item), (gone.path, place), use, gone.deprecated, **facts)
     for fresh in replaced.added:
         if fresh.name not in constant_keys(one):
-            taken = any(match.overlap(fresh, f) for f in old.fields)
-            impact = Impact.SILENT if taken or Side.SENDING in use.sides else Impact.SAFE
-            impact = Impact.LOUD if fresh.role.required_raw else impact
             facts = {"name": fresh.name, "place": place_of(fresh)}
-            found.add("field-added", _owner(fresh, item), (_parent(fresh, old), fresh.path), impact, use, **facts)
+            found.add("field-added", _owner(fresh, item), (_parent(fresh, old), fresh.path), use, **facts)
 
 
 def _is_shared(both: Editions, old: Layout, new: Layout) -> bool:
@@ -101,10 +96,10 @@ def place_of(field: Field) -> str:
 
 
 _OF_FIELD = (
-    Attribute[Field]("array-changed", "array", _array, Impact.SILENT),
-    Attribute[Field]("field-condition-changed", "only", lambda f: ", ".join(f.only) or Word("all"), Impact.SILENT),
+    Attribute[Field]("array-changed", "array", _array),
+    Attribute[Field]("field-condition-changed", "only", lambda f: ", ".join(f.only) or Word("all")),
     Attribute[Field](
-        "holds-changed", "holds", lambda f: Word("the node" if isinstance(f.role, NodeRole) else "a value"), Impact.LOUD
+        "holds-changed", "holds", lambda f: Word("the node" if isinstance(f.role, NodeRole) else "a value")
     ),
 )
 
@@ -114,14 +109,12 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
     found.renamed("field-renamed", item, places, use, old=old.name, new=new.name)
     if _moved(old, new):
         facts = {"name": new.name, "old": place_of(old), "new": place_of(new)}
-        found.add("field-moved", item, at(places, "at"), Impact.SILENT, use, **facts)
+        found.add("field-moved", item, at(places, "at"), use, **facts)
     found.attributes(_OF_FIELD, item, places, old, new, use, name=new.name)
     if (old.role.sent_raw, old.role.required_raw) != (new.role.sent_raw, new.role.required_raw):
-        ignored = not old.role.is_checked and not new.role.is_checked and Side.SENDING not in use.sides
         before, after = ((*f.path, "reserved" if isinstance(f.role, ReservedRole) else "constant") for f in (old, new))
         shown = {"old": _constant(old), "new": _constant(new)}
-        impact = Impact.SAFE if ignored else Impact.LOUD
-        found.add("constant-changed", item, (before, after), impact, use, name=new.name, **shown)
+        found.add("constant-changed", item, (before, after), use, name=new.name, **shown)
     found.deprecation(item, places, new.name, old.deprecated, new.deprecated)
     if (old.title, new.title) != (old.type.title, new.type.title):
         found.title(item, at(places, "title"), new.name, old.title, new.title)
@@ -157,10 +150,10 @@ def _starts(field: Field) -> set[At]:
     return {start for start in starts if sorted(frame_bits(start, len(bits), field.type.order)) == bits}
 
 
-_WIDTH = Attribute[Type]("width-changed", "raw", lambda t: str(t.width), Impact.SILENT)
-_SIGN = Attribute[Type]("sign-changed", "raw", lambda t: Word(t.encoding.value), Impact.SILENT)
-_ENCODING = Attribute[Type]("encoding-changed", "raw", lambda t: Word(t.encoding.value), Impact.SILENT)
-_ORDER = Attribute[Type]("byte-order-changed", "byte_order", lambda t: Word(t.order.value), Impact.SILENT)
+_WIDTH = Attribute[Type]("width-changed", "raw", lambda t: str(t.width))
+_SIGN = Attribute[Type]("sign-changed", "raw", lambda t: Word(t.encoding.value))
+_ENCODING = Attribute[Type]("encoding-changed", "raw", lambda t: Word(t.encoding.value))
+_ORDER = Attribute[Type]("byte-order-changed", "byte_order", lambda t: Word(t.order.value))
 
 
 def _type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
@@ -191,16 +184,15 @@ def _other_type(found: Collector, both: Editions, item: Item, old: Field, new: F
     facts: dict[str, Fact] = {"name": new.name, "old": old.type.name, "new": new.type.name}
     for change in changes:
         if change.rule.category is Category.DOC:
-            found.add(change.rule.id, item, places, change.impact, use, **change.facts)
+            found.add(change.rule.id, item, places, use, **change.facts)
     strong = [c for c in changes if c.rule.category in (Category.WIRE, Category.VALUE)]
     if strong:
         wire = any(c.rule.category is Category.WIRE for c in strong)
         rule = "field-format-changed" if wire else "field-meaning-changed"
-        impact = worst(c.impact for c in strong)
         facts["changes"] = tuple(
             part for i, c in enumerate(strong) for part in ((", ", _difference(c)) if i else (_difference(c),))
         )
-        found.add(rule, item, places, impact, use, **facts)
+        found.add(rule, item, places, use, **facts)
     elif old.type.path[0] == "types":  # a number without a type had no names
         found.renamed("type-of-field-changed", item, places, use, **facts)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
-from .change import Category, Change, Impact, Item
+from .change import Category, Change, Item
 from .collector import BOTH_SIDES, Collector
 from .exported_names import ExportedNames
 
@@ -38,7 +38,7 @@ def compare(found: Collector, names: ExportedNames, old: Edition) -> None:
     for item, paths in groups.items():
         named = Item(_KINDS[str(item[0])], str(item[1])) if item[0] in _KINDS else Item(str(item[0]), "")
         facts = {"names": names.disappeared(paths)}
-        found.add("names-changed", named, (item, item), Impact.BUILD, BOTH_SIDES, **facts)
+        found.add("names-changed", named, (item, item), BOTH_SIDES, **facts)
 
 
 def _explains(change: Change, path: DocumentPath, users: frozenset[str], parameters: frozenset[str]) -> bool:

@@ -12,6 +12,7 @@ from .change import Change
 _MISSING = object()
 _OTHER_KEYS = {
     "raw_range": ("range",),
+    "id": ("request", "extended"),
     "request": ("id", "extended"),
     "reply": ("id", "extended"),
     "reply_selector": ("selector",),

@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 from ..model import formatting
 from ..model.types import Assignment, Bound, ByParameter, Linear, Member, Range, Type
 from . import match
-from .change import Impact, Item, Side, Word
+from .change import Impact, Item, Word
 from .collector import Attribute, Collector, Places, Use, at, listed
 
 T = TypeVar("T")
@@ -38,32 +38,30 @@ class Pair:
     places: Places
     use: Use
 
-    def add(self, found: Collector, rule: str, impact: Impact, key: str, case: Case[T], old: str, new: str) -> None:
+    def add(self, found: Collector, rule: str, key: str, case: Case[T], old: str, new: str) -> None:
         """Adds a change of a number that may depend on parameters."""
         facts = {"name": self.name, "when": case.when, "old": old, "new": new}
-        found.add(rule, self.item, at(self.places, key), impact, self.use, case.assignments, **facts)
+        found.add(rule, self.item, at(self.places, key), self.use, None, case.assignments, **facts)
 
 
-_UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"), Impact.SILENT)
+_UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"))
 _PARAMETERS = Attribute[Type](
     "parameters-of-type-changed",
     "scale",
     lambda t: ", ".join((*t.parameters, *t.numbers)) or Word("nothing"),
-    Impact.BUILD,
 )
 _PLAUSIBLE = Attribute[Type](
     "plausible-changed",
     "plausible",
     lambda t: formatting.span(t.plausible, formatting.decimal) + _unit(t) if t.plausible else Word("not given"),
-    Impact.SAFE,
     lambda t: (t.plausible, t.plausible and t.unit),
 )
 _WITHOUT_EFFECTS = Attribute[Member](
     "member-effects-changed",
     "without_effects",
     lambda m: listed(m.without_effects),
-    Impact.SILENT,
     lambda m: {*m.without_effects},
+    Impact.SILENT,
 )
 
 
@@ -90,10 +88,10 @@ def _scales(found: Collector, pair: Pair) -> bool:
         one, other = case.old, case.new
         shown = _scale_shown(one, pair.old), _scale_shown(other, pair.new)
         if _scale(one) != _scale(other):
-            pair.add(found, "scale-changed", Impact.SILENT, "scale", case, *shown)
+            pair.add(found, "scale-changed", "scale", case, *shown)
             changed = True
         elif one and other and (one.printed or "1") != (other.printed or "1") and not one.is_identity:
-            pair.add(found, "scale-rewritten", Impact.SAFE, "scale", case, *shown)
+            pair.add(found, "scale-rewritten", "scale", case, *shown)
     return changed
 
 
@@ -104,7 +102,7 @@ def _offsets(found: Collector, pair: Pair) -> bool:
         one, other = case.old, case.new
         if one is not None and other is not None and one != other:
             shown = _offset_shown(one, pair.old), _offset_shown(other, pair.new)
-            pair.add(found, "offset-changed", Impact.SILENT, "offset", case, *shown)
+            pair.add(found, "offset-changed", "offset", case, *shown)
             changed = True
     return changed
 
@@ -142,15 +140,11 @@ def _ranges(found: Collector, pair: Pair) -> bool:
         if old == new or one is other is None:
             continue
         changed = True
-        affected = (Side.SENDING in pair.use.sides and not _within(old, new)) or (
-            Side.RECEIVING in pair.use.sides and not _within(new, old)
-        )
         shown = [
             Word("not limited") if limits is None else formatting.span(limits, formatting.decimal)
             for limits in (one, other)
         ]
-        impact = Impact.SILENT if affected else Impact.SAFE
-        pair.add(found, "range-changed", impact, "raw_range", case, shown[0], shown[1])
+        pair.add(found, "range-changed", "raw_range", case, shown[0], shown[1])
     return changed
 
 
@@ -186,14 +180,6 @@ def _same_range(ranges: tuple[Range | None, Range | None], lines: tuple[Linear |
 def _whole(type_: Type) -> Range:
     low, high = type_.raw_limits
     return Range(Bound(Fraction(low)), Bound(Fraction(high)))
-
-
-def _within(inner: Range, outer: Range) -> bool:
-    """Whether a range certainly lies in another."""
-    ends = (inner.low, outer.low), (inner.high, outer.high)
-    if any((a.parameter, a.coefficient) != (b.parameter, b.coefficient) for a, b in ends):
-        return False
-    return outer.low.constant <= inner.low.constant and inner.high.constant <= outer.high.constant
 
 
 def _cases(old: ByParameter[T], new: ByParameter[T]) -> Iterator[Case[T]]:
@@ -235,14 +221,14 @@ def _ordered(names: Iterable[str]) -> list[str]:
 
 def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
     matched = match.members(old, new)
-    sides, parents = pair.use.sides, at(pair.places, key)
+    parents = at(pair.places, key)
     for one, other in matched.pairs:
         places = (*parents[0], one.name), (*parents[1], other.name)
         facts = {"name": pair.name, "old": one.name, "new": other.name}
         found.renamed("member-renamed", pair.item, places, pair.use, **facts)
         if one.value != other.value:
             facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
-            found.add("member-renumbered", pair.item, places, Impact.SILENT, pair.use, **facts)
+            found.add("member-renumbered", pair.item, places, pair.use, **facts)
         found.attributes([_WITHOUT_EFFECTS], pair.item, places, one, other, pair.use, name=pair.name, member=other.name)
         found.deprecation(pair.item, places, other.name, one.deprecated, other.deprecated)
         found.texts(pair.item, places, one, other)
@@ -250,14 +236,11 @@ def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], ne
     for one, other in replaced.pairs[len(matched.pairs) :]:
         places = (*parents[0], one.name), (*parents[1], other.name)
         facts = {"name": pair.name, "value": str(one.value), "old": one.name, "new": other.name}
-        found.add("member-replaced", pair.item, places, Impact.SILENT, pair.use, **facts)
+        found.add("member-replaced", pair.item, places, pair.use, **facts)
     for gone in replaced.removed:
-        impact = Impact.SILENT if Side.SENDING in sides else Impact.SAFE
         facts = {"name": pair.name, "member": gone.name, "value": str(gone.value)}
         places = (*parents[0], gone.name), parents[1]
-        found.removed("member-removed", pair.item, places, impact, pair.use, gone.deprecated, **facts)
+        found.removed("member-removed", pair.item, places, pair.use, gone.deprecated, **facts)
     for fresh in replaced.added:
-        unknown = Impact.SILENT if key == "flags" else Impact.LOUD
-        impact = unknown if Side.RECEIVING in sides else Impact.SAFE
         facts = {"name": pair.name, "member": fresh.name, "value": str(fresh.value)}
-        found.add("member-added", pair.item, (parents[0], (*parents[1], fresh.name)), impact, pair.use, **facts)
+        found.add("member-added", pair.item, (parents[0], (*parents[1], fresh.name)), pair.use, **facts)

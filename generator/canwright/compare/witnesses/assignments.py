@@ -16,7 +16,7 @@ _PRIMES = (7, 11, 13, 17, 19, 23)
 
 
 class Assignments:
-    """The values of the parameters of two editions; those that both have, of a number one value of its own."""
+    """The values of the parameters of two editions; those that both have, of a number one value of its own and its maximum."""
 
     def __init__(self, old: Edition, new: Edition) -> None:
         self._values: dict[str, Sequence[str]] = {}
@@ -44,13 +44,13 @@ class Assignments:
 def _values(parameters: Sequence[Parameter], prime: int) -> Sequence[str]:
     if all(p.is_choice for p in parameters):
         return [v.name for v in parameters[0].values if all(v.name in _names(p) for p in parameters)]
-    number = Fraction(prime)
-    for parameter in parameters:
-        if parameter.maximum is not None:
-            number = min(number, parameter.maximum)
-        if parameter.minimum is not None:
-            number = max(number, parameter.minimum)
-    return [formatting.exact(number)] if not any(p.is_choice for p in parameters) else []
+    if any(p.is_choice for p in parameters):
+        return []
+    lowest = max((p.minimum for p in parameters if p.minimum is not None), default=None)
+    highest = min((p.maximum for p in parameters if p.maximum is not None), default=None)
+    number = Fraction(prime) if highest is None else min(Fraction(prime), highest)
+    number = number if lowest is None else max(number, lowest)
+    return [formatting.exact(end) for end in dict.fromkeys((number, number if highest is None else highest))]
 
 
 def _names(parameter: Parameter) -> Mapping[str, object]:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from enum import Enum
 from types import MappingProxyType
 
-from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.types import Assignment
 from ...semantics.frame import CanFrame
 from ..change import Fact, Impact, Side, with_facts
+from .paths import Paths
 
 SENTENCES: Mapping[str, str] = {
     "sent-read": "the old host sends {sent}; the new node reads {read}",
@@ -43,7 +42,10 @@ REASONS: Mapping[str, str] = {
 class Witness:
     """A frame, what both sides make of it, and the parameter values under which they do.
 
-    `frame` is None if the frame that one side expects is never sent.
+    `frame` is None if the frame that one side expects is never sent. `paths` lead to the definitions in both specs that it
+    is about, and `commands` are the commands. If the frame does not exist, because only the receiver has its id or because
+    the receiver decodes it as something else, the witness is about what remains after these differences are repaired.
+    `is_of_field` is true if the frame is the expected message, and a field is not read as it was sent.
     """
 
     side: Side
@@ -52,6 +54,10 @@ class Witness:
     frame: CanFrame | None
     sentence: str
     facts: Mapping[str, Fact]
+    commands: tuple[str, ...] = ()
+    paths: Paths = frozenset()
+    exists: bool = True
+    is_of_field: bool = False
 
     @property
     def sent(self) -> str:
@@ -75,40 +81,3 @@ class Witness:
         """The frame and the sentence, or another one in `language` with its `words`, with the facts of this witness."""
         text = with_facts(sentence or SENTENCES[self.sentence], self.facts, language, words, escape)
         return f"{self.sent}: {text}" if self.sent else text
-
-
-class Aspect(Enum):
-    """The part of the behaviour that a witness is about."""
-
-    ID = "id"
-    """The CAN id alone: the node, or the address."""
-    IDENTITY = "identity"
-    """The message that a frame is, if its id is correct."""
-    ANSWER = "answer"
-    """Whether a frame is the reply to a request."""
-    PRESENCE = "presence"
-    """Whether a frame is sent or supported at all."""
-    RAW = "raw"
-    """The raw integer of a field."""
-    VALUE = "value"
-    """The value of a raw integer."""
-    MEMBER = "member"
-    """The name of a raw integer, or the names of its bits."""
-    RANGE = "range"
-    """Whether a raw integer is allowed."""
-
-
-@dataclass(frozen=True)
-class Observation:
-    """A witness, and what it is about: the commands, the paths in both specs, and the members of an enum or of flags.
-
-    Without `members` it is about any member. If the frame does not exist, because only the receiver has its id or because
-    the receiver decodes it as something else, the observation is about what remains after these differences are repaired.
-    """
-
-    aspect: Aspect
-    witness: Witness
-    commands: tuple[str, ...]
-    paths: tuple[DocumentPath, ...]
-    members: tuple[str, ...] = ()
-    exists: bool = True

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.layout import MAX_DATA_BYTES, ConstantRole, Element, Field, NodeRole, ReservedRole, Space
 from ...model.message import Direction, Key, KeyRole, Message
@@ -21,15 +20,18 @@ from ..change import Fact, Impact, Side, Word
 from . import candidates
 from .assignments import Assignments
 from .counterparts import Counterparts
-from .witness import Aspect, Observation, Witness
+from .paths import MEMBER, RANGE, RAW, VALUE, Aspect, Paths, of_fields
+from .witness import Witness
 
 
 @dataclass(frozen=True)
-class Transfer:
+class MessagePair:
     """A message as its sender encodes it, and the message as which its receiver decodes it."""
 
     side: Side
     commands: tuple[str, ...]
+    of_use: Paths
+    """The paths of the messages of both commands as a whole."""
     available: Sequence[Mapping[str, tuple[str, ...]]]
     """The conditions of the command in both editions."""
     sent: Message
@@ -47,6 +49,11 @@ class Transfer:
         layouts = (m.layout.parameter for m in (self.sent, self.read))
         return tuple(dict.fromkeys((*(name for name in layouts if name), *conditions)))
 
+    @property
+    def has_same_length(self) -> bool:
+        """Whether the number of data bytes is the same; otherwise fields come and go with the bytes that contain them."""
+        return self.sent.dlc == self.read.dlc
+
     def is_identified(self, frame: CanFrame) -> bool:
         """Whether the receiver takes a frame for this message, whatever its constants are."""
         if self.side is Side.RECEIVING:  # of some replies only their requests identify the message
@@ -60,7 +67,7 @@ class Transfer:
         return all(assignment.get(name, v[0]) in v for only in conditions for name, v in only.items())
 
 
-class Reading:
+class FieldComparison:
     """Compares the fields of messages of two editions."""
 
     def __init__(self, counterparts: Counterparts, assignments: Assignments) -> None:
@@ -69,39 +76,42 @@ class Reading:
         self._encoders = Encoders()
         self._keys: dict[Message, Mapping[str, Field]] = {}
 
-    def observations(self, transfer: Transfer) -> Iterator[Observation]:
+    def witnesses(self, pair: MessagePair) -> Iterator[Witness]:
         """Every field that is not read as it was sent, with a frame for each aspect and each parameter value."""
-        for assignment in self._assignments.of(transfer.parameters):
-            if transfer.is_available(assignment):
-                yield from self._under(transfer, assignment)
+        for assignment in self._assignments.of(pair.parameters):
+            if pair.is_available(assignment):
+                yield from self._under(pair, assignment)
 
-    def _under(self, transfer: Transfer, assignment: Assignment) -> Iterator[Observation]:
+    def _under(self, pair: MessagePair, assignment: Assignment) -> Iterator[Witness]:
         encoder = self._encoders.for_parameters({**self._assignments.first, **assignment})
-        fields, read = encoder.fields(transfer.sent), transfer.read.layout.variant(encoder.assignment)
-        nodes = transfer.nodes
-        base = candidates.base_raws(encoder, transfer.sent, nodes[0] if nodes else None)
+        fields, read = encoder.fields(pair.sent), pair.read.layout.variant(encoder.assignment)
+        nodes = pair.nodes
+        base = candidates.base_raws(encoder, pair.sent, nodes[0] if nodes else None)
         if fields is None or read is None or base is None:
             return
-        sent_keys, read_keys = self._constants(transfer.sent), self._constants(transfer.read)
+        sent_keys, read_keys = self._constants(pair.sent), self._constants(pair.read)
         demanded = [f for f in (*read.fields, *read_keys.values()) if f.role.is_checked and not f.is_array]
-        pair = _Pair(self, transfer, assignment, encoder, base, demanded)
-        written = transfer.sent.layout.variant(encoder.assignment)
+        fields_of = FieldPair(self, pair, assignment, encoder, base, demanded)
+        written = pair.sent.layout.variant(encoder.assignment)
         every = {field.name: field for field in written.fields} if written else {}
-        of = self._sources(transfer, every)
-        for target in read.fields:
-            source = every.get(of.get(target.name, "")) or sent_keys.get(target.name)
-            if target.role.is_checked:
-                yield from pair.constant(target, source)
-            elif target.role.is_value:
-                is_sent = source is not None and not isinstance(source.role, ReservedRole)
-                yield from pair.field(target, source) if source and is_sent else pair.unset(target, source)
-        for name in read_keys.keys() & fields.keys():
-            yield from pair.field(read_keys[name], fields[name])
-        if transfer.side is Side.SENDING:
+        of = self._sources(pair, every)
+        if pair.side is Side.SENDING and pair.has_same_length:
             used = {of.get(target.name) for target in read.fields if target.role.is_value or target.role.is_checked}
             for name, field in fields.items():
                 if name not in used | read_keys.keys():
-                    yield from pair.ignored(field)
+                    yield from fields_of.ignored(field)
+        for target in read.fields:
+            source = every.get(of.get(target.name, "")) or sent_keys.get(target.name)
+            if target.role.is_checked:
+                yield from fields_of.constant(target, source)
+            elif target.role.is_value:
+                is_sent = source is not None and not isinstance(source.role, ReservedRole)
+                if source and is_sent:
+                    yield from fields_of.field(target, source)
+                elif pair.has_same_length:
+                    yield from fields_of.unset(target, source)
+        for name in read_keys.keys() & fields.keys():
+            yield from fields_of.field(read_keys[name], fields[name])
 
     def _constants(self, message: Message) -> Mapping[str, Field]:
         """The constants among the keys of a message, as fields by name."""
@@ -110,15 +120,15 @@ class Reading:
             self._keys[message] = {key.name: _constant(key) for key in keys}
         return self._keys[message]
 
-    def _sources(self, transfer: Transfer, every: Mapping[str, Field]) -> dict[str, str]:
+    def _sources(self, pair: MessagePair, every: Mapping[str, Field]) -> dict[str, str]:
         """The name of the field that is sent, by that of the field that is read."""
-        if not transfer.has_same_origin:
-            return {field.name: field.name for field in transfer.read.layout.fields if field.name in every}
-        if transfer.side is Side.SENDING:
-            pairs = self._counterparts.fields(transfer.sent.layout, transfer.read.layout)
-            return {new.name: old.name for old, new in pairs if old.name in every}
-        pairs = self._counterparts.fields(transfer.read.layout, transfer.sent.layout)
-        return {old.name: new.name for old, new in pairs if new.name in every}
+        if not pair.has_same_origin:
+            return {field.name: field.name for field in pair.read.layout.fields if field.name in every}
+        if pair.side is Side.SENDING:
+            fields = self._counterparts.fields(pair.sent.layout, pair.read.layout)
+            return {new.name: old.name for old, new in fields if old.name in every}
+        fields = self._counterparts.fields(pair.read.layout, pair.sent.layout)
+        return {old.name: new.name for old, new in fields if new.name in every}
 
     def is_same_type(self, one: Type, other: Type) -> bool:
         return self._counterparts.is_same_type(one, other)
@@ -137,42 +147,39 @@ class Reading:
             yield assignment, self._encoders.for_parameters({**encoder.assignment, **assignment})
 
 
-class _Pair:
+class FieldPair:
     """One message under some parameters, sent and read."""
 
     def __init__(
         self,
-        reading: Reading,
-        transfer: Transfer,
+        comparison: FieldComparison,
+        messages: MessagePair,
         assignment: Assignment,
         encoder: Encoder,
         base: Mapping[str, Raw],
         demanded: Sequence[Field],
     ) -> None:
-        self._reading = reading
+        self._comparison = comparison
         self._demanded = demanded
-        self._transfer = transfer
+        self._messages = messages
         self._assignment = assignment
         self._encoder = encoder
         self._base = base
-        self._node = transfer.nodes[0] if transfer.nodes else None
+        self._node = messages.nodes[0] if messages.nodes else None
 
-    def field(self, target: Field, source: Field) -> Iterator[Observation]:
+    def field(self, target: Field, source: Field) -> Iterator[Witness]:
         """The differences of a field that both messages have."""
-        same_type = self._reading.is_same_type(source.type, target.type)
+        same_type = self._comparison.is_same_type(source.type, target.type)
         if same_type and source.elements == target.elements:
             return
-        for assignment, encoder in self._reading.further(self._encoder, self._assignment, source, target):
-            seen: set[object] = set()
-            for observation in self._compared(target, source, assignment, encoder):
-                kind = observation.aspect, observation.paths
-                if observation.aspect is Aspect.MEMBER or kind not in seen:
-                    seen.add(kind)
-                    yield observation
+        for assignment, encoder in self._comparison.further(self._encoder, self._assignment, source, target):
+            seen: set[Paths] = set()
+            for witness in self._compared(target, source, assignment, encoder):
+                if witness.paths not in seen:
+                    seen.add(witness.paths)
+                    yield witness
 
-    def _compared(
-        self, target: Field, source: Field, assignment: Assignment, encoder: Encoder
-    ) -> Iterator[Observation]:
+    def _compared(self, target: Field, source: Field, assignment: Assignment, encoder: Encoder) -> Iterator[Witness]:
         for varied, made in self._frames(source, target, encoder):
             if target.space is Space.ID and self._has_foreign_id(made):
                 continue
@@ -193,18 +200,18 @@ class _Pair:
 
     def _fixed_in(self, target: Field) -> list[Field]:
         """The fields that are always sent as the same raw integer and that share bits with one that is read."""
-        variant = self._transfer.sent.layout.variant(self._encoder.assignment)
+        variant = self._messages.sent.layout.variant(self._encoder.assignment)
         return [f for f in (variant.fields if variant else ()) if not f.role.is_value and match.overlap(f, target)]
 
     def _has_foreign_id(self, frame: CanFrame) -> bool:
         """Whether a frame is rejected because of bits of its id, although both messages follow one rule."""
-        sent, read = self._transfer.sent, self._transfer.read
+        sent, read = self._messages.sent, self._messages.read
         return sent.id == read.id and not has_id_rule(read, frame)
 
     def _elements(self, source: Field, sent: Raw, target: Field, read: Raw) -> Iterator[tuple[int | None, int | None]]:
         """The raw integers of the elements of a field, sent and read; None of an element that one side does not have."""
         before, after = _by_index(source, sent), _by_index(target, read)
-        compared = before.keys() | after.keys() if self._transfer.side is Side.SENDING else after.keys()
+        compared = before.keys() | after.keys() if self._messages.side is Side.SENDING else after.keys()
         return ((before.get(index), after.get(index)) for index in sorted(compared, key=str))
 
     def _differences(
@@ -212,12 +219,13 @@ class _Pair:
     ) -> Iterator[tuple[Aspect, tuple[str, ...]]]:
         """The aspects in which a raw integer is understood differently; none if it has the same meaning."""
         if sent is None or read is None:
-            yield Aspect.RAW, ()
+            yield RAW, ()
             return
         if self._difference(source, sent, target, read, encoder) is None:
             return
-        if sent != read:
-            yield Aspect.RAW, ()
+        formats = [(type_.width, type_.encoding, type_.order) for type_ in (source, target)]
+        if sent != read and (self._messages.has_same_length or formats[0] != formats[1]):
+            yield RAW, ()
         difference = self._difference(source, sent, target, sent, encoder)
         if difference is not None:
             yield difference
@@ -234,46 +242,44 @@ class _Pair:
             units = [t.unit and t.unit.name for t in (source, target)]
             is_float = [t.encoding is Encoding.FLOAT for t in (source, target)]
             same = sent == read and is_float[0] == is_float[1] if values == (None, None) else values[0] == values[1]
-            return None if same and units[0] == units[1] else (Aspect.VALUE, ())
-        expected = _renamed(self._reading.members(self._transfer.side, source, target), values[0])
+            return None if same and units[0] == units[1] else (VALUE, ())
+        expected = _renamed(self._comparison.members(self._messages.side, source, target), values[0])
         before, after = _members(expected), _members(values[1])
         same = source.is_number is target.is_number and (before, _rest(source, sent)) == (after, _rest(target, read))
         if same:
             return None
         members = (*_members(values[0]), *_members(values[1]))
-        return Aspect.MEMBER, tuple(m for m in dict.fromkeys(members) if not (m in after and m in before))
+        return MEMBER, tuple(m for m in dict.fromkeys(members) if not (m in after and m in before))
 
     def _out_of_range(
         self, assignment: Assignment, encoder: Encoder, frame: CanFrame, source: Field, raw: Raw, target: Field
-    ) -> Iterator[Observation]:
+    ) -> Iterator[Witness]:
         """A number that the old host sends and that is outside the range of the new node."""
-        if self._transfer.side is Side.SENDING and source.type.is_number and target.type.is_number:
+        if self._messages.side is Side.SENDING and source.type.is_number and target.type.is_number:
             text = shown(source, raw, encoder.assignment)
             facts = {"sent": self._named(text), "allowed": _allowed(target.type, encoder.assignment)}
-            yield self._made(Aspect.RANGE, Impact.LOUD, assignment, frame, "sent-out-of-range", facts, (source, target))
+            yield self._made(RANGE, Impact.LOUD, assignment, frame, "sent-out-of-range", facts, (source, target))
 
-    def unset(self, target: Field, source: Field | None) -> Iterator[Observation]:
+    def unset(self, target: Field, source: Field | None) -> Iterator[Witness]:
         """A field that is read but not sent."""
         made = self._unvaried()
         if made is None:
             return
         frame = self._accepted(self._encoder, made)
         text = shown(target, raw_of(target, frame), self._encoder.assignment)
-        sentence = "sent-unset" if self._transfer.side is Side.SENDING else "received-unset"
-        facts: dict[str, Fact] = {"name": target.name, "read": (f"`{self._transfer.read.command}`: ", text)}
-        yield self._made(
-            Aspect.RAW, Impact.SILENT, self._assignment, frame, sentence, facts, (source or target, target)
-        )
+        sentence = "sent-unset" if self._messages.side is Side.SENDING else "received-unset"
+        facts: dict[str, Fact] = {"name": target.name, "read": (f"`{self._messages.read.command}`: ", text)}
+        yield self._made(RAW, Impact.SILENT, self._assignment, frame, sentence, facts, (source or target, target))
 
-    def ignored(self, source: Field) -> Iterator[Observation]:
+    def ignored(self, source: Field) -> Iterator[Witness]:
         """A field that is sent but not read."""
         for _, made in self._frames(source, source, self._encoder):
             frame = self._accepted(self._encoder, made)
             facts = {"sent": self._named(shown(source, raw_of(source, frame), self._encoder.assignment))}
-            yield self._made(Aspect.RAW, Impact.SILENT, self._assignment, frame, "sent-ignored", facts, (source,))
+            yield self._made(RAW, Impact.SILENT, self._assignment, frame, "sent-ignored", facts, (source,))
             return
 
-    def constant(self, target: Field, source: Field | None) -> Iterator[Observation]:
+    def constant(self, target: Field, source: Field | None) -> Iterator[Witness]:
         """A constant that the receiver requires and that is not always sent, or that means something else."""
         if (
             source is not None
@@ -287,24 +293,24 @@ class _Pair:
             yield from self.field(target, source)
         for frame in filter(None, frames):
             if wrong_constants([target], frame):
-                sentence = "sent-rejected" if self._transfer.side is Side.SENDING else "received-rejected"
+                sentence = "sent-rejected" if self._messages.side is Side.SENDING else "received-rejected"
                 facts: dict[str, Fact] = {
-                    "sent": f"`{self._transfer.sent.command}`",
+                    "sent": f"`{self._messages.sent.command}`",
                     "reason": Word("wrong constant"),
                 }
                 fields = (target,) if source is None else (source, target)
-                yield self._made(Aspect.RAW, Impact.LOUD, self._assignment, frame, sentence, facts, fields)
+                yield self._made(RAW, Impact.LOUD, self._assignment, frame, sentence, facts, fields)
                 return
 
     def _frames(self, source: Field, target: Field, encoder: Encoder) -> Iterator[tuple[Field, CanFrame]]:
         """Frames with other raw integers of a field, then of the fields that share bits with the one that is read."""
-        sent = self._transfer.sent
+        sent = self._messages.sent
         base = candidates.base_raws(encoder, sent, self._node) or self._base
         varied = [(source, candidates.raws(encoder, source, target))] if source.role.is_value else []
         fields = (encoder.fields(sent) or {}).values()
         sharing = [field for field in fields if field is not source and match.overlap(field, target)]
         for field, raws in (*varied, *((one, candidates.raws_of_each_bit(encoder, one)) for one in sharing)):
-            nodes = self._transfer.nodes if isinstance(field.role, NodeRole) else None
+            nodes = self._messages.nodes if isinstance(field.role, NodeRole) else None
             for raw in raws:
                 if nodes is not None and raw not in nodes:
                     continue
@@ -326,13 +332,13 @@ class _Pair:
         constants = sum(candidates.placed(f.elements[0].segments, f.role.required_raw or 0) for f in wrong)
         data = (int.from_bytes(frame.data, "little") & ~mask | constants).to_bytes(MAX_DATA_BYTES, "little")
         changed = CanFrame(frame.id, data[: len(frame.data)], frame.extended, frame.remote)
-        fields = encoder.fields(self._transfer.sent) or {}
+        fields = encoder.fields(self._messages.sent) or {}
         again = self._encoded(encoder, {name: raw_of(field, changed) for name, field in fields.items()})
         return changed if again == changed else frame
 
     def _encoded(self, encoder: Encoder, raws: Mapping[str, Raw]) -> CanFrame | None:
         """The frame of the message; None if it cannot be sent."""
-        sent = self._transfer.sent
+        sent = self._messages.sent
         frame = encoder.encode_raws(sent, self._node if sent.id.nodes else None, raws)
         return frame if isinstance(frame, CanFrame) else None
 
@@ -341,7 +347,7 @@ class _Pair:
         return self._encoded(self._encoder, self._base)
 
     def _named(self, shown: Fact) -> Fact:
-        return (f"`{self._transfer.sent.command}`: ", shown)
+        return (f"`{self._messages.sent.command}`: ", shown)
 
     def _misread(
         self,
@@ -355,8 +361,8 @@ class _Pair:
         read: Raw,
         fields: Iterable[Field],
         members: tuple[str, ...],
-    ) -> Observation:
-        sentence = "sent-read" if self._transfer.side is Side.SENDING else "received-read"
+    ) -> Witness:
+        sentence = "sent-read" if self._messages.side is Side.SENDING else "received-read"
         facts = {
             "sent": self._named(shown(source, sent, encoder.assignment)),
             "read": shown(target, read, encoder.assignment),
@@ -373,22 +379,15 @@ class _Pair:
         facts: Mapping[str, Fact],
         fields: Iterable[Field],
         members: tuple[str, ...] = (),
-    ) -> Observation:
-        known = {**self._encoder.assignment, **assignment}
+    ) -> Witness:
+        known, fields = {**self._encoder.assignment, **assignment}, tuple(fields)
         stated = {**assignment, **{n: known[n] for f in fields for n in parameters_of(f.type) if n in known}}
-        witness = Witness(self._transfer.side, impact, stated, frame, sentence, facts)
-        paths = [path for f in fields for path in _paths(f)]
-        exists = self._transfer.is_identified(frame) and (
-            impact is Impact.LOUD or rejects_constants(self._transfer.read, frame, known) is None
+        messages = self._messages
+        exists = messages.is_identified(frame) and (
+            impact is Impact.LOUD or rejects_constants(messages.read, frame, known) is None
         )
-        return Observation(aspect, witness, self._transfer.commands, tuple(dict.fromkeys(paths)), members, exists)
-
-
-def _paths(field: Field) -> Iterator[DocumentPath]:
-    """The paths of a field and of its type; a type without a name belongs to several fields."""
-    yield field.path
-    if field.type.path[0] == "types":
-        yield field.type.path
+        paths = messages.of_use | frozenset(of_fields(aspect, fields, members))
+        return Witness(messages.side, impact, stated, frame, sentence, facts, messages.commands, paths, exists, True)
 
 
 def parameters_of(type_: Type) -> tuple[str, ...]:

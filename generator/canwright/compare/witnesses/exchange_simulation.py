@@ -22,12 +22,12 @@ from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame, raw_of
 from ..change import Fact, Impact, Side, Word
 from ..forms import is_emptied
-from . import candidates
+from . import candidates, paths
 from .assignments import Assignments
 from .counterparts import Counterparts
+from .field_comparison import FieldComparison, MessagePair, parameters_of, shown
 from .nodes import Nodes
-from .reading import Reading, Transfer, parameters_of, shown
-from .witness import Aspect, Observation, Witness
+from .witness import Witness
 
 MAX_NODES = 64
 """So many nodes are tried where an id rule differs: the first ones, and as many of the last ones."""
@@ -52,13 +52,25 @@ class _Case(NamedTuple):
         return tuple(dict.fromkeys((*(p for p in layouts if p), *(p for c in self.both for p in c.only))))
 
 
-class Behaviour:
+class _Trial(NamedTuple):
+    """A frame that is given to the receiver, with its node, and whether the sender sends it.
+
+    Where it is `is_of_id`, only the node and the address are compared.
+    """
+
+    node: int | None
+    frame: CanFrame
+    exists: bool = True
+    is_of_id: bool = False
+
+
+class ExchangeSimulation:
     """Observes both directions between an old host and a new node."""
 
     def __init__(self, old: Edition, new: Edition) -> None:
         self._counterparts = Counterparts(old, new)
         self._assignments = Assignments(old, new)
-        self._reading = Reading(self._counterparts, self._assignments)
+        self._fields = FieldComparison(self._counterparts, self._assignments)
         self._nodes = Nodes(old, new)
         self._encoders = Encoders()
         self._editions = {Side.SENDING: (old, new), Side.RECEIVING: (new, old)}
@@ -66,7 +78,7 @@ class Behaviour:
         self._decoders = {Side.SENDING: decoders, Side.RECEIVING: decoders[::-1]}
         """The decoders of the sender and of the receiver."""
 
-    def observations(self) -> Iterator[Observation]:
+    def witnesses(self) -> Iterator[Witness]:
         """Every witness that was found."""
         pairs = self._counterparts
         for old, new in pairs.commands:
@@ -77,12 +89,13 @@ class Behaviour:
             if old.request is not None:
                 yield from self._identified(_Case(Side.SENDING, old, None), old.request, None)
             elif old.reply is not None:
-                yield self._absent(_Case(Side.RECEIVING, old, None), "received-removed", old.reply)
+                of_existence = paths.of_existence(old, old.reply)
+                yield self._absent(_Case(Side.RECEIVING, old, None), "received-removed", old.reply, {}, of_existence)
         for new in pairs.added:
             if new.request is None and new.reply is not None:
                 yield from self._identified(_Case(Side.RECEIVING, None, new), new.reply, None)
 
-    def _sending(self, case: _Case) -> Iterator[Observation]:
+    def _sending(self, case: _Case) -> Iterator[Witness]:
         old, new = case.both
         if old.request is None:
             return
@@ -90,7 +103,7 @@ class Behaviour:
         if new.request is not None:
             yield from self._read(case, old.request, new.request)
 
-    def _receiving(self, case: _Case) -> Iterator[Observation]:
+    def _receiving(self, case: _Case) -> Iterator[Witness]:
         old, new = case.both
         if old.reply is None:
             if new.reply is not None:
@@ -101,7 +114,7 @@ class Behaviour:
             else:
                 facts = {"sent": f"`{old.name}`"}
                 request = self._first(old.request)
-                yield self._made(case, Aspect.PRESENCE, Impact.LOUD, {}, request, "sent-unanswered", facts)
+                yield self._made(case, Impact.LOUD, {}, request, "sent-unanswered", facts)
         else:
             if old.request is None and new.request is not None:
                 yield self._absent(case, "received-missing", old.reply)
@@ -112,45 +125,45 @@ class Behaviour:
             if old.request is not None and new.request is not None:
                 yield from self._answers(case, old.request, old.reply, new.reply)
             is_echoed = old.is_echoed and new.is_echoed  # then it has the constants of the old host
-            for observation in self._read(case, new.reply, old.reply):
-                if not (is_echoed and observation.witness.impact is Impact.LOUD):
-                    yield observation
+            read = self._read(case, new.reply, old.reply)
+            yield from (witness for witness in read if not (is_echoed and witness.impact is Impact.LOUD))
 
-    def _of_other_form(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
+    def _of_other_form(self, case: _Case, sent: Message, read: Message) -> Iterator[Witness]:
         """What the old host makes of a reply of another form, judged as a whole."""
         old, new = case.both
         accepted, rejected = self._answers_of_other_form(old, new, sent, read)
-        for observation in self._identified(case, sent, read):
-            if not accepted or observation.witness.impact is not Impact.LOUD:
-                yield observation
+        identified = self._identified(case, sent, read)
+        yield from (witness for witness in identified if not (accepted and witness.impact is Impact.LOUD))
         if rejected is not None:
             facts: dict[str, Fact] = {"sent": f"`{sent.command}`", "reason": _reason(rejected[1].reason.value)}
-            observation = self._made(case, Aspect.ANSWER, Impact.LOUD, {}, rejected[0], "received-rejected", facts)
-            yield dataclasses.replace(observation, exists=rejected[2])
+            of_answer = self._of_answer(case)
+            witness = self._made(case, Impact.LOUD, {}, rejected[0], "received-rejected", facts, of_answer)
+            yield dataclasses.replace(witness, exists=rejected[2])
         if accepted:
             yield from self._read(case, sent, read)
 
-    def _available(self, case: _Case) -> Iterator[Observation]:
+    def _available(self, case: _Case) -> Iterator[Witness]:
         """The parameter values under which only the old edition has a command."""
         old, new = case.both
         if old.only == new.only:
             return
+        of_availability = [path for command in case.both for path in paths.of_availability(command)]
         for assignment in self._assignments.of((*old.only, *new.only)):
             if old.available(assignment) and not new.available(assignment):
                 if old.request is not None:
                     frame = self._first(old.request)
                     facts = {"sent": f"`{old.name}`"}
-                    yield self._made(case, Aspect.PRESENCE, Impact.LOUD, assignment, frame, "sent-unavailable", facts)
+                    yield self._made(case, Impact.LOUD, assignment, frame, "sent-unavailable", facts, of_availability)
                 elif old.reply is not None:
                     missing = case._replace(side=Side.RECEIVING)
-                    yield self._absent(missing, "received-removed", old.reply, assignment)
+                    yield self._absent(missing, "received-removed", old.reply, assignment, of_availability)
 
-    def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Observation]:
-        groups = tuple(dict.fromkeys((*(command.spec_name for command in case.both), *self._owners(case))))
+    def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Witness]:
+        groups, of_use = self._groups(case), frozenset((*self._of_use(case), sent.path, read.path))
         available, same = [command.only for command in case.both], self._has_same_origin(case.side, sent, read)
         receiver = self._decoders[case.side][1]
-        transfer = Transfer(case.side, groups, available, sent, read, self._nodes.of(sent), same, receiver)
-        yield from self._reading.observations(transfer)
+        pair = MessagePair(case.side, groups, of_use, available, sent, read, self._nodes.of(sent), same, receiver)
+        yield from self._fields.witnesses(pair)
 
     def _has_same_origin(self, side: Side, sent: Message, read: Message) -> bool:
         """Whether two messages are the same one, not the replies of different commands, or an echo in one edition."""
@@ -202,7 +215,7 @@ class Behaviour:
             return False
         return encoder.encode_raws(message, node if message.id.nodes else None, decoded.raws) == frame
 
-    def _identified(self, case: _Case, sent: Message, read: Message | None) -> Iterator[Observation]:
+    def _identified(self, case: _Case, sent: Message, read: Message | None) -> Iterator[Witness]:
         """The frames of a message that are another message, or none; with the correct id, and with the sender's."""
         for assignment in self._assignments.of(case.parameters):
             if not all(command.available(assignment) for command in case.both):
@@ -210,15 +223,15 @@ class Behaviour:
             seen: set[object] = set()
             for known in (assignment, *self._with_other_ranges(assignment, sent)):
                 encoder = self._encoders.for_parameters({**self._assignments.first, **known})
-                for aspect, node, frame, exists in self._frames(case.side, encoder, sent, read):
-                    observation = self._outcome(case, known, encoder, sent, read, aspect, node, frame)
-                    if observation is not None:
-                        observation = dataclasses.replace(observation, exists=exists)
-                        kind = (aspect, observation.witness.impact, observation.commands)
+                for trial in self._frames(case.side, encoder, sent, read):
+                    witness = self._outcome(case, known, encoder, sent, read, trial)
+                    if witness is not None:
+                        kind = (trial.is_of_id, witness.impact, witness.commands)
                         if kind not in seen:
                             seen.add(kind)
-                            yield observation
-                            yield from self._answer_of_another(case, known, encoder, observation)
+                            yield witness
+                            if not trial.is_of_id:
+                                yield from self._answer_of_another(case, known, encoder, witness)
 
     def _with_other_ranges(self, assignment: Assignment, sent: Message) -> Iterator[Assignment]:
         """`assignment` with other values of the parameters that ranges of the fields of a message depend on."""
@@ -227,13 +240,13 @@ class Behaviour:
         yield from ({**assignment, **more} for more in self._assignments.of(further) if more)
 
     def _answer_of_another(
-        self, case: _Case, assignment: Assignment, encoder: Encoder, observation: Observation
-    ) -> Iterator[Observation]:
+        self, case: _Case, assignment: Assignment, encoder: Encoder, misread: Witness
+    ) -> Iterator[Witness]:
         """What the old host makes of the reply to a request that the new node takes for another command's."""
-        asked, old = observation.witness.frame, case.old
-        if case.side is not Side.SENDING or observation.aspect is not Aspect.IDENTITY or asked is None or old is None:
+        asked, old = misread.frame, case.old
+        if case.side is not Side.SENDING or asked is None or old is None:
             return
-        if observation.witness.impact is not Impact.SILENT:  # rejected, perhaps because of a constant
+        if misread.impact is not Impact.SILENT:  # rejected, perhaps because of a constant
             return
         receiver = self._decoders[Side.SENDING][1]
         understood = candidates.message_of(receiver, Direction.REQUEST, asked)
@@ -245,7 +258,7 @@ class Behaviour:
         reply = self._reply(encoder, other, asked, node)
         if reply is None or other.reply is None:
             facts: dict[str, Fact] = {"sent": f"`{old.name}`"}
-            yield self._made(back, Aspect.IDENTITY, Impact.LOUD, assignment, asked, "sent-unanswered", facts, (other,))
+            yield self._made(back, Impact.LOUD, assignment, asked, "sent-unanswered", facts, misread.paths, (other,))
             return
         original = _moved(asked, understood.id, old.request.id, node)
         placed = _moved(reply, other.reply.id, old.reply.id, node)
@@ -255,22 +268,21 @@ class Behaviour:
         exists, known = placed == reply and original == asked, _stated(assignment, encoder, other.reply, old.reply)
         if isinstance(check_reply(self._decoders[Side.SENDING][0], original, placed), Rejection):
             facts["reason"] = _reason("not_answer")
-            made = self._made(back, Aspect.IDENTITY, Impact.LOUD, known, placed, "received-rejected", facts, (other,))
-            yield dataclasses.replace(made, exists=exists)
+            impact, sentence = Impact.LOUD, "received-rejected"
         elif self._counterparts.of(self._editions[Side.SENDING][1].command(other.reply.command)) is not (
             self._editions[Side.SENDING][0].command(old.reply.command)
         ):
             facts["read"] = _whole(old.reply, encoder, placed)
-            made = self._made(back, Aspect.IDENTITY, Impact.SILENT, known, placed, "received-read", facts, (other,))
-            yield dataclasses.replace(made, exists=exists)
+            impact, sentence = Impact.SILENT, "received-read"
+        else:
+            return
+        witness = self._made(back, impact, known, placed, sentence, facts, misread.paths, (other,))
+        yield dataclasses.replace(witness, exists=exists)
 
-    def _frames(
-        self, side: Side, encoder: Encoder, sent: Message, read: Message | None
-    ) -> Iterator[tuple[Aspect, int | None, CanFrame, bool]]:
+    def _frames(self, side: Side, encoder: Encoder, sent: Message, read: Message | None) -> Iterator[_Trial]:
         """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender.
 
-        A message that uses another address is only tried with the ids of the sender. The last item is whether the sender
-        sends the frame.
+        A message that uses another address is only tried with the ids of the sender.
         """
         direction, receiver = sent.direction, self._decoders[side][1]
         common = self._common_node(sent, read or sent)
@@ -283,15 +295,16 @@ class Behaviour:
             for one in candidates.reaching(receiver, direction, placed, variable):
                 original = CanFrame(frame.id, one.data, frame.extended, frame.remote)
                 if self._is_valid(side, encoder, sent, original):
-                    yield Aspect.IDENTITY, common, one, one == original
+                    yield _Trial(common, one, exists=one == original)
                     if side is Side.RECEIVING:
                         for code in sent.accepted_codes:
-                            yield Aspect.IDENTITY, common, candidates.with_first_key(sent, one, code), one == original
+                            accepted = candidates.with_first_key(sent, one, code)
+                            yield _Trial(common, accepted, exists=one == original)
         if read is not None and read.id != sent.id:
             for node in _nodes(sent.id):
                 base = next(iter(self._samples(encoder, sent, node)), None)
                 if base is not None:
-                    yield Aspect.ID, node, base, True
+                    yield _Trial(node, base, is_of_id=True)
 
     def _samples(self, encoder: Encoder, message: Message, node: int | None) -> Iterator[CanFrame]:
         """A frame of a message, and further ones with other values in its fields in the id."""
@@ -325,15 +338,13 @@ class Behaviour:
         encoder: Encoder,
         sent: Message,
         read: Message | None,
-        aspect: Aspect,
-        node: int | None,
-        frame: CanFrame,
-    ) -> Observation | None:
+        trial: _Trial,
+    ) -> Witness | None:
         """What the receiver makes of a frame; None if it is the expected message of the same node."""
-        direction, receiver = sent.direction, self._decoders[case.side][1]
-        found = receiver.identify(direction, frame)
+        node, frame, receiver = trial.node, trial.frame, self._decoders[case.side][1]
+        found = receiver.identify(sent.direction, frame)
         sending = case.side is Side.SENDING
-        facts: dict[str, Fact] = {"sent": self._sent(encoder, sent, frame, aspect)}
+        facts: dict[str, Fact] = {"sent": self._sent(encoder, sent, trial)}
         if isinstance(found, Identified):
             expected = self._expected(case.side, encoder, sent, read, frame)
             if found.message in expected:
@@ -354,19 +365,51 @@ class Behaviour:
                 return None
             facts["reason"] = _reason(found.reason.value)
             sentence, known = "sent-rejected" if sending else "received-rejected", _stated(assignment, encoder, sent)
-            return self._made(case, aspect, Impact.LOUD, known, frame, sentence, facts)
+            witness = self._made(
+                case, Impact.LOUD, known, frame, sentence, facts, self._of_frame(case, trial, sent, read)
+            )
+            return dataclasses.replace(witness, exists=trial.exists)
         sentence, known = "sent-read" if sending else "received-read", _stated(assignment, encoder, sent, found.message)
         other = self._editions[case.side][1].command(found.message.command)
-        return self._made(case, aspect, Impact.SILENT, known, frame, sentence, facts, (other,))
+        of_frame = self._of_frame(case, trial, sent, read, found.message)
+        witness = self._made(case, Impact.SILENT, known, frame, sentence, facts, of_frame, (other,))
+        return dataclasses.replace(witness, exists=trial.exists)
+
+    def _of_frame(
+        self, case: _Case, trial: _Trial, sent: Message, read: Message | None, known: Message | None = None
+    ) -> Iterator[DocumentPath]:
+        """What decides which message a frame is, which is sent and read as some messages, and `known` as another."""
+        sender, receiver = self._editions[case.side]
+        ends = [(sender, sent), *((receiver, message) for message in (read, known) if message is not None)]
+        has_same_address = all(message.address == sent.address for _, message in ends)
+        for edition, message in ends:
+            command = edition.command(message.command)
+            if trial.is_of_id or not has_same_address:
+                yield from paths.of_id(command, message)
+            if read is None:
+                yield from paths.of_existence(command, message)
+            if not trial.is_of_id:
+                yield from paths.of_identity(command, message)
+
+    def _of_answer(self, case: _Case) -> Iterator[DocumentPath]:
+        """What decides whether a reply answers a request."""
+        for command in case.both:
+            yield (*command.path, "reply", "from_each")
+            for message in (command.request, command.reply):
+                if message is not None:
+                    yield from paths.of_identity(command, message)
+                    yield from paths.of_id(command, message)
+                    yield from paths.of_node(message)
 
     def _is_ambiguous(self, receiver: Decoder, read: Message, frame: CanFrame, encoder: Encoder) -> bool:
         """Whether the old host takes the same frame of an old node for another message, too."""
         return not isinstance(receiver.decode_as(read, frame, encoder.assignment), Rejection)
 
-    def _sent(self, encoder: Encoder, message: Message, frame: CanFrame, aspect: Aspect) -> Fact:
+    def _sent(self, encoder: Encoder, message: Message, trial: _Trial) -> Fact:
         name = f"`{message.command}`"
-        decoded = self._decoders[Side.SENDING][0].decode_as(message, frame, encoder.assignment)
-        return name if isinstance(decoded, Rejection) or aspect is Aspect.ID else _whole(message, encoder, frame)
+        decoded = self._decoders[Side.SENDING][0].decode_as(message, trial.frame, encoder.assignment)
+        is_name = isinstance(decoded, Rejection) or trial.is_of_id
+        return name if is_name else _whole(message, encoder, trial.frame)
 
     def _expected(
         self, side: Side, encoder: Encoder, sent: Message, read: Message | None, frame: CanFrame
@@ -387,7 +430,7 @@ class Behaviour:
             expected += [counterpart.reply] if counterpart and counterpart.reply else []
         return expected
 
-    def _answers(self, case: _Case, request: Message, read: Message, sent: Message) -> Iterator[Observation]:
+    def _answers(self, case: _Case, request: Message, read: Message, sent: Message) -> Iterator[Witness]:
         """The replies of the new node that the old host does not accept as answers to its request."""
         old, new = case.both
         if set(old.from_each) != set(new.from_each):
@@ -413,8 +456,9 @@ class Behaviour:
                 judged = None if placed is None else check_reply(host, asked, placed)
                 if placed is not None and isinstance(judged, Rejection):
                     facts = {"sent": f"`{new.name}`", "reason": _reason(judged.reason.value)}
-                    made = self._made(case, Aspect.ANSWER, Impact.LOUD, assignment, placed, "received-rejected", facts)
-                    yield dataclasses.replace(made, exists=placed == reply)
+                    sentence, of_answer = "received-rejected", self._of_answer(case)
+                    witness = self._made(case, Impact.LOUD, assignment, placed, sentence, facts, of_answer)
+                    yield dataclasses.replace(witness, exists=placed == reply)
                     break
 
     def _asked(self, command: Command, node: int | None) -> Sequence[int | None]:
@@ -452,7 +496,7 @@ class Behaviour:
             if isinstance(frame, CanFrame):
                 yield frame
 
-    def _repliers(self, case: _Case, old: Command, new: Command) -> Iterator[Observation]:
+    def _repliers(self, case: _Case, old: Command, new: Command) -> Iterator[Witness]:
         """The nodes whose replies are missing or unexpected."""
         missing = [n for n in old.from_each if n not in new.from_each] or (
             [] if old.from_each else [n for n in _nodes(new.replies[0].message.id) if n is not None][:1]
@@ -463,7 +507,7 @@ class Behaviour:
         ]:
             name: Fact = (f"`{new.name}`, ", Word("node"), f" {node}")
             facts: dict[str, Fact] = {"read": name, "sent": name, "reason": _reason("not_answer")}
-            yield self._made(case, Aspect.ANSWER, Impact.LOUD, {}, None, sentence, facts)
+            yield self._made(case, Impact.LOUD, {}, None, sentence, facts, self._of_answer(case))
 
     def _common_node(self, one: Message, other: Message) -> int | None:
         """A node that two messages have, of the first if it is the only one with nodes."""
@@ -476,32 +520,52 @@ class Behaviour:
             if command is not None and command.reply is not None:
                 yield edition.command(command.reply.command).spec_name
 
-    def _absent(self, case: _Case, sentence: str, read: Message, assignment: Assignment | None = None) -> Observation:
+    def _absent(
+        self,
+        case: _Case,
+        sentence: str,
+        read: Message,
+        assignment: Assignment | None = None,
+        concerned: Iterable[DocumentPath] = (),
+    ) -> Witness:
         facts = {"read": f"`{read.command}`"}
-        return self._made(case, Aspect.PRESENCE, Impact.LOUD, assignment or {}, None, sentence, facts)
+        return self._made(case, Impact.LOUD, assignment or {}, None, sentence, facts, concerned)
 
     def _first(self, message: Message) -> CanFrame | None:
         encoder = self._encoders.for_parameters(self._assignments.first)
         return next(iter(self._samples(encoder, message, self._common_node(message, message))), None)
 
+    def _groups(self, case: _Case, others: Iterable[Command] = ()) -> tuple[str, ...]:
+        """The commands that a witness of a case is about, and those whose replies theirs are."""
+        commands = (*case.both, *others)
+        return tuple(dict.fromkeys((*(command.spec_name for command in commands), *self._owners(case))))
+
+    def _of_use(self, case: _Case) -> Iterator[DocumentPath]:
+        direction = Direction.REQUEST if case.side is Side.SENDING else Direction.REPLY
+        return (path for command in case.both for path in paths.of_use(command, direction))
+
     def _made(
         self,
         case: _Case,
-        aspect: Aspect,
         impact: Impact,
         assignment: Assignment,
         frame: CanFrame | None,
         sentence: str,
         facts: Mapping[str, Fact],
+        concerned: Iterable[DocumentPath] = (),
         others: Iterable[Command] = (),
-    ) -> Observation:
-        commands = (*case.both, *others)
-        messages = [m for c in case.both for m in (c.request, c.reply) if m is not None]
-        paths: list[DocumentPath] = [("addresses", m.address) for m in messages]
-        paths += [c.entry.path for c in commands if c.entry is not None]
-        groups = tuple(dict.fromkeys((*(c.spec_name for c in commands), *self._owners(case))))
-        witness = Witness(case.side, impact, assignment, frame, sentence, facts)
-        return Observation(aspect, witness, groups, tuple(dict.fromkeys(paths)))
+    ) -> Witness:
+        """A witness about some commands, and about the `concerned` paths."""
+        return Witness(
+            case.side,
+            impact,
+            assignment,
+            frame,
+            sentence,
+            facts,
+            self._groups(case, others),
+            frozenset((*self._of_use(case), *concerned)),
+        )
 
 
 def _reason(refusal: str) -> Word:
