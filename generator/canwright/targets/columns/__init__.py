@@ -8,7 +8,7 @@ from pathlib import Path
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, EditionInput, Output
-from ..python.text import literal
+from ..python_source import literal
 from . import bits, view
 from .files import SHARED, package_name
 

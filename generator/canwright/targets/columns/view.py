@@ -13,7 +13,7 @@ from ...model.message import BitRun, Direction, KeyRole, Message
 from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
 from ..base import header
-from ..python.text import literal, member_name, plain, tuple_of
+from ..python_source import english, literal, member_name, tuple_of
 from .bits import read_key
 
 FRAME_COLUMNS = ("time", "bus", "node", "direction", "command", "code")
@@ -72,7 +72,7 @@ def module_view(edition: Edition) -> Mapping[str, object]:
     return {
         "header": header(edition),
         "edition": edition,
-        "title": plain(edition.title.get("en") or next(iter(edition.title.values()))),
+        "title": english(edition.title),
         "parameters": edition.parameters,
         "types": edition.types,
         "tables": tables,
