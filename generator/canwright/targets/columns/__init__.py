@@ -49,7 +49,6 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
         "demanded": view.demanded,
         "fraction": view.fraction,
         "kinds": view.kinds,
-        "read_field": bits.read_field,
         "dtype": bits.dtype,
     }
     for item in specifications:
