@@ -12,7 +12,7 @@ from ...templating.data_files import read_data
 from ...templating.environment import environment
 from ...templating.resources import TEMPLATES
 from ..base import Output
-from ..nested_source import Code
+from ..nested_source import Code, Value
 from . import text
 from .bindings import bindings
 from .edition_source import EditionSpec
@@ -46,7 +46,7 @@ def explorer(sources: Sequence[EditionSpec]) -> Iterator[Output]:
 def _parts(source: EditionSpec) -> str:
     """The modules of an edition as properties of an object, and the names in other languages."""
     modules = {"tables": source.tables, "texts": source.texts}
-    indented: dict[str, text.Value] = {name: Code(module.replace("\n", "\n  ")) for name, module in modules.items()}
+    indented: dict[str, Value] = {name: Code(module.replace("\n", "\n  ")) for name, module in modules.items()}
     return text.printed({**indented, "bindings": bindings(source.edition)})
 
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.types import Parameter
+from ..nested_source import Table
 from . import text
 from .filters import Filters, filters
-from .tables import EditionTables, EditionView
-from .text import Table
+from .tables import LuaTables
 
 OWN_PREFERENCES = frozenset(("edition", "nodes", "marks", "sent", "window"))
 """Preferences of every dissector."""
@@ -27,12 +27,11 @@ class FamilyView:
     """The settings of a node in the preference `nodes`."""
     filters: Filters
     parameters: tuple[Table, ...]
-    editions: tuple[EditionView, ...]
+    editions: tuple[Table, ...]
 
 
 def family_view(editions: Sequence[Edition]) -> FamilyView:
     """The view of the editions of one family."""
-    shared = filters(editions)
     parameters: dict[str, list[tuple[Edition, Parameter]]] = {}
     for edition in editions:
         for parameter in edition.parameters:
@@ -41,9 +40,9 @@ def family_view(editions: Sequence[Edition]) -> FamilyView:
         name=editions[0].family,
         title=text.english(editions[0].title),
         example=example(editions),
-        filters=shared,
+        filters=filters(editions),
         parameters=tuple(map(_parameter, parameters.values())),
-        editions=tuple(EditionTables(edition, shared.names).view() for edition in editions),
+        editions=tuple(LuaTables(edition).view() for edition in editions),
     )
 
 

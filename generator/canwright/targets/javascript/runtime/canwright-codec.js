@@ -417,7 +417,7 @@ class Field {
     this.name = table.name;
     this.type = type;
     this.elements = table.elements.map((segments) => new Bits(segments));
-    this.isArray = table.array ?? false;
+    this.isArray = table.indices !== undefined;
     this.only = table.only ?? null;
     this.fixed = table.fixed ?? null;
     this.isConstant = table.constant ?? false;
@@ -477,8 +477,8 @@ class Message {
     this.mask = table.mask ?? 0;
     this.layout = layout;
     this.layoutNumber = table.layout;
-    this.nodeBits = table.nodeBits ? new Bits(table.nodeBits) : null;
-    this.hasNodeInData = table.hasNodeInData ?? false;
+    this.nodeBits = table.node ? new Bits(table.node) : null;
+    this.hasNodeInData = table.identifies ?? false;
   }
 
   get description() {
