@@ -111,16 +111,22 @@ local function link_message(message, layouts)
     for _, key in ipairs(message.keys) do
         key.segments, key.values = segments_of(key.segments), set_of(key.values)
     end
-    if message.node then
-        local width = 0
-        for _, segment in ipairs(message.node) do
-            width = width + segment[3]
-        end
-        message.node = { segments = segments_of(message.node), modulus = power(width) }
-    end
+    message.node = message.node and segments_of(message.node)
     for _, bits in ipairs(message.reserved) do
         bits[1], bits[2], bits[3] = bits[1] + 1, power(bits[2]), power(bits[3])
     end
+end
+
+-- The bits of a node, with the number of nodes that they distinguish.
+local function node_bits(listed)
+    if not listed then
+        return nil
+    end
+    local width = 0
+    for _, segment in ipairs(listed) do
+        width = width + segment[3]
+    end
+    return { segments = segments_of(listed), modulus = power(width) }
 end
 
 local function linked_plan(node, messages)
@@ -167,6 +173,7 @@ function codec.edition(tables)
     end
     for _, answer in ipairs(tables.answers) do
         answer.reply, answer.nodes, answer.echo = messages[answer.reply + 1], answer.nodes or {}, answer.echo or false
+        answer.asked, answer.reported = node_bits(answer.asked), node_bits(answer.reported)
         messages[answer.request + 1].answer = answer
     end
     return tables
@@ -321,8 +328,8 @@ end
 
 -- The node of a frame of a message: that in its id, or else in its data; nil without one.
 local function node_of(message, frame, in_id)
-    if message.identifies then
-        return (read(frame, message.node.segments))
+    if message.node then
+        return (read(frame, message.node))
     end
     return in_id
 end
@@ -491,8 +498,8 @@ function codec.answers(request, request_node, request_frame, frame)
         return false
     end
     local to, modulus = request_node, nil
-    if request.node and #answer.nodes == 0 then
-        to, modulus = read(request_frame, request.node.segments), request.node.modulus
+    if answer.asked then
+        to, modulus = read(request_frame, answer.asked.segments), answer.asked.modulus
     end
     local nodes = answer.nodes
     if #nodes == 0 and to ~= nil then
@@ -501,12 +508,12 @@ function codec.answers(request, request_node, request_frame, frame)
     if not is_from(nodes, source, modulus) then
         return false
     end
-    if reply.node then
-        local shared = reply.node.modulus
+    if answer.reported then
+        local shared = answer.reported.modulus
         if modulus and modulus < shared then
             shared = modulus
         end
-        if not is_from(nodes, (read(frame, reply.node.segments)), shared) then
+        if not is_from(nodes, (read(frame, answer.reported.segments)), shared) then
             return false
         end
     end
@@ -1070,7 +1077,6 @@ editions[1] = codec.edition({
                     ["18"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
                 },
             },
-            limits = {0.0, 65535.0},
         },
         {
             width = 16,
@@ -2342,7 +2348,6 @@ editions[2] = codec.edition({
                     ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
                 },
             },
-            limits = {0.0, 65535.0},
         },
         {width = 8, encoding = "unsigned", enum = {{0, "locked"}, {1, "released"}}},
         {width = 8, encoding = "signed", unit = "\194\176C"},
@@ -3757,7 +3762,6 @@ editions[3] = codec.edition({
                     ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
                 },
             },
-            limits = {0.0, 65535.0},
         },
         {
             width = 56,
@@ -5461,7 +5465,6 @@ editions[4] = codec.edition({
                     ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
                 },
             },
-            limits = {0.0, 65535.0},
         },
         {width = 32, encoding = "unsigned"},
         {width = 16, encoding = "unsigned"},

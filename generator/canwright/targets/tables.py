@@ -12,10 +12,11 @@ from typing import ClassVar, TypeVar
 
 from ..model.edition import Edition
 from ..model.layout import Field, Layout, Segment, Space
-from ..model.message import BitRun, Command, Direction, IdRule, Message
+from ..model.message import BitRun, Direction, IdRule, Message
 from ..model.types import ByParameter, Linear, Type
 from ..semantics import dispatch
-from ..semantics.candidates import answers_by_request
+from ..semantics.exchange import ExchangePlan, exchange_plans
+from ..semantics.plan import AcceptedKey, message_plan, only_by_request
 from .nested_source import Table, Value
 
 ID = -1
@@ -56,8 +57,8 @@ class EditionTables(Positions, ABC):
             "types": [self.type(type_) for type_ in self.types],
             "layouts": [self._layout(layout) for layout in self.layouts],
             "messages": [self.message(message) for message in self.messages],
-            "answers": [self.answer(c, c.request, c.reply) for c in self.edition.commands if c.request and c.reply],
-            "explained": [self.messages[message] for message in answers_by_request(self.edition)],
+            "answers": [self.answer(e, e.reply) for e in exchange_plans(self.edition).values() if e.reply],
+            "explained": [self.messages[message] for message in only_by_request(self.edition)],
             "requests": list(self._routes(Direction.REQUEST)),
             "replies": list(self._routes(Direction.REPLY)),
         }
@@ -95,28 +96,28 @@ class EditionTables(Positions, ABC):
         }
 
     def message(self, message: Message) -> dict[str, Value]:
-        """A message; `node` are the bits that contain its node, which identify it if the id does not."""
+        """A message; `node` are the bits that contain its node if the id does not."""
         only = self.edition.command(message.command).only if message.direction is Direction.REQUEST else {}
-        bits = message.node_bits
         return {
             "command": message.command,
             "direction": message.direction.value,
             **_rule(message.id, message.remote, message.id_mask),
             "length": message.dlc,
             "only": {name: list(values) for name, values in only.items()} or None,
-            "keys": [self._key(message, number) for number in range(len(message.keys))] or None,
+            "keys": [self._key(key) for key in message_plan(message).keys] or None,
             "layout": self.layouts[message.layout],
-            "node": segments(bits.segments, bits.space) if bits else None,
-            "identifies": True if message.node_in_data else None,
+            "node": _run(message.node_in_data),
         }
 
-    def answer(self, command: Command, request: Message, reply: Message) -> dict[str, Value]:
-        """The reply to a request; `nodes` reply, if not the one that the request is for."""
+    def answer(self, exchange: ExchangePlan, reply: Message) -> dict[str, Value]:
+        """The reply to a request, as `ExchangePlan` has it."""
         return {
-            "request": self.messages[request],
+            "request": self.messages[exchange.request],
             "reply": self.messages[reply],
-            "nodes": list(command.from_each) or None,
-            "echo": command.is_echoed or None,
+            "nodes": list(exchange.nodes) or None,
+            "asked": _run(exchange.asked),
+            "reported": _run(exchange.reported),
+            "echo": exchange.is_echo or None,
         }
 
     def _layout(self, layout: Layout) -> Table:
@@ -126,12 +127,10 @@ class EditionTables(Positions, ABC):
             "fields": [self.field(field) for field in layout.fields],
         }
 
-    def _key(self, message: Message, number: int) -> Table:
+    def _key(self, accepted: AcceptedKey) -> Table:
         """The bits of a key with all accepted values; the first is the one that is sent."""
-        key = message.keys[number]
-        codes = (*message.accepted_codes, *message.identifying_codes) if number == 0 else ()
-        values = [self.integer(value, key.width) for value in dict.fromkeys((key.value, *codes))]
-        return {"segments": segments(key.segments, key.space), "values": values}
+        values = [self.integer(value, accepted.key.width) for value in accepted.values]
+        return {"segments": _run(accepted.key), "values": values}
 
     def _routes(self, direction: Direction) -> Iterator[Table]:
         for route in dispatch.dispatch_plan(self.edition, direction).routes:
@@ -153,7 +152,11 @@ def _subject(subject: dispatch.Discriminator) -> Value:
         return "length"
     if isinstance(subject, dispatch.MaskedId):
         return {"mask": subject.mask}
-    return segments(subject.segments, subject.space)
+    return _run(subject)
+
+
+def _run(bits: BitRun | None) -> Value:
+    return None if bits is None else segments(bits.segments, bits.space)
 
 
 def segments(of: Iterable[Segment], space: Space) -> list[Value]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ...model.types import Bound, ByParameter, Linear, Parameter, Range, Type
+from ...model.types import Bound, Linear, Parameter, Type
+from ...semantics.valid_raws import FiniteFloats, RawInterval, ValidRaws, valid_raws, width_limits
 from ..nested_source import Table, Value
 from ..tables import EditionTables
 from . import text
@@ -30,8 +31,9 @@ class JavaScriptTables(EditionTables):
         return text.integer(raw, width)
 
     def type(self, type_: Type) -> dict[str, Value]:
-        limits = None if type_.raw_range == NO_RANGE else self.by_parameter(type_.raw_range, _range)
-        return {**super().type(type_), "range": limits}
+        valid = valid_raws(type_)
+        is_limited = type_.is_number and any(case != width_limits(type_) for _, case in valid.distinct())
+        return {**super().type(type_), "range": self.by_parameter(valid, _range) if is_limited else None}
 
     def linear(self, linear: Linear) -> Value:
         factor, addend, divisor = linear.as_quotient
@@ -45,9 +47,6 @@ class JavaScriptTables(EditionTables):
         }
 
 
-NO_RANGE: ByParameter[Range] = ByParameter.always(None)
-
-
 def _parameter(parameter: Parameter) -> Table:
     if parameter.is_choice:
         return {"values": [value.name for value in parameter.values]}
@@ -57,8 +56,14 @@ def _parameter(parameter: Parameter) -> Table:
     }
 
 
-def _range(limits: Range) -> Value:
-    return [_bound(limits.low), _bound(limits.high)]
+def _range(valid: ValidRaws) -> Value:
+    """The ends: of raw integers, or of the values of a float."""
+    if isinstance(valid, RawInterval):
+        low, high = valid.low_bound, valid.high_bound
+        return [valid.low if low is None else _bound(low), valid.high if high is None else _bound(high)]
+    if isinstance(valid, FiniteFloats) and valid.scaled:
+        return [_bound(valid.scaled.low), _bound(valid.scaled.high)]
+    return text.NULL
 
 
 def _bound(bound: Bound) -> Value:

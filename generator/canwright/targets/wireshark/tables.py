@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from fractions import Fraction
 
 from ...model import formatting
-from ...model.layout import Field, ReservedRole, Space
-from ...model.message import Command, Message
+from ...model.layout import Field
+from ...model.message import Message
 from ...model.types import Linear, Type
-from ...semantics.frame import data_bits
+from ...semantics.exchange import ExchangePlan
+from ...semantics.plan import message_plan
+from ...semantics.valid_raws import RawInterval, valid_raws
 from ..nested_source import Code, Table, Value
 from ..tables import EditionTables
 from . import text
@@ -53,12 +55,11 @@ class LuaTables(EditionTables):
     def message(self, message: Message) -> dict[str, Value]:
         return {**super().message(message), "reserved": list(_reserved(message))}
 
-    def answer(self, command: Command, request: Message, reply: Message) -> dict[str, Value]:
-        """`distinct` requests have reserved bits that the reply uses."""
+    def answer(self, exchange: ExchangePlan, reply: Message) -> dict[str, Value]:
         return {
-            **super().answer(command, request, reply),
-            "distinct": True if _reserved_mask(request) & ~_reserved_mask(reply) else None,
-            "reply_within": _nanoseconds(command.reply_within_ms),
+            **super().answer(exchange, reply),
+            "distinct": exchange.has_distinct_request or None,
+            "reply_within": _nanoseconds(exchange.command.reply_within_ms),
         }
 
 
@@ -67,39 +68,21 @@ def _nanoseconds(milliseconds: Fraction | None) -> Value:
 
 
 def _limits(type_: Type) -> Value:
-    """The smallest and the largest allowed raw integer under any parameters; None if they are unknown."""
-    spans = [span for _, span in type_.raw_range.distinct()]
-    known = [span for span in spans if span is not None and span.is_constant]
-    if not known or len(known) < len(spans):
+    """The smallest and the largest valid raw integer under any parameters; None if all of its width can be valid."""
+    low, high = type_.raw_limits
+    known = [valid for _, valid in valid_raws(type_).distinct() if isinstance(valid, RawInterval)]
+    if not known or any(valid.low_bound or valid.high_bound for valid in known):
         return None
-    lows, highs = zip(*((span.low.constant, span.high.constant) for span in known), strict=True)
-    return [text.number(min(lows)), text.number(max(highs))]
-
-
-def _reserved_mask(message: Message) -> int:
-    """The data bits that a sender always writes with the same value and a receiver ignores."""
-    used = [field for field in message.layout.fields if field not in _reserved_fields(message)]
-    taken = data_bits((field.space, element.segments) for field in used for element in field.elements)
-    keys = data_bits((key.space, key.segments) for key in message.keys)
-    return (1 << 8 * message.dlc) - 1 & ~(taken | keys)
-
-
-def _reserved_fields(message: Message) -> Sequence[Field]:
-    return [f for f in message.layout.fields if isinstance(f.role, ReservedRole) and not f.only]
+    ends = min(valid.low for valid in known), max(valid.high for valid in known)
+    return None if ends == (low, high) else [text.number(end) for end in ends]
 
 
 def _reserved(message: Message) -> Iterator[Value]:
     """Runs of reserved bits within a byte: the byte, the position, the width, and the value."""
-    value = 0
-    for field in _reserved_fields(message):
-        for element in field.elements if field.space is Space.DATA else ():
-            for s in element.segments:
-                bits = (field.role.sent_raw or 0) >> s.raw_low & (1 << s.width) - 1
-                value |= bits << s.byte * 8 + s.low
-    mask = _reserved_mask(message)
+    reserved = message_plan(message).reserved
     for byte in range(message.dlc):
-        for low, width in _runs(mask >> 8 * byte & 0xFF):
-            yield [byte, low, width, value >> 8 * byte + low & (1 << width) - 1]
+        for low, width in _runs(reserved.mask >> 8 * byte & 0xFF):
+            yield [byte, low, width, reserved.value >> 8 * byte + low & (1 << width) - 1]
 
 
 def _runs(mask: int) -> Iterator[tuple[int, int]]:
