@@ -8,7 +8,7 @@ from pathlib import Path
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, EditionInput, Output
-from ..python.text import literal
+from ..python_source import literal
 from . import bits, view
 from .files import SHARED, package_name
 
@@ -49,9 +49,9 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
         "demanded": view.demanded,
         "fraction": view.fraction,
         "kinds": view.kinds,
-        "read_field": bits.read_field,
+        "case_value": view.case_value,
         "dtype": bits.dtype,
     }
     for item in specifications:
         path = f"{package_name(item.edition.family)}/{item.edition.identifier}.py"
-        yield Output(path, module.render({**view.module_view(item.edition), **functions}))
+        yield Output(path, module.render(view=view.ModuleView(item.edition), **functions))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple, Union
+from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.layout import Field, Layout
@@ -13,23 +12,12 @@ from ...model.message import BitRun, Direction, KeyRole, Message
 from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
 from ..base import header
-from ..python.text import literal, member_name, plain, tuple_of
-from .bits import read_key
+from ..python_source import english, literal, member_name, tuple_of
+from ..tables import Positions
+from .bits import FrameReads
 
 FRAME_COLUMNS = ("time", "bus", "node", "direction", "command", "code")
 """The columns that every table has."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SelectView:
-    """A decision: the expression of its subject."""
-
-    read: str
-    cases: tuple[tuple[tuple[str, ...], NodeView], ...]
-    otherwise: NodeView
-
-
-NodeView = Union[str, SelectView]  # noqa: UP007 - `NodeView` in `SelectView` is a forward reference
 
 
 class Columns(NamedTuple):
@@ -62,32 +50,48 @@ def _free(name: str, taken: set[str]) -> str:
     return name
 
 
-def module_view(edition: Edition) -> Mapping[str, object]:
+class ModuleView:
     """What the template prints."""
-    messages = list(edition.all_messages())
-    tables = tables_of(edition)
-    layouts = list(tables)
-    numbers = {message: number for number, message in enumerate(messages)}
-    codes = {command.name: command.code for command in edition.commands}
-    return {
-        "header": header(edition),
-        "edition": edition,
-        "title": plain(edition.title.get("en") or next(iter(edition.title.values()))),
-        "parameters": edition.parameters,
-        "types": edition.types,
-        "tables": tables,
-        "messages": [
-            (m, code_of(m, codes), layouts.index(m.layout), read_key(m.node_in_data) if m.node_in_data else "")
-            for m in messages
-        ],
-        "routes": {direction.value: route_views(edition, direction, numbers) for direction in Direction},
-    }
+
+    def __init__(self, edition: Edition) -> None:
+        self.edition = edition
+        self.header = header(edition)
+        self.title = english(edition.title)
+        self.tables = tables_of(edition)
+        self.reads = FrameReads.of(edition)
+        self.routes = {d.value: dispatch.dispatch_plan(edition, d).routes for d in Direction}
+        self._positions = Positions(edition)
+        self._codes = {command.name: command.code for command in edition.commands}
+
+    @property
+    def messages(self) -> Iterator[tuple[Message, str, int, str]]:
+        """The messages, each with its code, the position of its layout, and the expression of the node in its data."""
+        for message in self._positions.messages:
+            code, node = self._code(message), message.node_in_data
+            shown = "-1" if code is None else f"0x{code:02X}"
+            yield message, shown, self._positions.layouts[message.layout], self.reads.key(node) if node else ""
+
+    def _code(self, message: Message) -> int | None:
+        """The code on the wire; that of the command for a message without one."""
+        keys = (key.value for key in message.keys if key.role is KeyRole.CODE)
+        return next(keys, self._codes[message.command])
+
+    def leaf(self, node: dispatch.DispatchNode) -> str:
+        """The position of a message, or a refusal; empty for a decision."""
+        if isinstance(node, dispatch.Match):
+            return str(self._positions.messages[node.message])
+        return f"Refusal.{node.reason.name}" if isinstance(node, dispatch.Reject) else ""
+
+    def subject(self, subject: dispatch.Discriminator) -> str:
+        """The expression of what a decision depends on."""
+        if isinstance(subject, dispatch.Length):
+            return "lengths"
+        return f"ids & 0x{subject.mask:X}" if isinstance(subject, dispatch.MaskedId) else self.reads.key(subject)
 
 
-def code_of(message: Message, codes: Mapping[str, int | None]) -> int:
-    """The code on the wire; that of the command for a message without one, and -1 if that has none."""
-    own = next((key.value for key in message.keys if key.role is KeyRole.CODE), codes[message.command])
-    return -1 if own is None else own
+def case_value(value: int, subject: dispatch.Discriminator) -> str:
+    """The value of a decision."""
+    return f"0x{value:02X}" if isinstance(subject, BitRun) else str(value)
 
 
 def constant_name(type_: Type) -> str:
@@ -140,32 +144,6 @@ def fraction(number: Fraction | None) -> str:
     if number is None:
         return "None"
     return f"Fraction({number.numerator}, {number.denominator})"
-
-
-def route_views(
-    edition: Edition, direction: Direction, numbers: Mapping[Message, int]
-) -> Sequence[tuple[dispatch.Route, NodeView]]:
-    """The routes of one direction in the order in which they are tried, each with its tree."""
-    routes = dispatch.dispatch_plan(edition, direction).routes
-    return [(route, _node(route.then, numbers)) for route in routes]
-
-
-def _node(node: dispatch.DispatchNode, numbers: Mapping[Message, int]) -> NodeView:
-    if isinstance(node, dispatch.Match):
-        return str(numbers[node.message])
-    if isinstance(node, dispatch.Reject):
-        return f"Refusal.{node.reason.name}"
-    form = "0x{:02X}" if isinstance(node.subject, BitRun) else "{}"
-    cases = ((tuple(form.format(v) for v in case.values), _node(case.then, numbers)) for case in node.cases)
-    return SelectView(read=_subject(node.subject), cases=tuple(cases), otherwise=_node(node.otherwise, numbers))
-
-
-def _subject(subject: dispatch.Discriminator) -> str:
-    if isinstance(subject, dispatch.Length):
-        return "lengths"
-    if isinstance(subject, dispatch.MaskedId):
-        return f"ids & 0x{subject.mask:X}"
-    return read_key(subject)
 
 
 def kinds(route: dispatch.Route) -> str:

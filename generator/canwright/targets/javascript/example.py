@@ -15,10 +15,9 @@ from ...semantics.decoder import Decoder, Rejection
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame
 from ..base import EditionInput
-from ..nested_source import Code
+from ..nested_source import Code, Value
 from . import text
 from .package import import_name
-from .text import Value
 
 
 @dataclass(frozen=True, kw_only=True)

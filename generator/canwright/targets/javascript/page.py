@@ -7,11 +7,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ...model import formatting
+from ...model.layout import MAX_DATA_BYTES
 from ...templating.data_files import read_data
 from ...templating.environment import environment
 from ...templating.resources import TEMPLATES
 from ..base import Output
-from ..nested_source import Code
+from ..nested_source import Code, Value
 from . import text
 from .bindings import bindings
 from .edition_source import EditionSpec
@@ -45,7 +46,7 @@ def explorer(sources: Sequence[EditionSpec]) -> Iterator[Output]:
 def _parts(source: EditionSpec) -> str:
     """The modules of an edition as properties of an object, and the names in other languages."""
     modules = {"tables": source.tables, "texts": source.texts}
-    indented: dict[str, text.Value] = {name: Code(module.replace("\n", "\n  ")) for name, module in modules.items()}
+    indented: dict[str, Value] = {name: Code(module.replace("\n", "\n  ")) for name, module in modules.items()}
     return text.printed({**indented, "bindings": bindings(source.edition)})
 
 
@@ -53,5 +54,5 @@ def _classic_codec() -> str:
     """The modules of the runtime as one script, which defines `canwright`."""
     sources = [(RUNTIME / name).read_text("utf-8") for name in _MODULES]
     plain = (re.sub(r"^import .*;\n|^export \{.*\};\n|^export ", "", source, flags=re.MULTILINE) for source in sources)
-    names = "CodecError, createEdition, rational, editions: []"
+    names = f"CodecError, createEdition, rational, MAX_DATA_BYTES: {MAX_DATA_BYTES}, editions: []"
     return f'"use strict";\n\nconst canwright = (() => {{\n{"".join(plain)}\nreturn {{ {names} }};\n}})();\n'

@@ -10,13 +10,13 @@ from ...model.layout import Field
 from ...model.message import Command
 from ...model.metadata import Effect
 from ...model.types import Member, Parameter, Text, Type
-from .tables import EditionTables
-from .text import Value
+from ..nested_source import Value
+from ..tables import Positions
 
 
 def titles(edition: Edition) -> Mapping[str, Value]:
     """Titles by the names and positions that the tables have; what has none is left out."""
-    tables = EditionTables(edition)
+    tables = Positions(edition)
     return {
         "family": edition.family,
         "edition": edition.name,
@@ -59,7 +59,7 @@ def _exemptions(command: Command, effect: Effect) -> Value:
     return dict(fields)
 
 
-def _field(field: Field, tables: EditionTables) -> Value:
+def _field(field: Field, tables: Positions) -> Value:
     return {"title": _text(field.title or field.type.title), "type": tables.types[field.type]}
 
 

@@ -49,10 +49,11 @@ class Codec {
       this.ofCommand[message.direction].set(message.command, message);
     }
     this.answers = new Map();
-    for (const { request, reply, nodes = [], echo = false } of tables.answers) {
-      const asked = this.messages[request];
-      this.answers.set(asked, { reply: this.messages[reply], nodes, echo });
-      this.ofCommand.reply.set(asked.command, this.messages[reply]);
+    for (const { request, reply, nodes = [], asked = null, reported = null, echo = false } of tables.answers) {
+      const bits = { asked: asked && new Bits(asked), reported: reported && new Bits(reported) };
+      const { command } = this.messages[request];
+      this.answers.set(this.messages[request], { reply: this.messages[reply], nodes, ...bits, echo });
+      this.ofCommand.reply.set(command, this.messages[reply]);
     }
   }
 
@@ -203,19 +204,18 @@ class Codec {
     if (!answer) {
       throw notAnswer(`${message.command} has no reply`);
     }
-    const { reply, echo } = answer;
+    const { reply, asked, reported, echo } = answer;
     const wrong = reply.difference(frame);
     if (wrong) {
       throw notAnswer(wrong.message);
     }
-    const isAsked = message.nodeBits && !answer.nodes.length;
-    const to = isAsked ? message.nodeBits.read(request) : node;
-    const mask = isAsked ? message.nodeBits.mask : -1n;
+    const to = asked ? asked.read(request) : node;
+    const mask = asked ? asked.mask : -1n;
     const nodes = answer.nodes.length ? answer.nodes : to === null ? [] : [to];
     const source = reply.node(frame);
     checkSource(nodes, source, mask);
-    if (reply.nodeBits) {
-      checkSource(nodes, reply.nodeBits.read(frame), mask & reply.nodeBits.mask);
+    if (reported) {
+      checkSource(nodes, reported.read(frame), mask & reported.mask);
     }
     if (echo && !(request.data.length === frame.data.length && request.data.every((byte, i) => byte === frame.data[i]))) {
       throw notAnswer(`the reply of ${message.command} is an echo, but this frame differs from the request`);
@@ -417,7 +417,7 @@ class Field {
     this.name = table.name;
     this.type = type;
     this.elements = table.elements.map((segments) => new Bits(segments));
-    this.isArray = table.array ?? false;
+    this.isArray = table.indices !== undefined;
     this.only = table.only ?? null;
     this.fixed = table.fixed ?? null;
     this.isConstant = table.constant ?? false;
@@ -477,8 +477,7 @@ class Message {
     this.mask = table.mask ?? 0;
     this.layout = layout;
     this.layoutNumber = table.layout;
-    this.nodeBits = table.nodeBits ? new Bits(table.nodeBits) : null;
-    this.hasNodeInData = table.hasNodeInData ?? false;
+    this.nodeBits = table.node ? new Bits(table.node) : null;
   }
 
   get description() {
@@ -508,7 +507,7 @@ class Message {
 
   /** The node of a frame of this message: that in its id, or else in its data; null without one. */
   nodeOf(frame, inId) {
-    return this.hasNodeInData ? this.nodeBits.read(frame) : inId;
+    return this.nodeBits ? this.nodeBits.read(frame) : inId;
   }
 
   /** Throws CodecError if no node with these parameters has the command. */
@@ -522,10 +521,9 @@ class Message {
   }
 
   checkConstants(frame, parameters) {
-    const present = this.layout.variant(parameters) ?? this.layout.every.filter((field) => field.only === null);
-    for (const field of present) {
-      const raw = field.isConstant ? field.read(frame) : null;
-      if (field.isConstant && raw !== field.fixed) {
+    const chosen = (this.layout.variant(parameters) ?? []).filter((field) => field.only !== null);
+    for (const field of [...this.layout.every.filter(({ only }) => only === null), ...chosen]) {
+      if (field.isConstant && field.read(frame) !== field.fixed) {
         throw new CodecError("wrong_constant", `the constant ${field.name} is not ${field.fixed}`, field.name);
       }
     }

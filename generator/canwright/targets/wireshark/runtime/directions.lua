@@ -65,7 +65,7 @@ local function candidates(edition, frame)
     local request, request_found = codec.identify(edition, "requests", frame)
     local reply, reply_found = codec.identify(edition, "replies", frame)
     local replies = { reply }
-    for _, answer in ipairs(edition.answers) do
+    for _, answer in ipairs(edition.explained) do
         if answer ~= reply and codec.is_message(answer, frame) then
             replies[#replies + 1] = answer
         end
@@ -105,7 +105,7 @@ end
 -- The time in which a request is answered, at most: that of the user, of the command, or longer if replies take longer.
 local function window_of(state, bus, request)
     local window = math.max(state.window, 2 * (bus.learned.reply_time or 0))
-    return math.max(window, request and request.reply_within or 0)
+    return math.max(window, request and request.answer.reply_within or 0)
 end
 
 -- The oldest open exchange that a frame closes, its number, and the node that replies. Older ones than `longest` have ended.
@@ -153,13 +153,13 @@ end
 
 -- Whether a reply to a request rarely has its bytes: it has another layout than the fields of the request.
 local function replies_differ(request)
-    return not request.echo and #request.layout.fields > 0 and request.layout ~= request.reply.layout
+    return not request.answer.echo and #request.layout.fields > 0 and request.layout ~= request.answer.reply.layout
 end
 
 -- The time in which a reply is expected: of the command; twice that of the spec; of the log if replies take longer.
 local function within(state, bus, edition, request)
-    if request.reply_within then
-        return request.reply_within
+    if request.answer.reply_within then
+        return request.answer.reply_within
     end
     local window, usual = window_of(state, bus, request), bus.learned.reply_time or 0
     local stated = edition.reply_within and 2 * edition.reply_within
@@ -176,7 +176,7 @@ local function by_exchange(state, bus, edition, found, exchange, frame)
     end
     local old = bus.learned.old[found.request]
     local has_old = old ~= nil and old.value == nil
-    local repeated, distinct = is_same(exchange.frame, frame), found.request.distinct and not has_old
+    local repeated, distinct = is_same(exchange.frame, frame), found.request.answer.distinct and not has_old
     local soon = bus.clock - exchange.since <= within(state, bus, edition, exchange.request)
     if repeated and (not soon or distinct and replies_differ(exchange.request)) then
         return "request", "retry"
@@ -190,7 +190,7 @@ local function open(bus, exchange)
         local other = bus.open[number]
         local is_to_same = other.frame[0] == exchange.frame[0] and other.node == exchange.node
         if other.request == exchange.request and is_to_same then
-            if not exchange.request.echo or is_same(other.frame, exchange.frame) then
+            if not exchange.request.answer.echo or is_same(other.frame, exchange.frame) then
                 table.remove(bus.open, number)
             end
         end
@@ -236,7 +236,7 @@ local function learn_copies(bus, key, found, frame, result)
             learned.request_runs, learned.request_pairs = learned.request_runs + 1, learned.request_pairs + pair
         end
     end
-    local is_echo = found.request ~= nil and found.request.echo
+    local is_echo = found.request ~= nil and found.request.answer.echo
     learned.runs[key] = result.message and not is_echo
         and { frame = frame, clock = bus.clock, length = 1, direction = result.direction } or nil
     local is_enough = learned.all_runs >= LEAST_IN_ALL and not learned.copied
@@ -261,7 +261,7 @@ local function constant_bits(request, replies)
     end
     local is_usual = 3 * count >= replies.orphans and 2 * second < count and 2 * (replies.changes[value] or 0) >= count
     local is_request = #request.layout.fields > 0 or 2 * (replies.seconds[value] or 0) < count
-    return not request.echo and is_usual and is_request and value or nil
+    return not request.answer.echo and is_usual and is_request and value or nil
 end
 
 -- Counts replies by content that answer no request: two in a row can be a request with old bits and its reply.
@@ -275,7 +275,7 @@ local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
     local bits = codec.reserved_bits(request, frame)
     local before = replies.last[key] or { clock = bus.clock - 5 * LONGEST, pause = 0, bits = "" }
     local pause = bus.clock - before.clock
-    local is_change = is_orphan and before.is_orphan and (bits == before.bits) == request.echo
+    local is_change = is_orphan and before.is_orphan and (bits == before.bits) == request.answer.echo
     local is_second = is_change and not before.is_second and pause > 0 and 2 * pause < before.pause
     replies.count = replies.count + 1
     if is_orphan then
@@ -316,12 +316,12 @@ local function learn(state, bus, edition, found, frame, result)
     learned.unexpected = learned.unexpected + (exchange and 0 or 1)
     local late = not exchange and answered(state, bus, edition, frame, LONGEST)
     if late and learned.certain >= LEAST_IN_ALL and is_share(learned.unexpected, learned.certain, 3, 4) then
-        if not late.request.reply_within and #late.request.nodes == 0 then
+        if not late.request.answer.reply_within and #late.request.answer.nodes == 0 then
             local before = learned.reply_time or 0
             learn_latency(learned, edition, bus.clock - late.since)
             changed = changed or (learned.reply_time or 0) > before
         end
-    elseif exchange and #exchange.request.nodes == 0 and not exchange.request.reply_within and result.latency then
+    elseif exchange and #exchange.request.answer.nodes == 0 and not exchange.request.answer.reply_within and result.latency then
         learn_latency(learned, edition, result.latency)
     end
     if found.request and result.rule == "content" and learn_old_bits(bus, edition, key, found.request, frame, not exchange and not late) then
@@ -366,8 +366,8 @@ local function decide(state, bus, edition, only, frame, one)
         result.reason = found.reply_reason
         result.message, result.node = found.reply, found.reply_node
         if exchange then
-            result.message, result.node = exchange.request.reply, source
-            if not source and #exchange.request.nodes == 0 then
+            result.message, result.node = exchange.request.answer.reply, source
+            if not source and #exchange.request.answer.nodes == 0 then
                 result.node = exchange.node
             end
             result.exchange, result.latency = exchange, bus.clock - exchange.since
@@ -386,7 +386,7 @@ local function decide(state, bus, edition, only, frame, one)
     else
         result.reason = found.request_reason
         result.message, result.node = found.request, found.request_node
-        if found.request and found.request.reply and codec.has_constants(found.request, frame) then
+        if found.request and found.request.answer.reply and codec.has_constants(found.request, frame) then
             result.opened = {
                 request = found.request,
                 node = found.request_node,
@@ -394,7 +394,7 @@ local function decide(state, bus, edition, only, frame, one)
                 edition = edition,
                 since = bus.clock,
                 time = one.time,
-                missing = math.max(1, #found.request.nodes),
+                missing = math.max(1, #found.request.answer.nodes),
                 answered = {},
                 replies = {},
                 number = one.number,

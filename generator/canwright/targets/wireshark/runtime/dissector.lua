@@ -79,7 +79,7 @@ for _, one in ipairs(family.fields) do
         made.flags[flag.name] = ProtoField.bool(named(one.name .. "." .. flag.filter), flag.label)
         all_fields[#all_fields + 1] = made.flags[flag.name]
     end
-    proto_fields[one.name] = made
+    proto_fields[one.field] = made
 end
 proto.fields = all_fields
 proto.experts = all_experts
@@ -370,7 +370,7 @@ local function label_of(one)
 end
 
 local function add_field(tree, tvb, one)
-    local known = proto_fields[one.field.filter]
+    local known = proto_fields[one.field.name]
     local range = range_of(tvb, one.segments)
     local text = label_of(one) .. ": " .. shown_value(one)
     local item
