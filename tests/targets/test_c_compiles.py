@@ -225,6 +225,20 @@ def test_example_builds_and_runs(tmp_path: Path) -> None:
         assert done.stdout
 
 
+@pytest.mark.parametrize("has_golden_frames", [True, False])
+@pytest.mark.parametrize("spec", SMALL, ids=called)
+def test_example_shows_exchanges_in_which_the_reply_answers(
+    spec: Path, has_golden_frames: bool, tmp_path: Path
+) -> None:
+    item = specification(spec)
+    folder = write([item if has_golden_frames else EditionInput(item.edition, None)], tmp_path / "c")
+    for source in folder.glob("examples/*.c"):
+        program = tmp_path / "program"
+        ZIG.run("c99", *WARNINGS, f"-I{folder / 'include'}", source, "-o", program)
+        done = subprocess.run([program], capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout.split()[-1]) == (0, "ok"), done.stdout
+
+
 def test_an_id_that_code_or_fields_go_into_is_said_to_lack_them() -> None:
     said = [o.text for o in c.generate([specification(CASES / "packed.yaml")], {}) if o.path == "include/drive/v1.h"]
     assert "/** The id of a request to a node, without the bits of code and fields. */" in said[0]

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+import itertools
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame
 from ...model.edition import Edition
 from ...model.layout import Field
-from ...model.message import Command, Direction, Message
-from ...model.types import Encoding, Type
-from ..base import EditionInput
+from ...model.message import Command, Message
+from ..base import EditionInput, WorkedExchange
+from ..examples import Examples
 from .names import Names, member
 from .numbers import integer
 from .types import TypeView
-from .validity import constant_limits
 from .view import EditionView, FrameView
 
 COMMANDS = 4
@@ -90,74 +88,50 @@ class _Example:
         self._edition = specification.edition
         self._view = view
         self._names = Names(specification.edition)
-        self._golden = specification.frames
-        self._known = self._parameters()
+        self._examples = Examples(specification.edition, specification.frames)
+        self._known = self._examples.usual_parameters
         self._types = {t.name: t for t in view.types}
         self._frames = {f.name: f for command in view.commands for f in command.frames}
 
     def view(self) -> ExampleView:
-        exchanges = list(self._exchanges(self._golden_pair)) or list(self._exchanges(self._plain_pair))
+        exchanges = list(self._exchanges(self._golden())) or list(self._exchanges(self._simplest()))
         file = f"{self._edition.family}_{self._edition.identifier}"
         return ExampleView(file, tuple(initializers(self._edition, self._names, self._known)), tuple(exchanges))
 
-    def _parameters(self) -> dict[str, str]:
-        """The parameters of most golden frames, of those with most parameters; without any, the first values."""
-        usable = (f for f in self._golden.frames if not f.decode_only) if self._golden else ()
-        given = Counter(tuple(sorted(f.parameters.items())) for f in usable)
-        if given:
-            most = max(given, key=lambda pairs: (len(pairs), given[pairs]))
-            return {name: str(value) for name, value in most}
-        return {p.name: p.values[0].name if p.values else str(p.minimum or 1) for p in self._edition.parameters}
+    def _exchanges(self, worked: Iterable[WorkedExchange]) -> Iterator[ExchangeView]:
+        """The first exchanges with different replies."""
+        layouts: set[str] = set()
+        for exchange in worked:
+            command, request, reply = exchange.command, exchange.command.request, exchange.command.reply
+            if request is None or reply is None or len(layouts) == COMMANDS or reply.layout.name in layouts:
+                continue
+            layouts.add(reply.layout.name)
+            yield ExchangeView(
+                command=command.name,
+                enumerator=self._names.command(command.name),
+                node=(exchange.request and exchange.request.node) or 0,
+                request=self._side(request, exchange.request.raw if exchange.request else {}),
+                reply=self._side(reply, exchange.reply.raw if exchange.reply else {}),
+            )
 
-    def _exchanges(self, pair: Callable[[Command], tuple[int, Raw, Raw] | None]) -> Iterator[ExchangeView]:
-        shown: list[str] = []
+    def _golden(self) -> Iterator[WorkedExchange]:
+        """Golden exchanges with the known parameters."""
+        for command in self._commands():
+            of_node = (e for e in self._examples.answered(command) if e.parameters.items() <= self._known.items())
+            yield from itertools.islice(of_node, 1)
+
+    def _simplest(self) -> Iterator[WorkedExchange]:
+        """Exchanges without golden frames."""
+        return filter(None, map(self._examples.simplest, self._commands()))
+
+    def _commands(self) -> Iterator[Command]:
+        """The commands with fields in a reply of their own from the addressed node."""
         for command in self._edition.commands:
-            request, reply = command.request, command.reply
-            if request is None or reply is None or reply.command != command.name or len(shown) == COMMANDS:
+            reply = command.reply
+            if reply is None or reply.command != command.name or not reply.layout.fields or command.from_each:
                 continue
-            if command.from_each or not reply.layout.fields:
-                continue
-            found = pair(command) if command.available(self._known) and reply.layout.name not in shown else None
-            if found is not None:
-                node, sent, answered = found
-                shown.append(reply.layout.name)
-                yield ExchangeView(
-                    command=command.name,
-                    enumerator=self._names.command(command.name),
-                    node=node,
-                    request=self._side(request, sent),
-                    reply=self._side(reply, answered),
-                )
-
-    def _golden_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
-        """Node, and raw integers of request and reply, from golden frames with the known parameters."""
-        for request in self._frames_of(command, Direction.REQUEST):
-            for reply in self._frames_of(command, Direction.REPLY):
-                echoes = not command.is_echoed or request.data == reply.data
-                if echoes and (request.node == reply.node or (command.reply and command.reply.id.nodes is None)):
-                    return request.node or 0, request.raw, reply.raw
-        return None
-
-    def _frames_of(self, command: Command, direction: Direction) -> list[GoldenFrame]:
-        return [
-            f
-            for f in (self._golden.of_command.get((command.name, direction), ()) if self._golden else ())
-            if not f.decode_only and all(self._known.get(name) == str(value) for name, value in f.parameters.items())
-        ]
-
-    def _plain_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
-        """The first node, and the valid raw integers nearest to 0."""
-        request, reply = command.request, command.reply
-        if request is None or reply is None:
-            return None
-        nodes = request.id.nodes or (0,)
-        return nodes[0], self._plain(request), self._plain(reply)
-
-    def _plain(self, message: Message) -> Raw:
-        return {
-            f.name: [_plain_raw(f.type)] * len(f.elements) if f.is_array else _plain_raw(f.type)
-            for f in message.layout.fields
-        }
+            if command.available(self._known):
+                yield command
 
     def _side(self, message: Message, raw: Raw) -> SideView:
         variant = message.layout.variant(self._known)
@@ -189,13 +163,6 @@ def initializers(edition: Edition, names: Names, known: Mapping[str, str]) -> It
         elif value is not None:
             number = Fraction(value)
             yield f".{member(parameter.name)} = {{{number.numerator}, {number.denominator}u}}"
-
-
-def _plain_raw(type_: Type) -> int:
-    if type_.enum:
-        return type_.enum[0].value
-    low, high = constant_limits(type_)
-    return 0 if type_.encoding is Encoding.FLOAT else max(low, min(high, 0))
 
 
 def _initializer(field: Field, raw: int | list[int]) -> str:
