@@ -6,15 +6,15 @@ import functools
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..language.golden_frames import GoldenFrame, GoldenFrames, RawValue
 from ..model.edition import Edition
+from ..model.golden_frames import GoldenFrame, GoldenFrames, RawValue
 from ..model.layout import Field, NodeRole
 from ..model.message import Command, Direction, Message
-from ..model.types import Encoding, Type
+from ..model.types import Assignment, Encoding, Type
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import Encoder
 from ..semantics.exchange import check_reply
@@ -73,14 +73,14 @@ class Examples:
         return WorkedExchange(command, request, reply, self.usual_parameters, is_answered=True)
 
     @functools.cached_property
-    def usual_parameters(self) -> Mapping[str, str]:
+    def usual_parameters(self) -> Assignment:
         """The parameters of most golden frames, of those with most parameters; without any, the first values."""
         usable = (frame for frame in self._golden.frames if not frame.decode_only) if self._golden else ()
         given = Counter(tuple(sorted(frame.parameters.items())) for frame in usable)
         if given:
             most = max(given, key=lambda pairs: (len(pairs), given[pairs]))
-            return {name: str(value) for name, value in most}
-        return {p.name: p.values[0].name if p.values else str(p.minimum or 1) for p in self._edition.parameters}
+            return dict(most)
+        return {p.name: p.values[0].name if p.values else p.minimum or Fraction(1) for p in self._edition.parameters}
 
     def _frames(self, command: Command, direction: Direction) -> Sequence[GoldenFrame]:
         """The golden frames of one direction of a command."""
@@ -124,8 +124,8 @@ class Examples:
             return None
         return GoldenFrame(
             source="",
-            request=message.command if message.direction is Direction.REQUEST else None,
-            reply=message.command if message.direction is Direction.REPLY else None,
+            direction=message.direction,
+            command=message.command,
             id=frame.id,
             extended=frame.extended,
             remote=frame.remote,
@@ -151,7 +151,7 @@ def _simplest_raw(field: Field, node: int) -> RawValue:
 def _worked(
     command: Command, request: GoldenFrame | None, reply: GoldenFrame | None, *, is_answered: bool
 ) -> WorkedExchange:
-    parameters = {n: str(v) for frame in (request, reply) if frame for n, v in frame.parameters.items()}
+    parameters = {n: v for frame in (request, reply) if frame for n, v in frame.parameters.items()}
     return WorkedExchange(command, request, reply, parameters, is_answered)
 
 

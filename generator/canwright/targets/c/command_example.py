@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame, Value
 from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame, Value
 from ...model.layout import Field
 from ...model.message import Direction, Message
+from ...model.types import Assignment
 from ..base import WorkedExchange
 from .examples import initializers
 from .names import Names, member
@@ -106,7 +107,7 @@ def _print(of: _Edition, direction: Direction, frame: str) -> CallView:
     return CallView(f"{of.view.prefix}print_{direction.value}", arguments)
 
 
-def _sent(of: _Edition, message: Message, golden: GoldenFrame, parameters: Mapping[str, str]) -> SentView:
+def _sent(of: _Edition, message: Message, golden: GoldenFrame, parameters: Assignment) -> SentView:
     variant, frame = message.layout.variant(parameters), of.frames[of.names.lower(message.name)]
     fields = [f for f in variant.fields if f.role.is_value] if variant else []
     listed: list[str] = []

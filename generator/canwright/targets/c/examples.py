@@ -10,6 +10,7 @@ from typing import NamedTuple
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Message
+from ...model.types import Assignment
 from ..base import EditionInput, WorkedExchange
 from ..examples import Examples
 from .names import Names, member
@@ -154,12 +155,12 @@ class _Example:
                 yield ShownView(f"{field.name}[{i}]", f"{member(field.name)}[{i}]", f"value_{i}_{field.name}", type_)
 
 
-def initializers(edition: Edition, names: Names, known: Mapping[str, str]) -> Iterator[str]:
+def initializers(edition: Edition, names: Names, known: Assignment) -> Iterator[str]:
     """The initializers of the known parameters."""
     for parameter in edition.parameters:
         value = known.get(parameter.name)
         if value is not None and parameter.is_choice:
-            yield f".{member(parameter.name)} = {names.upper(parameter.name, value)}"
+            yield f".{member(parameter.name)} = {names.upper(parameter.name, str(value))}"
         elif value is not None:
             number = Fraction(value)
             yield f".{member(parameter.name)} = {{{number.numerator}, {number.denominator}u}}"
