@@ -15,7 +15,7 @@ from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified, linear_of
-from canwright.targets.c.numbers import integer
+from canwright.targets.c.expressions import integer
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused, assignment
 from ..conformance.adapters.c import CAdapter, NotAvailable

@@ -13,8 +13,7 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import c
 from canwright.targets.base import EditionInput
-from canwright.targets.c.files import PARTS
-from canwright.targets.c.names import Names, member
+from canwright.targets.c.names import PARTS, Names, member
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, each_compiler
 from ..conformance.adapters.c_harness import harness

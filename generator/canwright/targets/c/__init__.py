@@ -15,11 +15,10 @@ from ...model.layout import MAX_DATA_BYTES
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
-from .command_example import command_example
 from .cxx import cxx_example, cxx_view
-from .examples import example
+from .examples import command_example, example
 from .expressions import operand
-from .files import PARTS, SHARED, SHARED_CXX
+from .names import PARTS, SHARED, SHARED_CXX
 from .selftest import has_self_test, self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
@@ -98,9 +97,8 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
 def program(edition: Edition, worked: WorkedExchange) -> CodeExample:
     """A program that encodes the request of a command and decodes its reply."""
     x = command_example(edition, worked)
-    calls = [call for side in (x.request, x.reply) if side for call in side.calls]
-    lines = [f"status = {call.function}({arguments(call.arguments)});" for call in calls]
-    return CodeExample("c", fold(_program_template().render(e=x.e, x=x)), "\n".join(lines))
+    lines = "\n".join(f"status = {call};" for call in x.calls)
+    return CodeExample("c", fold(_program_template().render(e=x.e, x=x)), lines)
 
 
 @functools.cache

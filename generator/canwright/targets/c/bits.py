@@ -8,8 +8,7 @@ from typing import NamedTuple
 from ...model.layout import Field, FixedRole, Segment, Space
 from ...model.message import BitRun, Key
 from ...model.types import Encoding
-from .expressions import joined, operand
-from .numbers import Integer, integer, smallest, working
+from .expressions import Integer, integer, joined, operand, smallest, working
 
 
 def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:

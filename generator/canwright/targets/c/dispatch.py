@@ -16,8 +16,7 @@ from . import bits
 from .choices import ENUM_MAX
 from .expressions import joined, operand
 from .messages import Messages, RuleView, frame_id
-from .names import Names
-from .patterns import address_mask
+from .names import Names, address_mask
 
 
 class RejectView(NamedTuple):

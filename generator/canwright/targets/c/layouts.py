@@ -12,10 +12,9 @@ from ...model.layout import Field, Layout, Variant
 from ...model.types import Encoding
 from . import bits
 from .choices import Branch, parameter_access
-from .comments import errata, field_facts
+from .expressions import integer
 from .names import Names, member
-from .numbers import integer
-from .text import english, literal, with_deprecation
+from .text import english, errata, field_facts, literal, with_deprecation
 from .types import TypeView
 
 T = TypeVar("T")

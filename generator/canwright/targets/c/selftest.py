@@ -14,8 +14,8 @@ from ...model.message import Direction, Message
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.frame import CanFrame, node_of
 from ..base import EditionInput
+from .expressions import integer
 from .names import Names, member
-from .numbers import integer
 from .view import DirectionView, EditionView, FrameView
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30

@@ -13,9 +13,8 @@ from ...model.edition import Edition
 from ...model.types import Bound, ByParameter, Encoding, Linear, Member, Range, Type
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
-from .expressions import joined
+from .expressions import INT64, UINT64, Integer, integer, joined
 from .names import Names
-from .numbers import INT64, UINT64, Integer, integer
 
 RATIO_LIMIT = 1 << 30
 """The limit of factors whose product with a ratio fits into 64 bits."""
