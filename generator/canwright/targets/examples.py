@@ -14,11 +14,12 @@ from ..model.edition import Edition
 from ..model.golden_frames import GoldenFrame, GoldenFrames, RawValue
 from ..model.layout import Field, NodeRole
 from ..model.message import Command, Direction, Message
-from ..model.types import Assignment, Encoding, Type
+from ..model.types import Assignment, Type
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import Encoder
 from ..semantics.exchange import check_reply
 from ..semantics.frame import CanFrame
+from ..semantics.valid_raws import RawInterval, valid_raws
 from .base import WorkedExchange
 
 MAX_TRIED = 12
@@ -117,7 +118,7 @@ class Examples:
         if message is None or variant is None:
             return None
         fields = (field for field in variant.fields if field.role.is_value)
-        raws: dict[str, RawValue] = {f.name: _simplest_raw(f, node) for f in fields}
+        raws: dict[str, RawValue] = {f.name: _simplest_raw(f, node, self.usual_parameters) for f in fields}
         node_of_id = None if message.id.nodes is None else node
         frame = Encoder(self.usual_parameters).encode_raws(message, node_of_id, raws)
         if isinstance(frame, Rejection):
@@ -135,16 +136,14 @@ class Examples:
         )
 
 
-def _simplest_raw(field: Field, node: int) -> RawValue:
+def _simplest_raw(field: Field, node: int, parameters: Assignment) -> RawValue:
     """The node or its low bits in a field for it, the first name of an enum, else the valid raw integer next to 0."""
-    type_ = field.type
-    raw = type_.enum[0].value if type_.enum else 0
-    span = type_.raw_range.constant
+    valid = valid_raws(field.type).at(parameters)
+    raw = field.type.enum[0].value if field.type.enum else 0
     if isinstance(field.role, NodeRole):
-        raw = node & (1 << type_.width) - 1
-    elif type_.is_number and type_.encoding is not Encoding.FLOAT and span is not None:
-        low, high = (end.constant if end.parameter is None else Fraction(0) for end in (span.low, span.high))
-        raw = max(math.ceil(low), min(math.floor(high), 0))
+        raw = node & (1 << field.type.width) - 1
+    elif isinstance(valid, RawInterval):
+        raw = max(valid.low, min(valid.high, 0))
     return [raw] * len(field.elements) if field.is_array else raw
 
 

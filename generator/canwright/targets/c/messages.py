@@ -8,8 +8,10 @@ from operator import or_
 from typing import NamedTuple
 
 from ...model.edition import Edition
-from ...model.layout import ConstantRole, Segment, Space
+from ...model.layout import Space
 from ...model.message import Address, Direction, IdRule, Key, Message
+from ...semantics.bits import placed
+from ...semantics.plan import CheckConstant, message_plan
 from . import bits
 from .expressions import joined, operand, working
 from .names import Names, Pattern, address_mask, named_patterns, pattern_of
@@ -56,28 +58,18 @@ def address_filter(edition: Edition, address: Address, direction: Direction) -> 
 
 def _patterns(message: Message) -> Iterator[tuple[int, int]]:
     """The bits of the id that keys and constant fields set, for each accepted code, and the bits that fields may set."""
+    plan = message_plan(message)
+    constants = {step.field for step in plan.decoding if isinstance(step, CheckConstant)}
     fixed, free = REMOTE * message.remote, 0
-    for field in message.layout.fields:
-        for element in field.elements if field.space is Space.ID else ():
-            if isinstance(field.role, ConstantRole):
-                fixed |= _bits(element.segments, field.role.raw)
+    for field in (f for f in message.layout.fields if f.space is Space.ID):
+        for element in field.elements:
+            if field in constants:
+                fixed |= placed(element.segments, field.role.sent_raw or 0)
             else:
-                free |= _bits(element.segments, -1)
-    first, *others = [_key_values(message, place) for place in range(len(message.keys))] or [[0]]
-    fixed |= reduce(or_, (bits[0] for bits in others), 0)
-    yield from ((fixed | bits, free) for bits in first)
-
-
-def _key_values(message: Message, place: int) -> list[int]:
-    """The bits of a key in the id, for each of its accepted values."""
-    key = message.keys[place]
-    values = (key.value, *(message.accepted_codes if place == 0 else ()))
-    return [_bits(key.segments, value) if key.space is Space.ID else 0 for value in values]
-
-
-def _bits(segments: Sequence[Segment], value: int) -> int:
-    """The bits of a value in an id."""
-    return reduce(or_, ((value >> s.raw_low & (1 << s.width) - 1) << s.low for s in segments), 0)
+                free |= placed(element.segments, -1)
+    keys = [[placed(k.key.segments, v) * (k.key.space is Space.ID) for v in k.values] for k in plan.keys] or [[0]]
+    fixed |= reduce(or_, (bits[0] for bits in keys[1:]), 0)
+    yield from ((fixed | bits, free) for bits in keys[0])
 
 
 def _differing(ids: Sequence[int]) -> int:
@@ -205,7 +197,8 @@ class Messages:
         return rule_view(self._names, self._edition, address, direction)
 
     def _message(self, message: Message, pattern: PatternView) -> MessageView:
-        constants = [f for f in message.layout.fields if f.role.is_checked and not f.only]
+        constants = [step.field for step in message_plan(message).decoding if isinstance(step, CheckConstant)]
+        always = [bits.constant_differs(field) for field in constants if not field.only]
         return MessageView(
             name=self._names.lower(message.name),
             struct=self._names.lower(message.name, "t"),
@@ -213,7 +206,7 @@ class Messages:
             pattern=pattern,
             dlc=message.dlc,
             codes=tuple(_codes(message)),
-            other_constant=joined("||", [bits.constant_differs(f) for f in constants]) if constants else "",
+            other_constant=joined("||", always) if always else "",
             node_in_data=bits.key_value(message.node_in_data) if message.node_in_data else "",
         )
 
@@ -314,12 +307,11 @@ def frame_id(message: Message, frame: str = "frame") -> str:
 
 
 def _codes(message: Message) -> Iterator[tuple[str, ...]]:
-    if not message.keys:
+    labels = [bits.labels(accepted.key, accepted.values) for accepted in message_plan(message).keys]
+    for first in labels[0] if labels else ():
+        yield (first, *(values[0] for values in labels[1:]))
+    if not labels:
         yield ()
-        return
-    rest = [bits.labels(key, [key.value])[0] for key in message.keys[1:]]
-    for value in dict.fromkeys((message.keys[0].value, *message.accepted_codes)):
-        yield (*bits.labels(message.keys[0], [value]), *rest)
 
 
 def _code(key: Key, index: int) -> CodeView:
