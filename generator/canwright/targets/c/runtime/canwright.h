@@ -19,7 +19,7 @@
 #endif
 
 /** The version of this file. Headers that need another version do not compile. */
-#define CANWRIGHT_H_VERSION 4
+#define CANWRIGHT_H_VERSION 5
 
 /** Marks a function whose result must be used; define it before, also as empty, to replace it. */
 #ifndef CANWRIGHT_CHECKED
