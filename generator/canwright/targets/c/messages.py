@@ -77,34 +77,43 @@ def _differing(ids: Sequence[int]) -> int:
     return reduce(or_, (one ^ ids[0] for one in ids), 0)
 
 
-class RuleView(NamedTuple):
+class RuleView:
     """The ids of one direction of an address. A fixed id has a macro, the others two functions."""
 
-    direction: str
-    id_macro: str
-    id_function: str
-    node_function: str
-    base: str
-    mask: str
-    """The bits of the id that belong to the address; empty if all do."""
-    has_nodes: bool
-    node_unknown: str
-    """The condition for a `node` that the address does not have."""
-    node_offset: str
-    """The part of the id that depends on `node`."""
-    has_step: bool
-    """True if the ids of consecutive nodes are not consecutive."""
-    offset_node: str
-    """The node from the `offset` of an id."""
-    offset_rest: str
-    """The remainder of `offset` without the node; it must be 0."""
-    filter_doc: str
-    filter_function: str
-    filter_bits: str
-    """Bits of the id of the filter for one node besides those of its `id_function`; empty without any."""
-    filter_mask: str
-    filters: tuple[MacroView, ...]
-    """The filter for all nodes."""
+    def __init__(self, names: Names, edition: Edition, address: Address, direction: Direction) -> None:
+        rule = address.rule(direction)
+        accepted = address_filter(edition, address, direction)
+        base = names.lower(address.name, direction.value)
+        mask = address_mask(edition, address.name, direction)
+        self.direction = direction.value
+        self.id_macro = names.upper(address.name, direction.value, "id")
+        self.id_function, self.node_function = f"{base}_id", f"{base}_node"
+        self.base = f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u"
+        self.has_nodes = rule.nodes is not None
+        self.mask = f"0x{0xFFFFFFFF & ~mask:08X}u" if mask else ""
+        """The bits of the id that belong to the address; empty if all do."""
+        self.node_unknown = _node_unknown(rule)
+        self.has_step = rule.node_step != 1
+        """True if the ids of consecutive nodes are not consecutive."""
+        self.node_offset, self.offset_node, self.offset_rest = _step(rule.node_step)
+        """The part of the id that depends on `node`, the node from the `offset` of an id, and the rest, which must be 0."""
+        frames = "replies from" if direction is Direction.REPLY else "requests to"
+        self.filter_doc = f"The filter for the {frames} one node."
+        self.filter_function = f"{base}_filter"
+        self.filter_bits = f"0x{accepted.id:X}u" if accepted.id else ""
+        """Bits of the id of the filter for one node besides those of its `id_function`; empty without any."""
+        self.filter_mask = f"0x{accepted.mask:08X}u"
+        which = f"the {frames} all nodes" if self.has_nodes else f"the {frames.split()[0]}"
+        superset = "" if accepted.is_exact else ", which also accepts ids of no node"
+        ends = (
+            ("filter_id", accepted.all_id, f"Id of the filter for {which}{superset}."),
+            ("filter_mask", accepted.all_mask, f"Mask of the filter for {which}."),
+        )
+        self.filters = [
+            MacroView(names.upper(address.name, direction.value, ending), f"0x{value:08X}u", doc)
+            for ending, value, doc in ends
+        ]
+        """The filter for all nodes."""
 
     def masked(self, id_: str) -> str:
         """The bits of an id that belong to the address."""
@@ -180,6 +189,7 @@ class Messages:
         by_pattern: dict[Pattern, list[Message]] = {}
         for message in edition.all_messages():
             by_pattern.setdefault(pattern_of(message), []).append(message)
+        self._rules: dict[tuple[str, Direction], RuleView] = {}
         self._at: dict[str, list[PatternView]] = {}
         self._messages: dict[str, MessageView] = {}
         for pattern, parts in named_patterns(by_pattern).items():
@@ -194,7 +204,10 @@ class Messages:
         return self._messages[message.name]
 
     def rule(self, address: Address, direction: Direction) -> RuleView:
-        return rule_view(self._names, self._edition, address, direction)
+        key = address.name, direction
+        if key not in self._rules:
+            self._rules[key] = RuleView(self._names, self._edition, address, direction)
+        return self._rules[key]
 
     def _message(self, message: Message, pattern: PatternView) -> MessageView:
         constants = [step.field for step in message_plan(message).decoding if isinstance(step, CheckConstant)]
@@ -224,70 +237,19 @@ class Messages:
 
 def addresses(names: Names, edition: Edition, messages: Messages) -> list[AddressView]:
     """The addresses that messages use, each with the directions that they use."""
-    found = []
-    for address in edition.addresses:
-        used = messages.at(address)
-        nodes = address.request.nodes or address.reply.nodes
-        rules = dict.fromkeys(pattern.rule for pattern in used)
-        ends = (
-            (("node_min", nodes[0], "Lowest node number."), ("node_max", nodes[-1], "Highest node number."))
-            if nodes
-            else ()
-        )
-        heading = english(address.title) + (f" ({address.manual})" if address.manual else "")
-        if used:
-            macros = tuple(MacroView(names.upper(address.name, ending), f"{node}u", doc) for ending, node, doc in ends)
-            found.append(
-                AddressView(
-                    name=address.name,
-                    heading=heading,
-                    doc=english(address.about),
-                    rules=tuple(rules),
-                    patterns=used,
-                    nodes=macros,
-                )
-            )
-    return found
+    return [_address(names, address, messages.at(address)) for address in edition.addresses if messages.at(address)]
 
 
-def rule_view(names: Names, edition: Edition, address: Address, direction: Direction) -> RuleView:
-    rule = address.rule(direction)
-    mask = address_mask(edition, address.name, direction)
-    base = names.lower(address.name, direction.value)
-    node_offset, offset_node, offset_rest = _step(rule.node_step)
-    accepted = address_filter(edition, address, direction)
-    frames = "replies from" if direction is Direction.REPLY else "requests to"
-    which = f"the {frames} all nodes" if rule.nodes is not None else f"the {frames.split()[0]}"
-    superset = "" if accepted.is_exact else ", which also accepts ids of no node"
-    return RuleView(
-        direction=direction.value,
-        id_macro=names.upper(address.name, direction.value, "id"),
-        id_function=f"{base}_id",
-        node_function=f"{base}_node",
-        base=f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u",
-        mask=f"0x{0xFFFFFFFF & ~mask:08X}u" if mask else "",
-        has_nodes=rule.nodes is not None,
-        node_unknown=_node_unknown(rule),
-        node_offset=node_offset,
-        has_step=rule.node_step != 1,
-        offset_node=offset_node,
-        offset_rest=offset_rest,
-        filter_doc=f"The filter for the {frames} one node.",
-        filter_function=f"{base}_filter",
-        filter_bits=f"0x{accepted.id:X}u" if accepted.id else "",
-        filter_mask=f"0x{accepted.mask:08X}u",
-        filters=(
-            MacroView(
-                names.upper(address.name, direction.value, "filter_id"),
-                f"0x{accepted.all_id:08X}u",
-                f"Id of the filter for {which}{superset}.",
-            ),
-            MacroView(
-                names.upper(address.name, direction.value, "filter_mask"),
-                f"0x{accepted.all_mask:08X}u",
-                f"Mask of the filter for {which}.",
-            ),
-        ),
+def _address(names: Names, address: Address, patterns: tuple[PatternView, ...]) -> AddressView:
+    nodes = address.request.nodes or address.reply.nodes
+    ends = [("node_min", nodes[0], "Lowest"), ("node_max", nodes[-1], "Highest")] if nodes else []
+    return AddressView(
+        name=address.name,
+        heading=english(address.title) + (f" ({address.manual})" if address.manual else ""),
+        doc=english(address.about),
+        rules=tuple(dict.fromkeys(pattern.rule for pattern in patterns)),
+        patterns=patterns,
+        nodes=tuple(MacroView(names.upper(address.name, e), f"{n}u", f"{word} node number.") for e, n, word in ends),
     )
 
 
