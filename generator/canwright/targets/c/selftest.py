@@ -15,7 +15,7 @@ from ...semantics.decoder import Decoder, Identified
 from ...semantics.frame import CanFrame, node_of
 from ..base import EditionInput
 from .expressions import integer
-from .names import Names, member
+from .names import member
 from .view import DirectionView, EditionView, FrameView
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
@@ -87,9 +87,8 @@ def self_test(specification: EditionInput, view: EditionView) -> SelfTestView:
 class _SelfTest:
     def __init__(self, edition: Edition, frames: GoldenFrames, view: EditionView) -> None:
         self._edition, self._frames, self._view = edition, frames, view
-        self._names = Names(edition)
+        self._names = view.names
         self._decoder = Decoder(edition)
-        self._by_name = {f.name: f for command in view.commands for f in command.frames}
         self._messages: dict[Message, int] = {}
         self._raws: dict[Layout, dict[str, int]] = {}
         self._known: dict[str, int] = {}
@@ -202,9 +201,9 @@ class _SelfTest:
         return LayoutTable(self._names.lower(layout.name), _table(layout), tuple(same), tuple(entries))
 
     def _case(self, message: Message, number: int) -> MessageCase:
-        frame = self._by_name[self._names.lower(message.name)]
+        frame = self._view.frame(message)
         enumerator = self._names.command(message.command)
-        any_ = next(d for d in self._view.directions if d.word == message.direction.value)
+        any_ = self._view.direction(message.direction)
         same = [f"{any_.word}.command == {enumerator}", f"{any_.word}.node == result->node"]
         if frame.struct:
             content = any_.by_command[enumerator]
