@@ -79,24 +79,28 @@ class FieldShow(NamedTuple):
     uses_parameters: bool
 
 
-@dataclass(frozen=True, kw_only=True)
 class LayoutView:
-    """A struct and its functions. Without members there is no struct, without fields there are no functions.
+    """A struct and its functions. Without members there is no struct, without fields there are no functions."""
 
-    If a parameter decides which fields exist, `depends` is true, and packing and unpacking return a status.
-    """
-
-    name: str
-    title: str
-    doc: tuple[str, ...]
-    members: tuple[MemberView, ...]
-    places: tuple[Place, ...]
-    has_fields: bool
-    depends: bool
-    check: Body[FieldCheck]
-    pack: Body[bits.Write]
-    unpack: Body[FieldRead]
-    show: Body[FieldShow]
+    def __init__(self, names: Names, edition: Edition, layout: Layout, types: Types) -> None:
+        messages = edition.of_layout(layout)
+        plan = message_plan(messages[0])
+        shared = {byte for message in messages for byte in bits.key_bytes(message.keys)}
+        members = {f.name: member(f.name) for f in layout.fields}
+        facts = errata(edition, layout.path) if layout.shared else []
+        stored = [f for f in layout.fields if f.role.is_value]
+        self.name = names.lower(layout.name)
+        self.title = english(layout.title) + (f" ({layout.manual})" if layout.manual else "")
+        self.doc = [text for text in (english(layout.about), *facts) if text]
+        self.members = [_member(names, edition, layout, f, types) for f in stored]
+        self.places = list(_places(stored))
+        self.has_fields = bool(layout.fields)
+        self.depends = layout.parameter is not None
+        """True if a parameter decides which fields exist; packing and unpacking return a status then."""
+        self.check = _ordered_body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types))
+        self.pack = _body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared))
+        self.unpack = _body(names, layout, lambda variant: _reads(plan.decoding, variant))
+        self.show = _ordered_body(names, layout, lambda variant: _shows(names, variant, types))
 
     @property
     def show_parameters(self) -> bool:
@@ -118,27 +122,6 @@ class LayoutView:
     def takes_parameters(self) -> bool:
         """True if checking and packing a message needs the parameters."""
         return self.depends or self.check_parameters
-
-
-def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) -> LayoutView:
-    plan = message_plan(edition.of_layout(layout)[0])
-    shared = {byte for message in edition.of_layout(layout) for byte in bits.key_bytes(message.keys)}
-    members = {f.name: member(f.name) for f in layout.fields}
-    facts = errata(edition, layout.path) if layout.shared else []
-    stored = [f for f in layout.fields if f.role.is_value]
-    return LayoutView(
-        name=names.lower(layout.name),
-        title=english(layout.title) + (f" ({layout.manual})" if layout.manual else ""),
-        doc=tuple(text for text in (english(layout.about), *facts) if text),
-        members=tuple(_member(names, edition, layout, f, types) for f in stored),
-        places=tuple(_places(stored)),
-        has_fields=bool(layout.fields),
-        depends=layout.parameter is not None,
-        check=_ordered_body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types)),
-        pack=_body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared)),
-        unpack=_body(names, layout, lambda variant: _reads(plan.decoding, variant)),
-        show=_ordered_body(names, layout, lambda variant: _shows(names, variant, types)),
-    )
 
 
 def _member(names: Names, edition: Edition, layout: Layout, field: Field, types: Types) -> MemberView:

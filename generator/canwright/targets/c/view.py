@@ -21,7 +21,7 @@ from .choices import parameter_access, parameters
 from .conversions import ConversionView
 from .dispatch import RouteView, UnpackView, answers, command_numbers, routes
 from .expressions import call, joined
-from .layouts import LayoutView, fields_named, layout_view
+from .layouts import LayoutView, fields_named
 from .messages import Messages, MessageView, addresses
 from .names import Names, layouts, member
 from .text import english, errata, literal, with_deprecation
@@ -247,7 +247,7 @@ class EditionView:
         self.types = types(names, edition)
         self.fields = [(names.upper("field", name), name) for name in fields_named(used)]
         self._types = {view.name: view for view in self.types}
-        views = {layout: layout_view(names, edition, layout, self._types) for layout in used}
+        views = {layout: LayoutView(names, edition, layout, self._types) for layout in used}
         self.layouts = [views[layout] for layout in used if layout.shared]
         self.commands = [_command(names, edition, messages, c, numbers[c.name], views) for c in edition.commands]
         self._frames = {frame.name: frame for command in self.commands for frame in command.frames}
