@@ -201,10 +201,9 @@ struct temperature {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_temperature_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_temperature_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -218,10 +217,9 @@ struct temperature {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_temperature_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_temperature_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -245,10 +243,9 @@ struct power {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_power_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_power_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -262,10 +259,9 @@ struct power {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_power_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_power_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -351,10 +347,9 @@ struct speed_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_speed_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_speed_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -368,10 +363,9 @@ struct speed_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_speed_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_speed_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -457,10 +451,9 @@ struct gain {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_gain_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_gain_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -474,10 +467,9 @@ struct gain {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_gain_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_gain_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -500,10 +492,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_voltage_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_voltage_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -517,10 +508,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_voltage_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_voltage_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -536,10 +526,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_voltage_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_voltage_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -569,10 +558,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_speed_setpoint_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_speed_setpoint_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -586,10 +574,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_speed_setpoint_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_speed_setpoint_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -605,10 +592,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_speed_setpoint_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_speed_setpoint_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -628,10 +614,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_angle_i32_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_angle_i32_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -645,10 +630,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_angle_i32_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_angle_i32_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -664,10 +648,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_angle_i32_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_angle_i32_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -688,10 +671,9 @@ struct speed_limit {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_speed_limit_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_speed_limit_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -705,10 +687,9 @@ struct speed_limit {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_speed_limit_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_speed_limit_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -733,17 +714,13 @@ struct spin_direction {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -759,10 +736,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_single_turn_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_single_turn_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -776,10 +752,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_single_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_single_turn_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -795,10 +770,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_single_turn_angle_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_single_turn_angle_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -819,10 +793,9 @@ struct acceleration {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_acceleration_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_acceleration_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -836,10 +809,9 @@ struct acceleration {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_acceleration_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_acceleration_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -862,10 +834,9 @@ struct broadcast_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_broadcast_current_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_broadcast_current_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -879,10 +850,9 @@ struct broadcast_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_broadcast_current_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_broadcast_current_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -898,10 +868,9 @@ struct broadcast_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_broadcast_current_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_broadcast_current_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -921,10 +890,9 @@ struct multi_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_multi_turn_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_multi_turn_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -938,10 +906,9 @@ struct multi_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_multi_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_multi_turn_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -979,10 +946,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_single_turn_position_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_single_turn_position_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35::parameters *known) noexcept
@@ -997,10 +963,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_single_turn_position_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_single_turn_position_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35::parameters *known) noexcept
@@ -1017,10 +982,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_single_turn_position_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_single_turn_position_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35::parameters *known) noexcept
@@ -1041,10 +1005,9 @@ struct phase_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_phase_current_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_phase_current_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -1058,10 +1021,9 @@ struct phase_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_phase_current_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_phase_current_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {
@@ -1077,10 +1039,9 @@ struct phase_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_phase_current_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_phase_current_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value, const ::mwd_motor::v2_35::parameters *) noexcept
         {

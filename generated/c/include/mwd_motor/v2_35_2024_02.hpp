@@ -241,11 +241,9 @@ struct temperature {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_temperature_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_temperature_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -260,11 +258,9 @@ struct temperature {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_temperature_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_temperature_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -289,11 +285,9 @@ struct output_power {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_output_power_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_output_power_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -308,11 +302,9 @@ struct output_power {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_output_power_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_output_power_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -399,11 +391,9 @@ struct speed_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_speed_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_speed_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -418,11 +408,9 @@ struct speed_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_speed_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_speed_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -508,11 +496,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_voltage_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_voltage_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -527,11 +513,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_voltage_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_voltage_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -548,11 +532,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_voltage_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_voltage_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -573,11 +555,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_bus_current_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_bus_current_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -592,11 +572,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_bus_current_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_bus_current_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -613,11 +591,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_bus_current_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_bus_current_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -640,17 +616,13 @@ struct motor_state {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -677,11 +649,9 @@ struct i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -696,11 +666,9 @@ struct i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -725,11 +693,9 @@ struct i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_i32_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_i32_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -744,11 +710,9 @@ struct i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_i32_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_i32_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -774,17 +738,13 @@ struct brake_action {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -801,11 +761,9 @@ struct power_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_power_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_power_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -820,11 +778,9 @@ struct power_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_power_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_power_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -910,11 +866,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_speed_setpoint_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -929,11 +883,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_speed_setpoint_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -950,11 +902,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_speed_setpoint_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_speed_setpoint_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -975,11 +925,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_angle_i32_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_angle_i32_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -994,11 +942,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_angle_i32_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_angle_i32_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1015,11 +961,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_angle_i32_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1041,11 +985,9 @@ struct speed_limit_u16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1060,11 +1002,9 @@ struct speed_limit_u16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_speed_limit_u16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1090,17 +1030,13 @@ struct spin_direction {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1116,11 +1052,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_single_turn_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1135,11 +1069,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_single_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1156,11 +1088,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_single_turn_angle_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_single_turn_angle_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1183,17 +1113,13 @@ struct brake_state {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1209,11 +1135,9 @@ struct multi_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1228,11 +1152,9 @@ struct multi_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_multi_turn_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
@@ -1273,11 +1195,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_single_turn_position_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_single_turn_position_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
@@ -1292,11 +1212,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_single_turn_position_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_single_turn_position_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept
@@ -1313,11 +1231,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_35_2024_02::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_35_2024_02_single_turn_position_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_35_2024_02_single_turn_position_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_35_2024_02::parameters *known) noexcept

@@ -259,11 +259,9 @@ struct temperature {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_temperature_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_temperature_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -278,11 +276,9 @@ struct temperature {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_temperature_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_temperature_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -307,11 +303,9 @@ struct output_power {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_output_power_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_output_power_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -326,11 +320,9 @@ struct output_power {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_output_power_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_output_power_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -417,11 +409,9 @@ struct speed_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_speed_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_speed_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -436,11 +426,9 @@ struct speed_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_speed_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_speed_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -527,11 +515,9 @@ struct gain {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_gain_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_gain_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -546,11 +532,9 @@ struct gain {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_gain_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_gain_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -574,11 +558,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_voltage_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_voltage_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -593,11 +575,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_voltage_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_voltage_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -614,11 +594,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_voltage_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_voltage_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -639,11 +617,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_bus_current_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_bus_current_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -658,11 +634,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_bus_current_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_bus_current_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -679,11 +653,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_bus_current_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_bus_current_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -706,17 +678,13 @@ struct motor_state {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -743,11 +711,9 @@ struct i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -762,11 +728,9 @@ struct i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -791,11 +755,9 @@ struct i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_i32_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_i32_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -810,11 +772,9 @@ struct i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_i32_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_i32_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -840,17 +800,13 @@ struct brake_action {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -867,11 +823,9 @@ struct power_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_power_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_power_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -886,11 +840,9 @@ struct power_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_power_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_power_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -976,11 +928,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_speed_setpoint_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_speed_setpoint_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -995,11 +945,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_speed_setpoint_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_speed_setpoint_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1016,11 +964,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_speed_setpoint_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_speed_setpoint_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1041,11 +987,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_angle_i32_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_angle_i32_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1060,11 +1004,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_angle_i32_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_angle_i32_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1081,11 +1023,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_angle_i32_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_angle_i32_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1107,11 +1047,9 @@ struct speed_limit {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_speed_limit_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_speed_limit_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1126,11 +1064,9 @@ struct speed_limit {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_speed_limit_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_speed_limit_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1156,17 +1092,13 @@ struct spin_direction {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1182,11 +1114,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_single_turn_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_single_turn_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1201,11 +1131,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_single_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_single_turn_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1222,11 +1150,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_single_turn_angle_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_single_turn_angle_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1249,17 +1175,13 @@ struct brake_state {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1275,11 +1197,9 @@ struct multi_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_multi_turn_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_multi_turn_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1294,11 +1214,9 @@ struct multi_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_multi_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_multi_turn_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
@@ -1339,11 +1257,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_single_turn_position_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_single_turn_position_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
@@ -1358,11 +1274,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_single_turn_position_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_single_turn_position_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept
@@ -1379,11 +1293,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2024_11::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2024_11_single_turn_position_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2024_11_single_turn_position_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2024_11::parameters *known) noexcept

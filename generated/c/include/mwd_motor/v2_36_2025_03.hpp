@@ -369,11 +369,9 @@ struct temperature {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_temperature_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_temperature_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -388,11 +386,9 @@ struct temperature {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_temperature_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_temperature_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -417,11 +413,9 @@ struct output_power {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_output_power_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_output_power_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -436,11 +430,9 @@ struct output_power {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_output_power_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_output_power_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -527,11 +519,9 @@ struct speed_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -546,11 +536,9 @@ struct speed_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -637,11 +625,9 @@ struct gain {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_gain_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_gain_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -656,11 +642,9 @@ struct gain {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_gain_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_gain_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -684,11 +668,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_voltage_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_voltage_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -703,11 +685,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_voltage_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_voltage_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -724,11 +704,9 @@ struct voltage {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_voltage_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_voltage_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -749,11 +727,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_bus_current_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_bus_current_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -768,11 +744,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_bus_current_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_bus_current_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -789,11 +763,9 @@ struct bus_current {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_bus_current_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_bus_current_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -816,17 +788,13 @@ struct motor_state {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -853,11 +821,9 @@ struct output_limit {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_output_limit_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_output_limit_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
@@ -872,11 +838,9 @@ struct output_limit {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_output_limit_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_output_limit_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
@@ -901,11 +865,9 @@ struct speed_bound {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_bound_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_bound_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -920,11 +882,9 @@ struct speed_bound {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_bound_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_bound_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -949,11 +909,9 @@ struct angle_bound {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_angle_bound_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_angle_bound_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -968,11 +926,9 @@ struct angle_bound {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_angle_bound_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_angle_bound_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -997,11 +953,9 @@ struct speed_ramp {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_ramp_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_ramp_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1016,11 +970,9 @@ struct speed_ramp {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_ramp_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_ramp_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1045,11 +997,9 @@ struct driver_id {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_driver_id_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_driver_id_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1064,11 +1014,9 @@ struct driver_id {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_driver_id_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_driver_id_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1094,17 +1042,13 @@ struct bus_type {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1122,17 +1066,13 @@ struct rs485_baud_rate {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1150,17 +1090,13 @@ struct can_baud_rate {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1177,11 +1113,9 @@ struct max_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_max_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_max_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1196,11 +1130,9 @@ struct max_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_max_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_max_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1225,11 +1157,9 @@ struct current_ramp {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_current_ramp_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_current_ramp_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1244,11 +1174,9 @@ struct current_ramp {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_current_ramp_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_current_ramp_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1274,17 +1202,13 @@ struct brake_action {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1301,11 +1225,9 @@ struct power_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_power_i16_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_power_i16_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1320,11 +1242,9 @@ struct power_i16 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_power_i16_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_power_i16_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1410,11 +1330,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_setpoint_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_setpoint_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1429,11 +1347,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_setpoint_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_setpoint_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1450,11 +1366,9 @@ struct speed_setpoint {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_setpoint_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_setpoint_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1475,11 +1389,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_angle_i32_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_angle_i32_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1494,11 +1406,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_angle_i32_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_angle_i32_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1515,11 +1425,9 @@ struct angle_i32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_angle_i32_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_angle_i32_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1541,11 +1449,9 @@ struct speed_limit {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_limit_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_limit_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1560,11 +1466,9 @@ struct speed_limit {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_speed_limit_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_speed_limit_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1590,17 +1494,13 @@ struct spin_direction {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1616,11 +1516,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_single_turn_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_single_turn_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1635,11 +1533,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_single_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_single_turn_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1656,11 +1552,9 @@ struct single_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_single_turn_angle_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_single_turn_angle_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1683,17 +1577,13 @@ struct brake_state {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };
@@ -1710,11 +1600,9 @@ struct u32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_u32_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_u32_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1729,11 +1617,9 @@ struct u32 {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_u32_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_u32_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1758,11 +1644,9 @@ struct align_ratio {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_align_ratio_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_align_ratio_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1777,11 +1661,9 @@ struct align_ratio {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_align_ratio_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_align_ratio_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1815,11 +1697,9 @@ struct multi_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_multi_turn_angle_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_multi_turn_angle_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1834,11 +1714,9 @@ struct multi_turn_angle {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = false;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_multi_turn_angle_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_multi_turn_angle_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
@@ -1879,11 +1757,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_single_turn_position_to_float(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_single_turn_position_to_float(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
@@ -1898,11 +1774,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_single_turn_position_to_double(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_single_turn_position_to_double(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
@@ -1919,11 +1793,9 @@ struct single_turn_position {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = true;
         static constexpr bool from_needs_parameters = true;
-        static ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = ::mwd_motor_v2_36_2025_03_single_turn_position_to_milli(raw);
-            return CANWRIGHT_OK;
+            return ::mwd_motor_v2_36_2025_03_single_turn_position_to_milli(raw);
         }
         static ::canwright::status from(integer &raw, number value,
             const ::mwd_motor::v2_36_2025_03::parameters *known) noexcept
@@ -2008,17 +1880,13 @@ struct save_result {
         static constexpr bool to_needs_parameters = false;
         static constexpr bool from_fails = false;
         static constexpr bool from_needs_parameters = false;
-        static constexpr ::canwright::status to(number &value, integer raw,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr number to(integer raw, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            value = static_cast<number>(raw);
-            return CANWRIGHT_OK;
+            return static_cast<number>(raw);
         }
-        static constexpr ::canwright::status from(integer &raw, number value,
-            const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
+        static constexpr integer from(number value, const ::mwd_motor::v2_36_2025_03::parameters *) noexcept
         {
-            raw = static_cast<integer>(value);
-            return CANWRIGHT_OK;
+            return static_cast<integer>(value);
         }
     };
 };

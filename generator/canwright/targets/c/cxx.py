@@ -13,8 +13,7 @@ from ...model.message import Direction, Message
 from ...model.types import Type
 from .conversions import ConversionView
 from .examples import ExchangeView
-from .layouts import LayoutView as CLayoutView
-from .names import RESERVED, Names, layouts, member
+from .names import RESERVED, layouts, member
 from .text import english
 from .types import TypeView
 from .view import DirectionView, EditionView, FrameView
@@ -199,10 +198,8 @@ def cxx_view(edition: Edition, view: EditionView) -> CxxView:
 class _Cxx:
     def __init__(self, edition: Edition, view: EditionView) -> None:
         self._edition, self._view = edition, view
-        self._names = Names(edition)
-        self._types = {t.name: t for t in view.types}
-        self._frames = {f.name: f for command in view.commands for f in command.frames}
-        used = [t for t in edition.types if (t.enum or t.flags) and self._names.lower(self._stem(t)) in self._types]
+        self._names = view.names
+        used = [t for t in edition.types if (t.enum or t.flags) and view.has(t)]
         choices = [p for p in edition.parameters if p.is_choice]
         free = _distinct(
             (
@@ -217,16 +214,12 @@ class _Cxx:
         self._enums = {t.name: next(free) for t in used}
         found = [layout for layout in layouts(edition) if _members(layout)]
         self._layouts = dict(zip(found, _distinct((layout.name for layout in found), ()), strict=True))
-        self._members = {layout: self._view_of(layout).members for layout in found}
+        self._members = {layout: view.frame(edition.of_layout(layout)[0]).layout.members for layout in found}
         types = {f.type.name: f.type for layout in found for f in _members(layout)}
         names = _distinct(map(self._stem, types.values()), TYPE_NAMES)
         self._traits = dict(self._type_traits(zip(types.values(), names, strict=True)))
         presences = dict.fromkeys(itertools.chain.from_iterable(map(_presences, found)))
         self._presences = {key: self._presence(f"only_{place}", key) for place, key in enumerate(presences, 1)}
-
-    def _view_of(self, layout: Layout) -> CLayoutView:
-        name = self._names.lower(layout.name)
-        return next(frame.layout for frame in self._frames.values() if frame.layout.name == name)
 
     def view(self) -> CxxView:
         tags = [name for _, name in self._view.fields]
@@ -277,7 +270,7 @@ class _Cxx:
     def _type_enums(self) -> Iterator[EnumView]:
         for type_ in self._edition.types:
             if type_.name in self._enums:
-                view = self._types[self._names.lower(self._stem(type_))]
+                view = self._view.type(type_)
                 names = [m.name for m in (*type_.enum, *type_.flags)]
                 values = (self._names.upper(self._stem(type_), name) for name in names)
                 yield EnumView(
@@ -291,7 +284,7 @@ class _Cxx:
 
     def _type_traits(self, names: Iterable[tuple[Type, str]]) -> Iterator[tuple[str, TypeTraits]]:
         for type_, name in names:
-            view = self._types[self._names.lower(self._stem(type_))]
+            view = self._view.type(type_)
             enum = self._enums.get(type_.name, "")
             pairs = (
                 ("single", "float", view.single),
@@ -332,7 +325,7 @@ class _Cxx:
         )
 
     def _message(self, message: Message) -> MessageView:
-        frame = self._frames[self._names.lower(message.name)]
+        frame = self._view.frame(message)
         command = self._edition.command(message.command)
         reply = command.reply if message.direction is Direction.REQUEST else None
         return MessageView(

@@ -2,51 +2,118 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from operator import or_
 from typing import NamedTuple
 
 from ...model.edition import Edition
+from ...model.layout import Space
 from ...model.message import Address, Direction, IdRule, Key, Message
+from ...semantics.bits import placed
+from ...semantics.plan import CheckConstant, message_plan
 from . import bits
-from .expressions import joined, operand
-from .filters import address_filter
-from .names import Names
-from .numbers import working
-from .patterns import Pattern, address_mask, named_patterns, pattern_of
+from .expressions import joined, operand, working
+from .names import Names, Pattern, address_mask, named_patterns, pattern_of
 from .text import english
 from .types import MacroView
 
-EXTENDED = 1 << 31
+EXTENDED, REMOTE = 1 << 31, 1 << 30
+STANDARD_BITS, EXTENDED_BITS = (1 << 11) - 1, (1 << 29) - 1
+MANY_NODES = 1 << 16
+"""Of so many ids, all bits between the lowest and the highest that differ are different somewhere."""
 
 
-class RuleView(NamedTuple):
+class Filter(NamedTuple):
+    """The frames of an address: `id` and `mask` of one node, without the part of the id that depends on the node."""
+
+    id: int
+    mask: int
+    all_id: int
+    """The id for all nodes."""
+    all_mask: int
+    """The mask for all nodes."""
+    is_exact: bool
+    """False if the filter for all nodes also accepts ids that the address does not have."""
+
+
+def address_filter(edition: Edition, address: Address, direction: Direction) -> Filter:
+    """The filter for the messages of an address; there is at least one."""
+    rule = address.rule(direction)
+    kind, width = (EXTENDED, EXTENDED_BITS) if rule.extended else (0, STANDARD_BITS)
+    messages = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
+    patterns = [pattern for message in messages for pattern in _patterns(message)]
+    values = [value for value, _ in patterns]
+    mask = (EXTENDED | REMOTE | width) & ~(_differing(values) | reduce(or_, (free for _, free in patterns)))
+    nodes = rule.nodes or range(1)
+    first, last = (rule.base + node * rule.node_step for node in (nodes[0], nodes[-1]))
+    if len(nodes) < MANY_NODES:
+        of_nodes = _differing(range(first, last + 1, rule.node_step))
+    else:
+        of_nodes = ((1 << (first ^ last).bit_length()) - 1) & -(rule.node_step & -rule.node_step)
+    all_mask = mask & ~of_nodes
+    is_exact = 1 << of_nodes.bit_count() == len(nodes)
+    return Filter(values[0] & mask, mask, (values[0] | first | kind) & all_mask, all_mask, is_exact)
+
+
+def _patterns(message: Message) -> Iterator[tuple[int, int]]:
+    """The bits of the id that keys and constant fields set, for each accepted code, and the bits that fields may set."""
+    plan = message_plan(message)
+    constants = {step.field for step in plan.decoding if isinstance(step, CheckConstant)}
+    fixed, free = REMOTE * message.remote, 0
+    for field in (f for f in message.layout.fields if f.space is Space.ID):
+        for element in field.elements:
+            if field in constants:
+                fixed |= placed(element.segments, field.role.sent_raw or 0)
+            else:
+                free |= placed(element.segments, -1)
+    keys = [[placed(k.key.segments, v) * (k.key.space is Space.ID) for v in k.values] for k in plan.keys] or [[0]]
+    fixed |= reduce(or_, (bits[0] for bits in keys[1:]), 0)
+    yield from ((fixed | bits, free) for bits in keys[0])
+
+
+def _differing(ids: Sequence[int]) -> int:
+    """The bits that are not the same in all ids."""
+    return reduce(or_, (one ^ ids[0] for one in ids), 0)
+
+
+class RuleView:
     """The ids of one direction of an address. A fixed id has a macro, the others two functions."""
 
-    direction: str
-    id_macro: str
-    id_function: str
-    node_function: str
-    base: str
-    mask: str
-    """The bits of the id that belong to the address; empty if all do."""
-    has_nodes: bool
-    node_unknown: str
-    """The condition for a `node` that the address does not have."""
-    node_offset: str
-    """The part of the id that depends on `node`."""
-    has_step: bool
-    """True if the ids of consecutive nodes are not consecutive."""
-    offset_node: str
-    """The node from the `offset` of an id."""
-    offset_rest: str
-    """The remainder of `offset` without the node; it must be 0."""
-    filter_doc: str
-    filter_function: str
-    filter_bits: str
-    """Bits of the id of the filter for one node besides those of its `id_function`; empty without any."""
-    filter_mask: str
-    filters: tuple[MacroView, ...]
-    """The filter for all nodes."""
+    def __init__(self, names: Names, edition: Edition, address: Address, direction: Direction) -> None:
+        rule = address.rule(direction)
+        accepted = address_filter(edition, address, direction)
+        base = names.lower(address.name, direction.value)
+        mask = address_mask(edition, address.name, direction)
+        self.direction = direction.value
+        self.id_macro = names.upper(address.name, direction.value, "id")
+        self.id_function, self.node_function = f"{base}_id", f"{base}_node"
+        self.base = f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u"
+        self.has_nodes = rule.nodes is not None
+        self.mask = f"0x{0xFFFFFFFF & ~mask:08X}u" if mask else ""
+        """The bits of the id that belong to the address; empty if all do."""
+        self.node_unknown = _node_unknown(rule)
+        self.has_step = rule.node_step != 1
+        """True if the ids of consecutive nodes are not consecutive."""
+        self.node_offset, self.offset_node, self.offset_rest = _step(rule.node_step)
+        """The part of the id that depends on `node`, the node from the `offset` of an id, and the rest, which must be 0."""
+        frames = "replies from" if direction is Direction.REPLY else "requests to"
+        self.filter_doc = f"The filter for the {frames} one node."
+        self.filter_function = f"{base}_filter"
+        self.filter_bits = f"0x{accepted.id:X}u" if accepted.id else ""
+        """Bits of the id of the filter for one node besides those of its `id_function`; empty without any."""
+        self.filter_mask = f"0x{accepted.mask:08X}u"
+        which = f"the {frames} all nodes" if self.has_nodes else f"the {frames.split()[0]}"
+        superset = "" if accepted.is_exact else ", which also accepts ids of no node"
+        ends = (
+            ("filter_id", accepted.all_id, f"Id of the filter for {which}{superset}."),
+            ("filter_mask", accepted.all_mask, f"Mask of the filter for {which}."),
+        )
+        self.filters = [
+            MacroView(names.upper(address.name, direction.value, ending), f"0x{value:08X}u", doc)
+            for ending, value, doc in ends
+        ]
+        """The filter for all nodes."""
 
     def masked(self, id_: str) -> str:
         """The bits of an id that belong to the address."""
@@ -122,6 +189,7 @@ class Messages:
         by_pattern: dict[Pattern, list[Message]] = {}
         for message in edition.all_messages():
             by_pattern.setdefault(pattern_of(message), []).append(message)
+        self._rules: dict[tuple[str, Direction], RuleView] = {}
         self._at: dict[str, list[PatternView]] = {}
         self._messages: dict[str, MessageView] = {}
         for pattern, parts in named_patterns(by_pattern).items():
@@ -136,10 +204,14 @@ class Messages:
         return self._messages[message.name]
 
     def rule(self, address: Address, direction: Direction) -> RuleView:
-        return rule_view(self._names, self._edition, address, direction)
+        key = address.name, direction
+        if key not in self._rules:
+            self._rules[key] = RuleView(self._names, self._edition, address, direction)
+        return self._rules[key]
 
     def _message(self, message: Message, pattern: PatternView) -> MessageView:
-        constants = [f for f in message.layout.fields if f.role.is_checked and not f.only]
+        constants = [step.field for step in message_plan(message).decoding if isinstance(step, CheckConstant)]
+        always = [bits.constant_differs(field) for field in constants if not field.only]
         return MessageView(
             name=self._names.lower(message.name),
             struct=self._names.lower(message.name, "t"),
@@ -147,7 +219,7 @@ class Messages:
             pattern=pattern,
             dlc=message.dlc,
             codes=tuple(_codes(message)),
-            other_constant=joined("||", [bits.constant_differs(f) for f in constants]) if constants else "",
+            other_constant=joined("||", always) if always else "",
             node_in_data=bits.key_value(message.node_in_data) if message.node_in_data else "",
         )
 
@@ -165,70 +237,19 @@ class Messages:
 
 def addresses(names: Names, edition: Edition, messages: Messages) -> list[AddressView]:
     """The addresses that messages use, each with the directions that they use."""
-    found = []
-    for address in edition.addresses:
-        used = messages.at(address)
-        nodes = address.request.nodes or address.reply.nodes
-        rules = dict.fromkeys(pattern.rule for pattern in used)
-        ends = (
-            (("node_min", nodes[0], "Lowest node number."), ("node_max", nodes[-1], "Highest node number."))
-            if nodes
-            else ()
-        )
-        heading = english(address.title) + (f" ({address.manual})" if address.manual else "")
-        if used:
-            macros = tuple(MacroView(names.upper(address.name, ending), f"{node}u", doc) for ending, node, doc in ends)
-            found.append(
-                AddressView(
-                    name=address.name,
-                    heading=heading,
-                    doc=english(address.about),
-                    rules=tuple(rules),
-                    patterns=used,
-                    nodes=macros,
-                )
-            )
-    return found
+    return [_address(names, address, messages.at(address)) for address in edition.addresses if messages.at(address)]
 
 
-def rule_view(names: Names, edition: Edition, address: Address, direction: Direction) -> RuleView:
-    rule = address.rule(direction)
-    mask = address_mask(edition, address.name, direction)
-    base = names.lower(address.name, direction.value)
-    node_offset, offset_node, offset_rest = _step(rule.node_step)
-    accepted = address_filter(edition, address, direction)
-    frames = "replies from" if direction is Direction.REPLY else "requests to"
-    which = f"the {frames} all nodes" if rule.nodes is not None else f"the {frames.split()[0]}"
-    superset = "" if accepted.is_exact else ", which also accepts ids of no node"
-    return RuleView(
-        direction=direction.value,
-        id_macro=names.upper(address.name, direction.value, "id"),
-        id_function=f"{base}_id",
-        node_function=f"{base}_node",
-        base=f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u",
-        mask=f"0x{0xFFFFFFFF & ~mask:08X}u" if mask else "",
-        has_nodes=rule.nodes is not None,
-        node_unknown=_node_unknown(rule),
-        node_offset=node_offset,
-        has_step=rule.node_step != 1,
-        offset_node=offset_node,
-        offset_rest=offset_rest,
-        filter_doc=f"The filter for the {frames} one node.",
-        filter_function=f"{base}_filter",
-        filter_bits=f"0x{accepted.id:X}u" if accepted.id else "",
-        filter_mask=f"0x{accepted.mask:08X}u",
-        filters=(
-            MacroView(
-                names.upper(address.name, direction.value, "filter_id"),
-                f"0x{accepted.all_id:08X}u",
-                f"Id of the filter for {which}{superset}.",
-            ),
-            MacroView(
-                names.upper(address.name, direction.value, "filter_mask"),
-                f"0x{accepted.all_mask:08X}u",
-                f"Mask of the filter for {which}.",
-            ),
-        ),
+def _address(names: Names, address: Address, patterns: tuple[PatternView, ...]) -> AddressView:
+    nodes = address.request.nodes or address.reply.nodes
+    ends = [("node_min", nodes[0], "Lowest"), ("node_max", nodes[-1], "Highest")] if nodes else []
+    return AddressView(
+        name=address.name,
+        heading=english(address.title) + (f" ({address.manual})" if address.manual else ""),
+        doc=english(address.about),
+        rules=tuple(dict.fromkeys(pattern.rule for pattern in patterns)),
+        patterns=patterns,
+        nodes=tuple(MacroView(names.upper(address.name, e), f"{n}u", f"{word} node number.") for e, n, word in ends),
     )
 
 
@@ -248,12 +269,11 @@ def frame_id(message: Message, frame: str = "frame") -> str:
 
 
 def _codes(message: Message) -> Iterator[tuple[str, ...]]:
-    if not message.keys:
+    labels = [bits.labels(accepted.key, accepted.values) for accepted in message_plan(message).keys]
+    for first in labels[0] if labels else ():
+        yield (first, *(values[0] for values in labels[1:]))
+    if not labels:
         yield ()
-        return
-    rest = [bits.labels(key, [key.value])[0] for key in message.keys[1:]]
-    for value in dict.fromkeys((message.keys[0].value, *message.accepted_codes)):
-        yield (*bits.labels(message.keys[0], [value]), *rest)
 
 
 def _code(key: Key, index: int) -> CodeView:

@@ -9,13 +9,13 @@ from typing import NamedTuple, TypeVar
 
 from ...model.edition import Edition
 from ...model.golden_frames import CheckedFrame, GoldenFrame, GoldenFrames, RawValue, RefusedFrame, RefusedValues
-from ...model.layout import Field, Layout
+from ...model.layout import MAX_DATA_BYTES, Field, Layout
 from ...model.message import Direction, Message
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.frame import CanFrame, node_of
 from ..base import EditionInput
-from .names import Names, member
-from .numbers import integer
+from .expressions import integer
+from .names import member
 from .view import DirectionView, EditionView, FrameView
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
@@ -66,6 +66,8 @@ class SelfTestView(NamedTuple):
     directions: tuple[DirectionView, ...]
     parameters: tuple[str, ...]
     tables: tuple[Table, ...]
+    blank: str
+    """The initializer of a stored frame without anything."""
 
 
 def has_self_test(specification: EditionInput) -> bool:
@@ -85,9 +87,8 @@ def self_test(specification: EditionInput, view: EditionView) -> SelfTestView:
 class _SelfTest:
     def __init__(self, edition: Edition, frames: GoldenFrames, view: EditionView) -> None:
         self._edition, self._frames, self._view = edition, frames, view
-        self._names = Names(edition)
+        self._names = view.names
         self._decoder = Decoder(edition)
-        self._by_name = {f.name: f for command in view.commands for f in command.frames}
         self._messages: dict[Message, int] = {}
         self._raws: dict[Layout, dict[str, int]] = {}
         self._known: dict[str, int] = {}
@@ -112,6 +113,7 @@ class _SelfTest:
             directions=tuple(d for d in self._view.directions if d.decode),
             parameters=tuple(self._known),
             tables=tuple(numbered),
+            blank=_braces("0u", _braces(*["0u"] * MAX_DATA_BYTES)),
         )
 
     def _frame(self, frame: GoldenFrame) -> Entry:
@@ -199,9 +201,9 @@ class _SelfTest:
         return LayoutTable(self._names.lower(layout.name), _table(layout), tuple(same), tuple(entries))
 
     def _case(self, message: Message, number: int) -> MessageCase:
-        frame = self._by_name[self._names.lower(message.name)]
+        frame = self._view.frame(message)
         enumerator = self._names.command(message.command)
-        any_ = next(d for d in self._view.directions if d.word == message.direction.value)
+        any_ = self._view.direction(message.direction)
         same = [f"{any_.word}.command == {enumerator}", f"{any_.word}.node == result->node"]
         if frame.struct:
             content = any_.by_command[enumerator]
@@ -262,5 +264,5 @@ def _can(frame: GoldenFrame) -> CanFrame:
 
 def _stored(frame: GoldenFrame | RefusedFrame | CheckedFrame) -> str:
     flags = (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
-    data = [f"0x{byte:02X}u" for byte in frame.data.ljust(8, b"\0")[:8]]
+    data = [f"0x{byte:02X}u" for byte in frame.data.ljust(MAX_DATA_BYTES, b"\0")[:MAX_DATA_BYTES]]
     return _braces(f"0x{frame.id | flags:X}u", _braces(*data))

@@ -6,16 +6,65 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from ...model.edition import Edition
-from ...model.types import Encoding, Type
-from .choices import Choice
-from .comments import errata, type_facts
-from .conversions import ConversionView, milli
-from .floating import DOUBLE, SINGLE, floating, has_floating, is_wide
+from ...model.types import Encoding, Linear, Type
+from .choices import Choice, choose
+from .conversions import ConversionView, Formula, milli, ratio
+from .expressions import INT64, Integer, integer
+from .floating import DOUBLE, SINGLE, floating, has_floating, initializer, is_wide, raw_kind
 from .names import SCALE_MACROS, Names, layouts
-from .numbers import INT64, Integer, integer
-from .printing import ShowView, show
-from .text import english, literal, with_deprecation
-from .validity import Condition, valid
+from .text import english, errata, literal, type_facts, with_deprecation
+from .validity import valid
+
+FEWEST, MOST = 3, 9
+"""The limits of the number of decimals of a scale that is no decimal fraction."""
+UNKNOWN_SCALE = 6
+"""The number of decimals of a scale that depends on a number parameter, and of a float."""
+
+
+class ShowView(NamedTuple):
+    """How a number is printed: `formulas` by parameter value; one with a status prints the raw integer.
+
+    `unit` is the string literal that follows a value; empty if no alternative has a value, or if there is no unit.
+    """
+
+    formulas: Choice[Formula]
+    raw: str
+    unit: str
+
+
+def show(names: Names, type_: Type) -> ShowView:
+    kind = raw_kind(type_)
+    plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, raw);"
+
+    def formula(linear: Linear | None) -> Formula:
+        if linear is None:
+            return RAW
+        if linear.is_identity and type_.encoding is not Encoding.FLOAT:
+            return Formula(number=plain)
+        numbers = initializer(linear, type_)
+        if not numbers:
+            return RAW
+        call = f"canwright_print_value_{kind}(printer, raw, &linear, {decimals(type_, linear)}u);"
+        return Formula(number=call, linear=numbers, ratio=ratio(linear))
+
+    formulas = choose(names, type_.linear, formula, RAW)
+    has_value = any(not one.status for one in formulas.alternatives)
+    return ShowView(formulas, plain, literal(f" {type_.unit.dbc}") if type_.unit and has_value else "")
+
+
+RAW = Formula(status="NO_SCALE")
+
+
+def decimals(type_: Type, linear: Linear) -> int:
+    """The number of decimals that are exact if there are at most six, and distinguish all raw integers otherwise."""
+    if linear.times is not None or type_.encoding is Encoding.FLOAT:
+        return UNKNOWN_SCALE
+    divisor = linear.as_quotient[2]
+    exact = next((digits for digits in range(UNKNOWN_SCALE + 1) if 10**digits % divisor == 0), None)
+    if exact is not None:
+        return exact
+    enough = next((digits for digits in range(MOST) if abs(linear.scale) * 10**digits >= 1), MOST)
+    return min(max(enough + 1, FEWEST), MOST)
 
 
 class MacroView(NamedTuple):
@@ -29,30 +78,33 @@ class NameView(NamedTuple):
     name: str
 
 
-class TypeView(NamedTuple):
-    """A type with its macros, names, check and conversions. `facts` are part of `doc`; `names` are those of an enum or of flags.
+class TypeView:
+    """A type with its macros, names, check and conversions."""
 
-    `use` is a sentence with the type and its functions, for comments of fields.
-    """
-
-    name: str
-    use: str
-    heading: str
-    doc: tuple[str, ...]
-    facts: tuple[str, ...]
-    kind: str
-    macros: tuple[MacroView, ...]
-    names: tuple[NameView, ...]
-    is_flags: bool
-    valid: Choice[Condition] | None
-    milli: ConversionView | None
-    milli_unit: str
-    single: ConversionView | None
-    double: ConversionView | None
-    show: ShowView
-    has_notes: bool
-    """True if `doc` says which conversions are missing."""
-    unit: str
+    def __init__(self, names: Names, edition: Edition, type_: Type) -> None:
+        stem, kind = names.type_stem(type_), integer(type_)
+        unit = type_.unit.dbc if type_.unit else ""
+        self.name = names.lower(stem)
+        self.kind = kind.name
+        self.unit = unit
+        self.heading = f"{stem}: {english(type_.title) or type_.name}" + (f", {unit}" if unit else "")
+        self.valid = valid(names, type_)
+        self.milli = milli(names, type_, self.valid)
+        self.milli_unit = f"thousandths of {unit}" if unit else "thousandths"
+        self.single, self.double = (floating(names, type_, self.valid, format_) for format_ in (SINGLE, DOUBLE))
+        self.show = show(names, type_)
+        self.use = f"Raw integer, type {stem}{_functions(type_, stem, self.milli or self.double)}."
+        """A sentence with the type and its functions, for comments of fields."""
+        lacking = list(_lacking(type_, self.milli))
+        self.has_notes = bool(lacking)
+        """True if `doc` says which conversions are missing."""
+        self.facts = type_facts(type_)
+        about = " ".join(text for text in (english(type_.about), *self.facts, *lacking) if text)
+        self.doc = [text for text in (about, *errata(edition, type_.path)) if text]
+        self.macros = [*_limits(names, type_, kind), *_scale(names, type_), *_members(names, type_, kind)]
+        self.names = [NameView(names.upper(stem, m.name), m.name) for m in (*type_.enum, *type_.flags)]
+        """Those of an enum or of flags."""
+        self.is_flags = bool(type_.flags)
 
     @property
     def is_enum(self) -> bool:
@@ -66,39 +118,7 @@ class TypeView(NamedTuple):
 def types(names: Names, edition: Edition) -> list[TypeView]:
     """The types that fields use, in spec order."""
     used = {field.type.name for layout in layouts(edition) for field in layout.fields}
-    return [_type(names, edition, type_) for type_ in edition.types if type_.name in used]
-
-
-def _type(names: Names, edition: Edition, type_: Type) -> TypeView:
-    kind, check = integer(type_), valid(names, type_)
-    unit = type_.unit.dbc if type_.unit else ""
-    title = english(type_.title) or type_.name
-    stem = names.type_stem(type_)
-    thousandths = milli(names, type_, check)
-    lacking = tuple(_lacking(type_, thousandths))
-    facts = tuple(type_facts(type_))
-    about = " ".join(text for text in (english(type_.about), *facts, *lacking) if text)
-    in_float, in_double = (floating(names, type_, check, format_) for format_ in (SINGLE, DOUBLE))
-    macros = [*_limits(names, type_, kind), *_scale(names, type_), *_members(names, type_, kind)]
-    return TypeView(
-        name=names.lower(stem),
-        use=f"Raw integer, type {stem}{_functions(type_, stem, thousandths or in_double)}.",
-        heading=f"{stem}: {title}" + (f", {unit}" if unit else ""),
-        doc=tuple(text for text in (about, *errata(edition, type_.path)) if text),
-        facts=facts,
-        kind=kind.name,
-        macros=tuple(macros),
-        names=tuple(NameView(names.upper(names.type_stem(type_), m.name), m.name) for m in (*type_.enum, *type_.flags)),
-        is_flags=bool(type_.flags),
-        valid=check,
-        milli=thousandths,
-        milli_unit=f"thousandths of {unit}" if unit else "thousandths",
-        single=in_float,
-        double=in_double,
-        show=show(names, type_),
-        has_notes=bool(lacking),
-        unit=unit,
-    )
+    return [TypeView(names, edition, type_) for type_ in edition.types if type_.name in used]
 
 
 def _functions(type_: Type, stem: str, conversion: ConversionView | None) -> str:

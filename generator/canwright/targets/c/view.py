@@ -13,18 +13,18 @@ from typing import NamedTuple
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Layout
-from ...model.message import Command, Direction, OtherReply
+from ...model.message import Command, Direction, Message, OtherReply
 from ...model.metadata import Level
+from ...model.types import Type
 from ..base import header
-from .choices import ParameterView, parameter_access, parameters
-from .comments import errata
+from .choices import parameter_access, parameters
 from .conversions import ConversionView
-from .dispatch import AnswerView, RouteView, UnpackView, answers, command_numbers, routes
-from .expressions import joined
-from .layouts import LayoutView, fields_named, layout_view
-from .messages import AddressView, Messages, MessageView, addresses
+from .dispatch import RouteView, UnpackView, answers, command_numbers, routes
+from .expressions import call, joined
+from .layouts import LayoutView, fields_named
+from .messages import Messages, MessageView, addresses
 from .names import Names, layouts, member
-from .text import english, literal, with_deprecation
+from .text import english, errata, literal, with_deprecation
 from .types import MacroView, TypeView, types
 
 
@@ -73,6 +73,26 @@ class FrameView(NamedTuple):
         pattern = self.message.pattern
         start = [*(["node"] if pattern.rule.has_nodes else []), "frame", f"{self.message.dlc}u"]
         return [f"{pattern.name}_match({', '.join([*start, *codes])})" for codes in self.message.codes]
+
+    def encode(self, frame: str, node: str, message: str, parameters: str) -> str:
+        """The call that encodes a message, without the arguments that it does not take."""
+        return call(
+            f"{self.name}_encode",
+            frame,
+            node if self.message.pattern.rule.has_nodes else "",
+            message if self.struct else "",
+            parameters if self.takes_parameters else "",
+        )
+
+    def decode(self, message: str, node: str, frame: str, parameters: str) -> str:
+        """The call that decodes a message, without the arguments that it does not take."""
+        return call(
+            f"{self.name}_decode",
+            message if self.struct else "",
+            node if self.message.has_node else "",
+            frame,
+            parameters if self.layout.depends else "",
+        )
 
     @property
     def is_match_only(self) -> bool:
@@ -170,6 +190,11 @@ class DirectionView:
         """The members of the union by command."""
         return {one.command: one for _, one in self.members}
 
+    def print(self, e: EditionView, frame: str) -> str:
+        """The call that prints a frame into the array `text`."""
+        parameters = "&parameters" if self.show_parameters else ""
+        return call(f"{e.prefix}print_{self.word}", "text", "sizeof text", frame, parameters)
+
     @cached_property
     def depends(self) -> bool:
         return any(content.layout.depends for content in self.contents)
@@ -204,29 +229,46 @@ class FloatingView(NamedTuple):
     types: tuple[tuple[TypeView, ConversionView], ...]
 
 
-class EditionView(NamedTuple):
+class EditionView:
     """The content of a header. `spec` is the start of the hash of its spec; every name has `prefix` or `PREFIX`."""
 
-    header: str
-    spec: str
-    prefix: str
-    PREFIX: str
-    family: str
-    file: str
-    title: str
-    doc: tuple[str, ...]
-    facts: tuple[MacroView, ...]
-    parameters: tuple[ParameterView, ...]
-    addresses: tuple[AddressView, ...]
-    types: tuple[TypeView, ...]
-    fields: tuple[tuple[str, str], ...]
-    layouts: tuple[LayoutView, ...]
-    commands: tuple[CommandView, ...]
-    effects: tuple[MacroView, ...]
-    command_effects: tuple[EffectsView, ...]
-    availability: tuple[AvailabilityView, ...]
-    directions: tuple[DirectionView, ...]
-    answers: tuple[AnswerView, ...]
+    def __init__(self, edition: Edition) -> None:
+        self.names = names = Names(edition)
+        used, numbers, messages = layouts(edition), command_numbers(edition), Messages(names, edition)
+        self.header = header(edition)
+        self.spec = edition.hash[:8]
+        self.prefix, self.PREFIX = names.lower(""), names.upper("")
+        self.family, self.file = edition.family, edition.identifier
+        self.title = english(edition.title)
+        self.doc = _edition_doc(edition)
+        self.facts = list(_facts(names, edition))
+        self.parameters = parameters(names, edition)
+        self.addresses = addresses(names, edition, messages)
+        self.types = types(names, edition)
+        self.fields = [(names.upper("field", name), name) for name in fields_named(used)]
+        self._types = {view.name: view for view in self.types}
+        views = {layout: LayoutView(names, edition, layout, self._types) for layout in used}
+        self.layouts = [views[layout] for layout in used if layout.shared]
+        self.commands = [_command(names, edition, messages, c, numbers[c.name], views) for c in edition.commands]
+        self._frames = {frame.name: frame for command in self.commands for frame in command.frames}
+        self.effects = _effects(names, edition)
+        self.command_effects = _command_effects(names, edition)
+        self.availability = _availability(names, edition)
+        self.directions = [_direction(names, edition, messages, direction, views) for direction in Direction]
+        self.answers = answers(names, edition, messages)
+
+    def frame(self, message: Message) -> FrameView:
+        return self._frames[self.names.lower(message.name)]
+
+    def type(self, type_: Type) -> TypeView:
+        return self._types[self.names.lower(self.names.type_stem(type_))]
+
+    def has(self, type_: Type) -> bool:
+        """Whether some field has a type."""
+        return self.names.lower(self.names.type_stem(type_)) in self._types
+
+    def direction(self, direction: Direction) -> DirectionView:
+        return next(view for view in self.directions if view.word == direction.value)
 
     @property
     def parameters_argument(self) -> str:
@@ -260,36 +302,7 @@ class EditionView(NamedTuple):
 @lru_cache(maxsize=4)
 def edition_view(edition: Edition) -> EditionView:
     """Everything that the templates of an edition print; cached, because examples on pages use it, too."""
-    names = Names(edition)
-    used = layouts(edition)
-    messages = Messages(names, edition)
-    numbers = command_numbers(edition)
-    types_ = {view.name: view for view in types(names, edition)}
-    views = {layout: layout_view(names, edition, layout, types_) for layout in used}
-    return EditionView(
-        header=header(edition),
-        spec=edition.hash[:8],
-        prefix=names.lower(""),
-        PREFIX=names.upper(""),
-        family=edition.family,
-        file=edition.identifier,
-        title=english(edition.title),
-        doc=tuple(_edition_doc(edition)),
-        facts=tuple(_facts(names, edition)),
-        parameters=tuple(parameters(names, edition)),
-        addresses=tuple(addresses(names, edition, messages)),
-        types=tuple(types_.values()),
-        fields=tuple((names.upper("field", name), name) for name in fields_named(used)),
-        layouts=tuple(views[layout] for layout in used if layout.shared),
-        commands=tuple(
-            _command(names, edition, messages, command, numbers[command.name], views) for command in edition.commands
-        ),
-        effects=tuple(_effects(names, edition)),
-        command_effects=tuple(_command_effects(names, edition)),
-        availability=tuple(_availability(names, edition)),
-        directions=tuple(_direction(names, edition, messages, direction, views) for direction in Direction),
-        answers=tuple(answers(names, edition, messages)),
-    )
+    return EditionView(edition)
 
 
 def _edition_doc(edition: Edition) -> list[str]:

@@ -238,14 +238,16 @@ constexpr auto read(const Message &from, tag<Field>, const Rest &...arguments) n
                         const parameters *node = known<parameters>(rest...);
                         status why = check<access>(index, node);
                         if (why == CANWRIGHT_OK) {
-                            why = conversion::to(value, access::at(from, index), node);
+                            if constexpr (conversion::to_fails) {
+                                why = conversion::to(value, access::at(from, index), node);
+                            } else {
+                                value = conversion::to(access::at(from, index), node);
+                            }
                         }
                         return why == CANWRIGHT_OK ? result<number, decltype(Field)>(value)
                                                    : result<number, decltype(Field)>(why, Field);
                     } else {
-                        number value{};
-                        static_cast<void>(conversion::to(value, access::at(from, index), known<parameters>(rest...)));
-                        return value;
+                        return conversion::to(access::at(from, index), known<parameters>(rest...));
                     }
                 },
                 arguments...);
@@ -273,7 +275,11 @@ constexpr auto write_value(Message &to, ::std::size_t index, const Value &value,
                 why = index < Access::length ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
             }
             if (why == CANWRIGHT_OK) {
-                why = Conversion::from(found, static_cast<number>(value), known<parameters>(rest...));
+                if constexpr (Conversion::from_fails) {
+                    why = Conversion::from(found, static_cast<number>(value), known<parameters>(rest...));
+                } else {
+                    found = Conversion::from(static_cast<number>(value), known<parameters>(rest...));
+                }
             }
             if (why == CANWRIGHT_OK) {
                 Access::at(to, index) = found;
