@@ -8,6 +8,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
+from ..options import Options
 from . import generate, program, text
 from .fields import varying
 from .messages import base_classes
@@ -19,7 +20,9 @@ class PythonTarget(Target):
 
     title = "Python"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
