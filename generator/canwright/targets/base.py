@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from .. import __version__
 from ..diagnostics.diagnostic import DocumentPath, Severity
-from ..language.golden_frames import GoldenFrame, GoldenFrames
 from ..model.edition import Edition
+from ..model.golden_frames import GoldenFrame, GoldenFrames
 from ..model.message import Command
 from ..model.types import Assignment
 from .options import Options, TargetOption
@@ -38,7 +38,7 @@ class WorkedExchange(NamedTuple):
     command: Command
     request: GoldenFrame | None
     reply: GoldenFrame | None
-    parameters: Mapping[str, str]
+    parameters: Assignment
     is_answered: bool
     """Whether the reply answers the request."""
 

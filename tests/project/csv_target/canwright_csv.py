@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
-from canwright import DocumentPath, Edition, EditionInput, NameProblem, Options, Output, Target, TargetOption
+from canwright import (
+    Assignment,
+    DocumentPath,
+    Edition,
+    EditionInput,
+    NameProblem,
+    Options,
+    Output,
+    Target,
+    TargetOption,
+)
 
 COLUMNS = ("message", "direction", "field", "bits", "type", "unit")
 RESERVED = frozenset({"group", "order", "select"})
@@ -35,7 +45,7 @@ class CsvTarget(Target):
     options = (DELIMITER,)
 
     def generate(
-        self, specifications: Sequence[EditionInput], set_parameters: Mapping[str, str], options: Options
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
     ) -> Iterator[Output]:
         for edition, _ in specifications:
             table = io.StringIO()
