@@ -10,8 +10,8 @@ from .. import __version__
 from ..diagnostics.diagnostic import DocumentPath, Severity
 from ..model.edition import Edition
 from ..model.golden_frames import GoldenFrame, GoldenFrames
-from ..model.message import Command
-from ..model.types import Assignment
+from ..model.message import Command, Message
+from ..model.types import Assignment, Parameter, Type
 from .options import Options, TargetOption
 
 PACKAGE_VERSION = __version__
@@ -50,6 +50,33 @@ class CodeExample(NamedTuple):
     text: str
     essence: str = ""
     """The statements of the program that encode and decode, one a line; empty if the program is a single line."""
+
+
+class ItemNames(NamedTuple):
+    """The names that programs write for a parameter or a type, and for its values or members by their names in the spec.
+
+    `type` is the name of its type in the language; empty without one.
+    """
+
+    name: str
+    type: str
+    members: Mapping[str, str]
+
+
+class CodeNames(NamedTuple):
+    """What programs write to use an edition through the output of a target; `language` as in `CodeExample`."""
+
+    language: str
+    source: str
+    """The header or the module of the edition."""
+    parameters_type: str
+    messages: Mapping[Message, str]
+    needs_parameters: frozenset[Message]
+    """The messages whose constructor or encoder has the parameters as an argument."""
+    fields: Mapping[str, str]
+    parameters: Mapping[Parameter, ItemNames]
+    types: Mapping[Type, ItemNames]
+    """The types with named values; empty if programs write raw integers."""
 
 
 class NameProblem(NamedTuple):
@@ -101,6 +128,10 @@ class Target(ABC):
         A name that disappears has to be replaced in programs. The first name of an item stands for it in reports.
         """
         yield from ()
+
+    def code_names(self, edition: Edition) -> CodeNames | None:
+        """What programs write to use an edition, for tools that write programs; None if they cannot."""
+        return None
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:
         """A program with the output of this target that encodes the request and decodes the reply, for documents.

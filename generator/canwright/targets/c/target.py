@@ -7,9 +7,10 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
+from ..base import CodeExample, CodeNames, EditionInput, NameProblem, Output, Target, WorkedExchange
 from ..options import Options
 from . import generate, program
+from .code_names import code_names
 from .exported import exported_names
 from .problems import edition_collisions, problems
 
@@ -32,6 +33,9 @@ class CTarget(Target):
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         return exported_names(edition)
+
+    def code_names(self, edition: Edition) -> CodeNames:
+        return code_names(edition)
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
         return program(edition, worked)
