@@ -22,13 +22,14 @@ if TYPE_CHECKING:
     from .semantics.encoder import Encoder
     from .semantics.exchange import check_reply
     from .semantics.frame import CanFrame
-    from .targets.base import EditionInput, NameProblem, Output, Target
+    from .targets.base import BinaryOutput, EditionInput, NameProblem, Output, Target
     from .targets.options import Options, TargetOption
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Assignment",
+    "BinaryOutput",
     "CanFrame",
     "Command",
     "Decoded",
@@ -69,7 +70,7 @@ _MODULES: Mapping[str, Sequence[str]] = {
     "semantics.encoder": ("Encoder",),
     "semantics.exchange": ("check_reply",),
     "semantics.frame": ("CanFrame",),
-    "targets.base": ("NameProblem", "Output", "EditionInput", "Target"),
+    "targets.base": ("BinaryOutput", "NameProblem", "Output", "EditionInput", "Target"),
     "targets.options": ("Options", "TargetOption"),
 }
 

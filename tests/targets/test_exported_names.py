@@ -19,7 +19,7 @@ def test_exported_names_are_in_the_output(name: str) -> None:
         edition = specification.edition
         words = set[str]()
         for output in target(name).generate([specification], {}, NO_OPTIONS):
-            words |= set(re.findall(r"\w+", output.text))
+            words |= set(re.findall(r"\w+", output.content.decode("utf-8")))
         prefix = f"{edition.family}_{edition.identifier}_".lower()
         for path, exported in target(name).exported_names(edition):
             starts = (prefix, prefix.upper()) if exported.startswith("…_") else ("",)

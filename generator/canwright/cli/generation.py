@@ -63,18 +63,11 @@ set_option = click.option(
     metavar="PARAMETER=VALUE",
     help="Fix a parameter in the DBC files, for example --set size=12.",
 )
-target_option = click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    type=click.Choice(target_names()),
-    help="A target; may be given several times.  [default: all]",
-)
 
 
 def generation_options(function: Command) -> Command:
-    """Options that a GenerationCommand passes as a Generation; those of targets are below `--set`."""
-    for option in (format_option, set_option, target_option, spec_option):
+    """Options that a GenerationCommand passes as a Generation, with `--target` and those of targets above `--set`."""
+    for option in (format_option, set_option, spec_option):
         function = option(function)
     return function
 
@@ -88,7 +81,7 @@ class GenerationCommand(OfSpecs):
     def get_params(self, ctx: click.Context) -> list[click.Parameter]:
         own = super().get_params(ctx)
         taken = {text for option in own for text in option.opts}
-        at = [option.name for option in own].index("settings") + 1
+        at = [option.name for option in own].index("settings")
         return [*own[:at], *_options(frozenset(taken)), *own[at:]]
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -103,8 +96,17 @@ class GenerationCommand(OfSpecs):
 
 @functools.cache
 def _options(taken: frozenset[str]) -> Sequence[click.Option]:
-    """The options of the targets; `taken` are those of the command. Raises TargetError."""
-    options = []
+    """`--target` and the options of the targets; `taken` are those of the command. Raises TargetError."""
+    others = ", ".join(name for name in target_names() if name not in default_targets())
+    default = f"all except {others}" if others else "all"
+    options = [
+        click.Option(
+            ["--target", "targets"],
+            multiple=True,
+            type=click.Choice(target_names()),
+            help=f"A target; may be given several times.  [default: {default}]",
+        )
+    ]
     for name, declared in declared_options().items():
         if f"--{name}" in taken:
             raise TargetError(

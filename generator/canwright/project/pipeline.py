@@ -35,5 +35,5 @@ def generate(
                 raise registry.TargetError(
                     f"the target `{target}` generates {what}; rename the item of the spec that they are named after"
                 )
-            files[path] = output.text.encode("utf-8")
+            files[path] = output.content
     return Content(tuple(f"{d.edition.family} {d.edition.name}" for d in specifications), tuple(targets), files)

@@ -31,6 +31,18 @@ class Output(NamedTuple):
     path: str
     text: str
 
+    @property
+    def content(self) -> bytes:
+        """The bytes of the file."""
+        return self.text.encode("utf-8")
+
+
+class BinaryOutput(NamedTuple):
+    """A generated file that is not a text."""
+
+    path: str
+    content: bytes
+
 
 class WorkedExchange(NamedTuple):
     """A command with golden frames for an example: a request, a reply, or both, with the parameters of both."""
@@ -106,7 +118,7 @@ class Target(ABC):
     @abstractmethod
     def generate(
         self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
-    ) -> Iterator[Output]:
+    ) -> Iterator[Output | BinaryOutput]:
         """The files for the editions, which may be of several families.
 
         `set_parameters` are values of parameters to fix in the output, by name; a target that leaves them to its user

@@ -14,6 +14,7 @@ from ...model.layout import Field, FixedRole, Layout, NodeRole, ReservedRole, Sp
 from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
 from ...model.types import Assignment, Encoding, Text, Type
 from ...templating.markup import code, markdown
+from ..availability import is_available, values_of
 from .links import command_link
 
 Labels = Mapping[str, str]
@@ -47,11 +48,6 @@ class Row(NamedTuple):
 def code_of(command: Command) -> str:
     """The code of a command, or a check mark if it has none."""
     return f"0x{command.code:02X}" if command.code is not None else "✓"
-
-
-def constant(raw: int) -> str:
-    """A constant in the notation of codes."""
-    return f"0x{raw:02X}" if raw >= 0 else str(raw)
 
 
 def index(message: Message | None) -> str:
@@ -90,7 +86,7 @@ def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels:
         if i == 0 and message.accepted_codes:
             accepted = ", ".join(code(f"0x{value:02X}") for value in message.accepted_codes)
             note += f"{labels['and']}{labels['accepted']} {accepted}"
-        yield Row(start.place, "", f"{start.raw}<br>{code(constant(key.value))}", "", "", "", note)
+        yield Row(start.place, "", f"{start.raw}<br>{code(formatting.constant(key.value))}", "", "", "", note)
 
 
 def field_rows(
@@ -111,18 +107,6 @@ def field_rows(
             for cells in places:
                 formats = "<br>".join(filter(None, (cells.raw, raw)))
                 yield Row(cells.place, cells.field, formats, resolution, values, _only(layout, field), what)
-
-
-def is_available(layout: Layout, field: Field, command: Command) -> bool:
-    """Whether the field exists for a parameter value that has the command."""
-    return not field.only or bool(values_of(layout.parameter or "", layout, field, command))
-
-
-def values_of(parameter: str, layout: Layout, field: Field, command: Command) -> tuple[str, ...]:
-    """The values of a parameter under which a command has a field, if it is limited to some; empty for all and for none."""
-    here = field.only if layout.parameter == parameter else ()
-    having = command.only.get(parameter, ())
-    return tuple(value for value in here if value in having) if here and having else here or having
 
 
 def _only(layout: Layout, field: Field) -> str:
@@ -160,7 +144,7 @@ def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> 
     if isinstance(field.role, FixedRole):
         return (
             "",
-            code(constant(field.role.raw)),
+            code(formatting.constant(field.role.raw)),
             labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"],
         )
     among = values_of(field.type.linear.parameter or "", layout, field, command)
