@@ -11,7 +11,18 @@ from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.layout import Field, FixedRole, Layout, NodeRole, ReservedRole, Space
-from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
+from ...model.message import (
+    Command,
+    Direction,
+    EchoReply,
+    IdRule,
+    Key,
+    KeyRole,
+    Message,
+    OtherReply,
+    OwnReply,
+    SharedReply,
+)
 from ...model.types import Assignment, Encoding, Text, Type
 from ...templating.markup import code, markdown
 from ..availability import is_available, values_of
@@ -19,8 +30,9 @@ from .links import command_link
 
 Labels = Mapping[str, str]
 _FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
+_KEY_LABELS = {KeyRole.CODE: "selector", KeyRole.INDEX: "selector_of_entry", KeyRole.CONSTANT: "constant"}
 MAX_MEMBERS = 8
-"""Most members shown in a row of a byte table; the page of types has all members with their titles."""
+"""Most members or commands shown in a row; the page of types has all members with their titles."""
 
 
 class Titled(Protocol):
@@ -82,7 +94,7 @@ def field_cells(field: Field) -> list[Cells]:
 def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels: Labels) -> Iterator[Row]:
     """The rows of the keys of a frame."""
     for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
-        note = labels["selector_of_entry" if command.entry and key.role is KeyRole.INDEX else "selector"]
+        note = labels[_KEY_LABELS[key.role] if command.entry or key.role is not KeyRole.INDEX else "selector"]
         if i == 0 and message.accepted_codes:
             accepted = ", ".join(code(f"0x{value:02X}") for value in message.accepted_codes)
             note += f"{labels['and']}{labels['accepted']} {accepted}"
@@ -220,21 +232,50 @@ def reply_form(edition: Edition, command: Command, labels: Labels, commands: str
     form = labels[_form_label(command)]
     for reply in command.replies:
         if isinstance(reply, OtherReply):
-            return f"{form} [{markdown(reply.of)}]({commands}{command_link(edition, reply.of)})"
+            return f"{form} {_link(edition, reply, commands)}"
         if isinstance(reply, SharedReply):
             return f"{form} {code(reply.message.layout.name)}"
     return form
+
+
+def _link(edition: Edition, reply: OtherReply, commands: str) -> str:
+    return f"[{markdown(reply.of)}]({commands}{command_link(edition, reply.of)})"
 
 
 def _form_label(command: Command) -> str:
     return _FORM_LABELS[type(command.replies[0])] if command.replies else "none"
 
 
+def _sharers(edition: Edition, layout: Layout, command: Command, labels: Labels) -> str:
+    """Which other replies have a layout: those of `0x9C`, `0xA0` to `0xA8`, by name where a code is not enough."""
+    names: dict[str, None] = {}
+    codes: set[int] = set()
+    for message in edition.of_layout(layout):
+        other = edition.command(message.command)
+        if other is command or message.direction is Direction.REQUEST:
+            continue
+        if other.code is None or other.entry:
+            names[other.name] = None
+        else:
+            codes.add(other.code)
+    runs = [run.partition("..") for run in formatting.numbers(sorted(codes)).split(", ")] if codes else []
+    listed = [labels["through"].join(code(f"0x{int(end):02X}") for end in (low, high) if end) for low, _, high in runs]
+    shown = (*listed, *map(code, names))
+    if not shown:
+        return labels["means_own"]
+    if len(shown) > MAX_MEMBERS:
+        return labels["means_many"].format(len(codes) + len(names))
+    return labels["means_layout"].format(labels["listed"].join(shown))
+
+
 def reply_facts(edition: Edition, command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
     """Form and senders of the reply."""
-    yield (
-        labels["form"],
-        reply_form(edition, command, labels, "") + labels["comma"] + labels[f"means_{_form_label(command)}"],
-    )
+    form = labels[f"means_{_form_label(command)}"]
+    for reply in command.replies:
+        if isinstance(reply, OtherReply):
+            form = form.format(_link(edition, reply, ""))
+        elif isinstance(reply, SharedReply):
+            form = _sharers(edition, reply.message.layout, command, labels)
+    yield labels["form"], form
     if command.from_each:
         yield labels["from_each"], code(", ".join(map(str, command.from_each)))
