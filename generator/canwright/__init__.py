@@ -22,12 +22,14 @@ if TYPE_CHECKING:
     from .semantics.encoder import Encoder
     from .semantics.exchange import check_reply
     from .semantics.frame import CanFrame
-    from .targets.base import EditionInput, NameProblem, Options, Output, Target, TargetWithOptions
+    from .targets.base import BinaryOutput, EditionInput, NameProblem, Output, Target
+    from .targets.options import Options, TargetOption
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Assignment",
+    "BinaryOutput",
     "CanFrame",
     "Command",
     "Decoded",
@@ -50,7 +52,7 @@ __all__ = [
     "Severity",
     "SpecError",
     "Target",
-    "TargetWithOptions",
+    "TargetOption",
     "Type",
     "check_reply",
     "generate",
@@ -68,7 +70,8 @@ _MODULES: Mapping[str, Sequence[str]] = {
     "semantics.encoder": ("Encoder",),
     "semantics.exchange": ("check_reply",),
     "semantics.frame": ("CanFrame",),
-    "targets.base": ("NameProblem", "Options", "Output", "EditionInput", "Target", "TargetWithOptions"),
+    "targets.base": ("BinaryOutput", "NameProblem", "Output", "EditionInput", "Target"),
+    "targets.options": ("Options", "TargetOption"),
 }
 
 
@@ -88,19 +91,19 @@ def generate(
     specifications: Sequence[EditionInput],
     targets: Sequence[str] | None = None,
     parameters: Assignment | None = None,
-    options: Options | None = None,
+    options: Mapping[str, str] | None = None,
 ) -> Mapping[str, bytes]:
     """The generated files by path, such as `c/include/lamp/v1.h`; writes nothing.
 
-    `targets` are names of installed targets, all of them by default; `parameters` are values to fix in targets that can;
-    `options` select nodes and the language of comments in a TargetWithOptions.
+    `targets` are names of installed targets, by default those that `canwright generate` takes; `parameters` are values to fix in targets that can;
+    `options` are options of the targets, as on the command line without `--`. Raises ValueError for an invalid option.
     """
     from .project import pipeline
-    from .targets.base import Options
-    from .targets.registry import target_names
+    from .targets.registry import default_targets, selected_options
 
-    names = target_names() if targets is None else targets
-    return pipeline.generate(specifications, names, parameters or {}, options or Options()).files
+    names = default_targets() if targets is None else targets
+    selected = selected_options(names, options or {}, [item.edition for item in specifications])
+    return pipeline.generate(specifications, names, parameters or {}, selected).files
 
 
 def __getattr__(name: str) -> object:

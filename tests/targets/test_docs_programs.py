@@ -151,7 +151,7 @@ class Wordy(Target):
 
     title = "Wordy | <b>"
 
-    def generate(self, specifications: object, set_parameters: object) -> Iterator[Output]:
+    def generate(self, specifications: object, set_parameters: object, options: object) -> Iterator[Output]:
         yield from ()
 
     def example(self, edition: object, worked: WorkedExchange) -> CodeExample:

@@ -24,8 +24,8 @@ Real = int | float | Fraction | Decimal
 new = object.__new__
 """Makes an object without calling its constructor; a name of its own saves a look-up for each frame."""
 
-MAX_DATA = 8
-"""The most data bytes of a frame."""
+USUAL_DLC = 8
+"""The number of data bytes of a message that states no other; no limit."""
 
 
 class Refusal(str, Enum):
@@ -736,7 +736,7 @@ class Message:
     """The command of this request or reply."""
     DIRECTION: ClassVar[str]
     """`request` or `reply`."""
-    DLC: ClassVar[int] = MAX_DATA
+    DLC: ClassVar[int] = USUAL_DLC
     """Number of data bytes."""
     ID: ClassVar[int]
     """The CAN id, without the node."""

@@ -9,7 +9,7 @@ from itertools import takewhile
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union, cast
 
-from ._codec import MAX_DATA, CodecError, Message, Refusal, Request
+from ._codec import CodecError, Message, Refusal, Request
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -54,7 +54,7 @@ Table = tuple[int, Mapping[int, Unpack]]
 class Route:
     """The messages that share one rule from node to CAN id, and the decisions between them.
 
-    `mask` are the bits of the id that messages fill in. `answers` are messages that identify a frame only if their
+    `mask` are the bits of the id that messages fill in. `answers` are messages that a frame can be only if their
     request is known; without it, the frame is another message of that code.
     """
 
@@ -106,9 +106,10 @@ class Route:
         return self.message(can_id, data).unpack(node, can_id, data, parameters)
 
     def tables(self) -> dict[int, Table]:
-        """The table of each data length for which a data byte decides."""
-        found = ((length, self._table(self.then, length)) for length in range(1, MAX_DATA + 1))
-        return {length: table for length, table in found if table is not None}
+        """The table of each data length of a message for which a data byte decides."""
+        lengths = sorted({message.DLC for message in self.classes if message.DLC and not message.REMOTE})
+        tables = ((length, self._table(self.then, length)) for length in lengths)
+        return {length: table for length, table in tables if table is not None}
 
     def _table(self, node: Node, length: int) -> Table | None:
         """The decision of a node for data of one length; None if it is none by a data byte."""

@@ -2718,6 +2718,7 @@ _dispatcher: Dispatcher[Parameters, AnyRequest, AnyReply] = Dispatcher(
                 },
                 Refusal.WRONG_LENGTH,
             ),
+            answers=(ClearErrorsReply,),
         ),
     ),
     answers={

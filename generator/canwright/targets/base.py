@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
+from .. import __version__
 from ..diagnostics.diagnostic import DocumentPath, Severity
 from ..model.edition import Edition
 from ..model.golden_frames import GoldenFrame, GoldenFrames
 from ..model.message import Command, Message
 from ..model.types import Assignment, Parameter, Type
+from .options import Options, TargetOption
 
-PACKAGE_VERSION = "0.1.0"
+PACKAGE_VERSION = __version__
 """The version of generated packages: that of canwright, since the names in generated code depend on it."""
 
 
@@ -28,6 +30,18 @@ class Output(NamedTuple):
 
     path: str
     text: str
+
+    @property
+    def content(self) -> bytes:
+        """The bytes of the file."""
+        return self.text.encode("utf-8")
+
+
+class BinaryOutput(NamedTuple):
+    """A generated file that is not a text."""
+
+    path: str
+    content: bytes
 
 
 class WorkedExchange(NamedTuple):
@@ -88,18 +102,6 @@ class NameProblem(NamedTuple):
     """The path of another item with that name, and what it is."""
 
 
-class Options(NamedTuple):
-    """What a user selects of the output of targets that can leave something out."""
-
-    nodes: tuple[int, ...] = ()
-    """The nodes to list, in ascending order; empty for all."""
-    language: str = ""
-    """The language of comments; empty for the default of the target."""
-
-
-EVERYTHING = Options()
-
-
 class Target(ABC):
     """A kind of output. An instance is registered in the entry point group `canwright.targets`, under its name.
 
@@ -108,13 +110,20 @@ class Target(ABC):
 
     title: ClassVar[str]
     """What reports call the target, such as `C`."""
+    options: ClassVar[Sequence[TargetOption[Any]]] = ()
+    """Options of `canwright generate` and `canwright check` that this target has."""
+    is_default: ClassVar[bool] = True
+    """Whether a run that names no targets generates this one."""
 
     @abstractmethod
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output | BinaryOutput]:
         """The files for the editions, which may be of several families.
 
         `set_parameters` are values of parameters to fix in the output, by name; a target that leaves them to its user
-        ignores them. The output depends on the arguments alone: no date, host, path or order of hashes.
+        ignores them. `options` has a value for each option of the target. The output depends on the arguments alone:
+        no date, host, path or order of hashes.
         """
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
@@ -142,19 +151,6 @@ class Target(ABC):
         None if there is none.
         """
         return None
-
-
-class TargetWithOptions(Target):
-    """A target whose output lists nodes one by one, and has comments in one language: both can be selected."""
-
-    languages: ClassVar[Sequence[str]]
-    """The languages that comments can have."""
-
-    @abstractmethod
-    def generate(
-        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = EVERYTHING
-    ) -> Iterator[Output]:
-        """As in `Target`; `options` are what the user selected."""
 
 
 def header(edition: Edition) -> str:

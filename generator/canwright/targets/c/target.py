@@ -8,6 +8,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import CodeExample, CodeNames, EditionInput, NameProblem, Output, Target, WorkedExchange
+from ..options import Options
 from . import generate, names, program, validity
 from .code_names import code_names
 from .messages import Messages, addresses
@@ -128,7 +129,9 @@ class CTarget(Target):
 
     title = "C"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:

@@ -116,7 +116,7 @@ class Common:
                 "code": ", ".join(dict.fromkeys(code_of(one) for one in group if one.code is not None)),
                 "manual": markdown(first.manual),
                 "table": self.edition.table(entry.table) if entry else None,
-                "only": code(formatting.condition(only)),
+                "only": only,
                 "mode": self._modes.get(first.mode),
                 "effects": [e for e in first.effects if all(e in one.effects for one in group)],
                 "previous": previous[0] if previous else None,

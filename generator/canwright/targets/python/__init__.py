@@ -13,8 +13,7 @@ from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
 from . import code, text
-from .command_example import command_example
-from .examples import example
+from .examples import command_example, example
 from .module import SHARED, module_view
 
 RUNTIME = Path(__file__).parent / "runtime"

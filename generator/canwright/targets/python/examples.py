@@ -1,7 +1,9 @@
-"""The example of README.md: one command with its golden frames."""
+"""Examples with golden frames: the program of a command, and the longer example of README.md."""
 
 from __future__ import annotations
 
+import functools
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -10,16 +12,109 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame, Value
 from ...model.layout import Field
-from ...model.message import Command, Direction, Message
+from ...model.message import Message
 from ...model.types import Assignment, Parameter
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.encoder import Encoder
-from ...semantics.exchange import check_reply
-from ...semantics.frame import CanFrame
-from ..base import EditionInput
-from . import text, types
+from ..base import EditionInput, WorkedExchange
+from ..examples import Examples
+from . import code, text, types
 from .class_bodies import depends_on_parameters
 from .imports import Imports
+
+
+class Argument(NamedTuple):
+    """A keyword with the expression of its value, and the enum class that the expression uses, if any."""
+
+    keyword: str
+    value: str
+    enum: str
+
+
+class SentView(NamedTuple):
+    """A request: the call that makes it, the format of its id, and its frame."""
+
+    call: code.Items
+    format: str
+    text: str
+
+
+class ReceivedView(NamedTuple):
+    """A reply: the call that decodes it."""
+
+    call: code.Items
+    text: str
+
+
+class CommandExampleView(NamedTuple):
+    imports: str
+    known: code.Items | None
+    request: SentView | None
+    reply: ReceivedView | None
+
+
+@functools.lru_cache(maxsize=4)
+def _types(edition: Edition) -> Mapping[str, types.TypeView]:
+    return types.type_views(edition, Imports())
+
+
+def command_example(edition: Edition, worked: WorkedExchange) -> CommandExampleView:
+    """The example with these golden frames."""
+    command = worked.command
+    known, names = _known(edition, worked.parameters)
+    request = reply = None
+    if command.request and worked.request:
+        request = _sent(edition, command.request, worked.request, names, bool(known))
+    if command.reply and worked.reply:
+        function = "decode_answer" if worked.is_answered else "decode_reply"
+        names.add(function)
+        reply = _received(function, worked.reply, ["request"] * worked.is_answered, ["known"] * bool(known))
+    imports = _imports(f"{edition.family}.{edition.identifier}", names)
+    return CommandExampleView(imports, code.call("Parameters", known, "known = ") if known else None, request, reply)
+
+
+def _imports(package: str, names: set[str]) -> str:
+    """The import statement, on several lines where one would be too long."""
+    listed = ", ".join(sorted(names))
+    if len(package) + len(listed) <= code.WIDTH - 15:
+        return f"from {package} import {listed}"
+    lines = "".join(f"    {name},\n" for name in sorted(names))
+    return f"from {package} import (\n{lines})"
+
+
+def _sent(edition: Edition, message: Message, frame: GoldenFrame, names: set[str], is_known: bool) -> SentView:
+    class_ = text.class_name(message.name)
+    names.add(class_)
+    values = arguments(message, frame, _types(edition))
+    function, listed = class_, [f"{value.keyword}={value.value}" for value in values or ()]
+    if values is None:
+        function = f"{class_}.from_raw"
+        listed = [f"{text.attribute(n)}={tuple(raw) if isinstance(raw, list) else raw}" for n, raw in frame.raw.items()]
+    names |= {value.enum for value in values or () if value.enum}
+    call = code.call(function, _keywords(message, frame, listed, is_known), "request = ")
+    return SentView(call, "08X" if frame.extended else "03X", formatting.sent(frame))
+
+
+def _received(function: str, frame: GoldenFrame, request: list[str], known: list[str]) -> ReceivedView:
+    marks = ["extended=True"] * frame.extended + ["remote=True"] * frame.remote
+    data = f'bytes.fromhex("{frame.data.hex(" ").upper()}")'
+    call = code.call(function, [*request, f"0x{frame.id:X}", data, *known, *marks], "reply = ")
+    return ReceivedView(call, formatting.sent(frame))
+
+
+def _known(edition: Edition, given: Assignment) -> tuple[list[str], set[str]]:
+    """The arguments of `Parameters`, and the names that they need."""
+    parameters = [p for p in edition.parameters if p.name in given]
+    names = {"Parameters"} if parameters else set()
+    names |= {text.class_name(p.name) for p in parameters if p.is_choice and not p.is_numeric}
+    return [parameter_argument(p, given) for p in parameters], names
+
+
+def _keywords(message: Message, frame: GoldenFrame, values: Sequence[str], is_known: bool) -> list[str]:
+    """The arguments that make a message: node, values, and parameters if it depends on them."""
+    node = [f"node={frame.node}"] if message.id.nodes is not None else []
+    known = ["parameters=known"] if is_known and depends_on_parameters(message.layout) else []
+    return [*node, *values, *known]
 
 
 class Example(NamedTuple):
@@ -52,92 +147,62 @@ class Example(NamedTuple):
     """A request without effects whose reply always differs from it; empty where the edition has none."""
 
 
-class Argument(NamedTuple):
-    """A keyword with the expression of its value, and the enum class that the expression uses, if any."""
-
-    keyword: str
-    value: str
-    enum: str
-
-
 def example(specifications: Sequence[EditionInput]) -> Example | None:
     """The first command with values in both directions; where there is none, the first with values in its reply."""
     first: Example | None = None
-    for one in (one for item in specifications for one in _examples(item)):
-        if one.is_full:
-            return one
-        first = first or one
+    for shown in (shown for item in specifications for shown in _examples(item)):
+        if shown.is_full:
+            return shown
+        first = first or shown
     return first
 
 
 def _examples(specification: EditionInput) -> Iterator[Example]:
-    frames = specification.frames.of_command if specification.frames else {}
-    decoder = Decoder(specification.edition)
+    """One example for each command with a reply of its own and a golden exchange with values."""
+    examples = Examples(*specification)
     for command in specification.edition.commands:
-        sent = frames.get((command.name, Direction.REQUEST), ())
-        answered = [f for f in frames.get((command.name, Direction.REPLY), ()) if f.values and not f.remote]
-        pairs = ((q, r) for q in sent for r in answered if _belong(q, r, decoder))
-        for request, reply in pairs:
-            made = _example(specification.edition, command, request, reply)
-            if made:
-                yield made
-                break
+        if command.reply is not None and command.reply.command == command.name:
+            made = (_example(specification.edition, exchange) for exchange in examples.answered(command))
+            yield from itertools.islice(filter(None, made), 1)
 
 
-def _belong(request: GoldenFrame, reply: GoldenFrame, decoder: Decoder) -> bool:
-    """Whether a reply answers a request: same node, no contradicting parameters, and both can be encoded."""
-    agree = all(reply.parameters.get(name, value) == value for name, value in request.parameters.items())
-    if not agree or request.node != reply.node or request.decode_only or reply.decode_only:
-        return False
-    frames = (CanFrame(one.id, one.data, one.extended, one.remote) for one in (request, reply))
-    return not isinstance(check_reply(decoder, *frames), Rejection)
-
-
-def _example(edition: Edition, command: Command, request: GoldenFrame, reply: GoldenFrame) -> Example | None:
-    asked, answer = command.message(Direction.REQUEST), command.message(Direction.REPLY)
-    if asked is None or answer is None or answer.command != command.name:
+def _example(edition: Edition, exchange: WorkedExchange) -> Example | None:
+    command, request, reply = exchange.command, exchange.request, exchange.reply
+    asked, answer = command.request, command.reply
+    if asked is None or answer is None or request is None or reply is None:
         return None
-    views = types.type_views(edition, Imports())
-    sent = arguments(asked, request, views)
-    fields = [f for f in answer.layout.fields if f.name in reply.values]
-    if sent is None or not fields:
+    sent = arguments(asked, request, _types(edition))
+    fields = [field for field in answer.layout.fields if field.name in reply.values]
+    if sent is None or not fields or reply.remote or request.node != reply.node:
         return None
-    given = {**request.parameters, **reply.parameters}
-    parameters = [p for p in edition.parameters if p.name in given]
-    known = [parameter_argument(p, given) for p in parameters]
+    known, names = _known(edition, exchange.parameters)
     values = [f"{argument.keyword}={argument.value}" for argument in sent]
-    keywords = [f"node={request.node}"] if asked.id.nodes is not None else []
-    keywords += values
-    if known and depends_on_parameters(asked.layout):
-        keywords.append("parameters=known")
     classes = text.class_name(asked.name), text.class_name(answer.name)
-    names = {*classes, "CodecError", "REPLY_WITHIN_MS", "decode_answer", "decode_reply"}
+    names |= {*classes, "CodecError", "REPLY_WITHIN_MS", "decode_answer", "decode_reply"}
     names |= {argument.enum for argument in sent if argument.enum}
     node = 1 if request.node is None else request.node
     shares_ids = any(c.request and c.reply and c.request.id == c.reply.id for c in edition.commands)
-    probe = _probe(edition, node, {name: str(value) for name, value in given.items()}) if shares_ids else None
+    probe = _probe(edition, node, exchange.parameters) if shares_ids else None
     names |= {text.class_name(probe.name)} if probe else set()
-    names |= {"Parameters"} if known else set()
-    names |= {text.class_name(p.name) for p in parameters if p.is_choice and not p.is_numeric}
     return Example(
-        edition.family,
-        edition.identifier,
-        tuple(sorted(names)),
-        ", ".join(known),
-        classes[0],
-        node,
-        ", ".join(values),
-        ", ".join(keywords),
-        classes[1],
-        f"0x{reply.id:X}",
-        reply.extended,
-        reply.data.hex(" ").upper(),
-        text.attribute(fields[0].name),
-        ", known" if known else "",
-        "" if edition.bus.reply_within_ms is None else str(float(edition.bus.reply_within_ms)),
-        bool(asked.layout.fields),
-        shares_ids,
-        f"{text.class_name(probe.name)}({f'node={node}' if probe.id.nodes is not None else ''})" if probe else "",
+        family=edition.family,
+        edition=edition.identifier,
+        names=tuple(sorted(names)),
+        known=", ".join(known),
+        request=classes[0],
+        node=node,
+        values=", ".join(values),
+        arguments=", ".join(_keywords(asked, request, values, bool(known))),
+        reply=classes[1],
+        reply_id=f"0x{reply.id:X}",
+        extended=reply.extended,
+        data=reply.data.hex(" ").upper(),
+        field=text.attribute(fields[0].name),
+        parameters=", known" if known else "",
+        reply_within_ms="" if edition.bus.reply_within_ms is None else str(float(edition.bus.reply_within_ms)),
+        is_full=bool(asked.layout.fields),
+        shares_ids=shares_ids,
+        probe=f"{text.class_name(probe.name)}({f'node={node}' if probe.id.nodes is not None else ''})" if probe else "",
     )
 
 

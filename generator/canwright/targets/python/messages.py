@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.layout import MAX_DATA_BYTES, NodeRole, Space
+from ...model.layout import NodeRole, Space
 from ...model.message import Command, Direction, Message
 from . import code, docstrings, encoding, metadata, text
 from .class_bodies import BodyView, ClassBodies
 from .encoding import EncodeView
 from .fields import storage
+from .runtime import _codec as codec
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +38,7 @@ class MessageView:
     command: str
     direction: str
     dlc: int | None
-    """None where it is the most that a frame can have."""
+    """None where it is that of the base class."""
     extended: bool
     remote: bool
     nodes: tuple[int, int] | None
@@ -137,7 +138,7 @@ class MessageViews:
             doc=docstrings.of_message(command, message),
             command=command.name,
             direction=message.direction.value,
-            dlc=None if message.dlc == MAX_DATA_BYTES else message.dlc,
+            dlc=None if message.dlc == codec.Message.DLC else message.dlc,
             extended=message.id.extended,
             remote=message.remote,
             nodes=(nodes[0], nodes[-1]) if nodes is not None else None,

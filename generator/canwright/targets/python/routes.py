@@ -9,6 +9,8 @@ from typing import Union
 from ...model.edition import Edition
 from ...model.message import BitRun, Direction, Message
 from ...semantics import dispatch
+from ...semantics.exchange import exchange_plans
+from ...semantics.plan import message_plan, only_by_request
 from . import bits, text
 from .imports import Imports
 
@@ -46,7 +48,7 @@ class RouteView:
     extended: bool
     remote: bool
     answers: tuple[str, ...]
-    """Message classes that identify a frame only if their request is known."""
+    """Classes of replies that can have a code which belongs to another message unless their request is known."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,8 +94,9 @@ class Readers:
 
 def route_views(edition: Edition, direction: Direction, readers: Readers) -> Iterator[RouteView]:
     """The routes of one direction, in the order in which they are tried."""
+    explained = only_by_request(edition) if direction is Direction.REPLY else ()
     for route in dispatch.dispatch_plan(edition, direction).routes:
-        shortest = min(_shortest(message) for message in route.messages)
+        shortest = min(message_plan(message).length for message in route.messages)
         yield RouteView(
             base=route.rule.base,
             step=route.rule.node_step,
@@ -102,7 +105,7 @@ def route_views(edition: Edition, direction: Direction, readers: Readers) -> Ite
             mask=route.mask,
             extended=route.rule.extended,
             remote=route.remote,
-            answers=tuple(text.class_name(m.name) for m in route.messages if m.keys and not m.identifying_codes),
+            answers=tuple(text.class_name(m.name) for m in route.messages if m in explained),
         )
 
 
@@ -136,22 +139,19 @@ def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
     """The answers of every command with a request and a reply."""
     routes = dispatch.dispatch_plan(edition, Direction.REPLY).routes
     masks = {(route.rule, route.remote): route.mask for route in routes}
-    for command in edition.commands:
-        if command.request is None or command.reply is None:
+    for plan in exchange_plans(edition).values():
+        reply = plan.reply
+        if reply is None:
             continue
-        reply = command.reply
-        selectors = (
-            (readers.of(key, _shortest(reply)), _hexadecimal(key.value, *(reply.accepted_codes if i == 0 else ())))
-            for i, key in enumerate(reply.keys)
-        )
+        length = message_plan(reply).length
         yield AnswerView(
-            request=text.class_name(command.request.name),
+            request=text.class_name(plan.request.name),
             reply=text.class_name(reply.name),
-            selectors=tuple(selectors),
-            nodes=text.tuple_of(map(str, command.from_each)) if command.from_each else "",
-            echo=command.is_echoed,
-            request_node=_node_field(command.request, readers),
-            reply_node=_node_field(reply, readers),
+            selectors=tuple((readers.of(k.key, length), _hexadecimal(*k.values)) for k in message_plan(reply).keys),
+            nodes=text.tuple_of(map(str, plan.nodes)) if plan.nodes else "",
+            echo=plan.is_echo,
+            request_node=_node_field(plan.request, plan.asked, readers),
+            reply_node=_node_field(reply, plan.reported, readers),
             unused=masks[reply.id, reply.remote] & ~reply.id_mask,
         )
 
@@ -160,19 +160,13 @@ def node_readers(edition: Edition, readers: Readers) -> Iterator[tuple[str, str]
     """Each message with its node in the data, and the function that reads it."""
     for message in edition.all_messages():
         if message.node_in_data is not None:
-            yield text.class_name(message.name), readers.of(message.node_in_data, _shortest(message))
+            yield text.class_name(message.name), readers.of(message.node_in_data, message_plan(message).length)
 
 
-def _node_field(message: Message, readers: Readers) -> str:
-    """The function that reads the node from a field, with the mask of its bits; empty without such a field."""
-    run = message.node_bits
-    return f"({readers.of(run, _shortest(message))}, 0x{(1 << run.width) - 1:X})" if run is not None else ""
+def _node_field(message: Message, run: BitRun | None, readers: Readers) -> str:
+    """The function that reads the node of a message, with the mask of its bits; empty without such bits."""
+    return f"({readers.of(run, message_plan(message).length)}, 0x{(1 << run.width) - 1:X})" if run is not None else ""
 
 
 def _hexadecimal(*values: int) -> str:
     return text.tuple_of(f"0x{value:02X}" for value in values)
-
-
-def _shortest(message: Message) -> int:
-    """The smallest number of data bytes of a frame; a remote frame has none."""
-    return 0 if message.remote else message.dlc

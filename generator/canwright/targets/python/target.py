@@ -8,6 +8,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import CodeExample, CodeNames, EditionInput, NameProblem, Output, Target, WorkedExchange
+from ..options import Options
 from . import generate, program, text
 from .code_names import code_names
 from .fields import varying
@@ -20,7 +21,9 @@ class PythonTarget(Target):
 
     title = "Python"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
