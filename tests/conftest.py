@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from typing import Any
 
 import pytest
@@ -22,6 +24,9 @@ LONGEST = {
 }
 """These files come first: a worker that started one of them last would run on its own at the end."""
 
+OPTIONAL = {"interop", "machine", "tools"}
+"""The markers of tests that use more than the extra `test` installs; they take the packages of `test-interop`."""
+
 OF_WORKERS: list[str] = []
 """What was counted in the processes that the tests are shared among."""
 
@@ -39,6 +44,15 @@ def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.name not in LONGEST)
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Fails a test whose marker names a package that is not installed."""
+    names = {name for marker in item.iter_markers() if marker.name in OPTIONAL for name in marker.args}
+    missing = sorted(name for name in names if find_spec(name) is None)
+    if missing:
+        command = f"{sys.executable} -m pip install -e '.[test-interop]'"
+        pytest.fail(f"not installed: {', '.join(missing)}; run: {command}", pytrace=False)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
