@@ -1,16 +1,22 @@
-"""The order of the files, folders for caches, and how many golden frames went through each target."""
+"""The order of the files, caches, packages of markers, and how many golden frames went through each target."""
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 from collections.abc import Iterator
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import pytest
+from canwright.project import loader
 
-from .conformance.summary import REPORTS, lines
+from .conformance import summary
+from .conformance.runner import Report
+
+ROOT = Path(__file__).parents[1]
 
 LONGEST = {
     "test_quality.py",
@@ -27,8 +33,23 @@ LONGEST = {
 OPTIONAL = {"interop", "machine", "tools"}
 """The markers of tests that use more than the extra `test` installs; they take the packages of `test-interop`."""
 
-OF_WORKERS: list[str] = []
-"""What was counted in the processes that the tests are shared among."""
+OF_WORKERS: list[Report] = []
+"""The replays of the processes that the tests are shared among."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--conformance-table",
+        action="store_true",
+        help="list the golden frames that went through each target, and what targets cannot express",
+    )
+
+
+def pytest_configure() -> None:
+    """Loads each committed spec once in a process, for all modules that are collected: its edition is frozen."""
+    load = loader.specification
+    load_once = functools.cache(load)
+    loader.specification = lambda file: (load_once if ROOT in file.parents else load)(file)
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -57,18 +78,19 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
     output = getattr(session.config, "workeroutput", None)
-    if output is not None and REPORTS:
-        output["golden frames"] = list(lines())
+    if output is not None:
+        output["golden frames"] = summary.as_data(summary.REPORTS)
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any) -> None:
-    OF_WORKERS.extend(getattr(node, "workeroutput", {}).get("golden frames", ()))
+    OF_WORKERS.extend(summary.from_data(getattr(node, "workeroutput", {}).get("golden frames", ())))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    shown = OF_WORKERS or (list(lines()) if REPORTS else [])
-    if shown:
+    reports = OF_WORKERS or summary.REPORTS
+    if reports:
         terminalreporter.section("golden frames")
-        for line in shown:
+        is_complete = terminalreporter.config.getoption("conformance_table")
+        for line in (summary.table if is_complete else summary.summary)(reports):
             terminalreporter.write_line(line)
