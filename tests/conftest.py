@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from canwright.project import loader
 
+from .compilers import PROGRAMS
 from .conformance import summary
 from .conformance.runner import Report
 
@@ -54,11 +55,12 @@ def pytest_configure() -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Records of runs go to a temporary folder, not to that of the user; all workers share the C library of zig."""
+    """Records of runs go to a temporary folder, not to that of the user; all workers share compiled programs."""
     own = tmp_path_factory.getbasetemp()
     shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv(PROGRAMS, str(shared / "programs"))
         patch.setenv("ZIG_GLOBAL_CACHE_DIR", os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(shared / "zig")))
         yield
 
