@@ -87,7 +87,15 @@ def test_the_spec_example_generates(tmp_path: Path) -> None:
 
 REPLAY = "tests/conformance/test_conformance.py"
 REPEATED = [
-    f"{REPLAY}::test_random_questions",
+    *(
+        f"{REPLAY}::test_{name}"
+        for name in (
+            "random_questions",
+            "facts_of_headers",
+            "requests_to_nodes_without_the_command_are_rejected",
+            "fields_without_a_check_are_written_whole",
+        )
+    ),
     *(f"{REPLAY}::test_golden_frames[mwd_motor/v2.36-2025-09-{target}]" for target in ("cxx", "dbc")),
 ]
 """The slowest tests of a new edition; they run for the edition that it is a copy of."""
