@@ -7,4 +7,5 @@ import pytest
 
 def sampled(cases: Sequence[object], step: int) -> list[object]:
     """Each STEPth case always runs; the others are marked as exhaustive."""
-    return [case if n % step == 0 else pytest.param(case, marks=pytest.mark.exhaustive) for n, case in enumerate(cases)]
+    values = [case if isinstance(case, tuple) else (case,) for case in cases]
+    return [pytest.param(*value, marks=[pytest.mark.exhaustive] if n % step else []) for n, value in enumerate(values)]

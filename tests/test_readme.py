@@ -87,7 +87,15 @@ def test_the_spec_example_generates(tmp_path: Path) -> None:
 
 REPLAY = "tests/conformance/test_conformance.py"
 REPEATED = [
-    f"{REPLAY}::test_random_questions",
+    *(
+        f"{REPLAY}::test_{name}"
+        for name in (
+            "random_questions",
+            "facts_of_headers",
+            "requests_to_nodes_without_the_command_are_rejected",
+            "fields_without_a_check_are_written_whole",
+        )
+    ),
     *(f"{REPLAY}::test_golden_frames[mwd_motor/v2.36-2025-09-{target}]" for target in ("cxx", "dbc")),
 ]
 """The slowest tests of a new edition; they run for the edition that it is a copy of."""
@@ -181,7 +189,7 @@ def test_a_new_edition_from_start_to_end(clone: Path) -> None:
     assert "mwd_motor v2.36-2025-09: " in run(generated, clone)
     assert (clone / "generated/docs/en/v2.36-2025-09/changes.md").is_file()
     replay = run(replayed, clone)
-    assert "mwd_motor v2.36-2025-09 c cannot" in replay
+    assert "\n1 edition through " in replay
     changed = frames.read_text("utf-8").replace("motor_state: 32, errors: 0}", "motor_state: 33, errors: 0}", 1)
     frames.write_text(changed, "utf-8")
     with pytest.raises(AssertionError, match="frame-contradiction"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Sequence
 
 import pytest
@@ -14,6 +15,7 @@ from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.targets.columns.runtime._columns import Direction as Number, Frames, Kind, frames
 from hypothesis import given, settings, strategies as st
 
+from ..samples import sampled
 from . import motor_bus
 from .test_directions import ALPHABET, EDITIONS, MOTOR, STEPS, frames as recorded_frames, judge
 from .traffic import MIXES, Loss, Traffic, together, with_clock_jumps
@@ -91,8 +93,7 @@ def test_a_frame_of_no_edition_is_unknown() -> None:
     assert [len(block) for block in infer_directions([frames([], [], [])], MOTOR)] == [0]
 
 
-@pytest.mark.parametrize("mix", motor_bus.MIXES)
-@pytest.mark.parametrize("name", motor_bus.SITUATIONS)
+@pytest.mark.parametrize(("name", "mix"), sampled([*itertools.product(motor_bus.SITUATIONS, motor_bus.MIXES)], 2))
 def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> None:
     log = [sent.recorded for sent in motor_bus.MotorBus(mix, motor_bus.SITUATIONS[name], 2).frames(600)]
     assert directions(MOTOR, log, 250) == one_by_one(MOTOR, log)

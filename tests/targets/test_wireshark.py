@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -18,6 +19,7 @@ from lupa import lua52, lua54
 
 from ..recordings import motor_bus
 from ..recordings.traffic import MIXES, Loss, Sent, Traffic, with_marks
+from ..samples import sampled
 from ..spec_texts import ROOT
 from .dissector import decoder, judge
 
@@ -39,8 +41,7 @@ def test_directions_without_marks(spec: str, loss: Loss) -> None:
     assert max(shares) <= BARS[loss], shares
 
 
-@pytest.mark.parametrize("mix", motor_bus.MIXES)
-@pytest.mark.parametrize("name", motor_bus.SITUATIONS)
+@pytest.mark.parametrize(("name", "mix"), sampled([*itertools.product(motor_bus.SITUATIONS, motor_bus.MIXES)], 2))
 def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> None:
     """What is learned later changes the results of the first frames, too."""
     if mix == "control" and name == "old replies":
