@@ -12,15 +12,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from decimal import Decimal
+    from fractions import Fraction
+
+    from .api.codec import Decoder, Encoder
     from .diagnostics.diagnostic import Diagnostic, DocumentPath, Position, Severity, SpecError
     from .model.edition import Edition
     from .model.layout import Field, Layout
     from .model.message import Command, Direction, Message
     from .model.refusal import Refusal
     from .model.types import Type
-    from .semantics.decoder import Decoded, Decoder, Rejection
-    from .semantics.encoder import Encoder
-    from .semantics.exchange import check_reply
+    from .semantics.decoder import Decoded, Identified, Rejection
     from .semantics.frame import CanFrame
     from .targets.base import EditionInput, NameProblem, Options, Output, Target, TargetWithOptions
 
@@ -38,6 +40,7 @@ __all__ = [
     "EditionInput",
     "Encoder",
     "Field",
+    "Identified",
     "Layout",
     "Message",
     "NameProblem",
@@ -51,21 +54,19 @@ __all__ = [
     "Target",
     "TargetWithOptions",
     "Type",
-    "check_reply",
     "generate",
     "load",
 ]
 
 _MODULES: Mapping[str, Sequence[str]] = {
+    "api.codec": ("Decoder", "Encoder"),
     "diagnostics.diagnostic": ("Diagnostic", "DocumentPath", "Position", "Severity", "SpecError"),
     "model.edition": ("Edition",),
     "model.layout": ("Field", "Layout"),
     "model.message": ("Command", "Direction", "Message"),
     "model.refusal": ("Refusal",),
     "model.types": ("Type",),
-    "semantics.decoder": ("Decoded", "Decoder", "Rejection"),
-    "semantics.encoder": ("Encoder",),
-    "semantics.exchange": ("check_reply",),
+    "semantics.decoder": ("Decoded", "Identified", "Rejection"),
     "semantics.frame": ("CanFrame",),
     "targets.base": ("NameProblem", "Options", "Output", "EditionInput", "Target", "TargetWithOptions"),
 }
@@ -86,20 +87,23 @@ def load(file: str | os.PathLike[str]) -> EditionInput:
 def generate(
     specifications: Sequence[EditionInput],
     targets: Sequence[str] | None = None,
-    parameters: Mapping[str, str] | None = None,
+    parameters: Mapping[str, str | int | float | Decimal | Fraction] | None = None,
     options: Options | None = None,
 ) -> Mapping[str, bytes]:
     """The generated files by path, such as `c/include/lamp/v1.h`; writes nothing.
 
-    `targets` are names of installed targets, all of them by default; `parameters` are values to fix in targets that can;
-    `options` select nodes and the language of comments in a TargetWithOptions.
+    `targets` are names of installed targets, by default all. `parameters` are fixed in the output of targets that can do
+    this; each must be one of an edition, with a value that it can have there. `options` select nodes and the language of
+    comments in a TargetWithOptions. Raises ValueError for unknown parameters and invalid values.
     """
     from .project import pipeline
+    from .semantics.parameters import assignment
     from .targets.base import Options
     from .targets.registry import target_names
 
     names = target_names() if targets is None else targets
-    return pipeline.generate(specifications, names, parameters or {}, options or Options()).files
+    fixed = assignment([item.edition for item in specifications], parameters or {})
+    return pipeline.generate(specifications, names, fixed, options or Options()).files
 
 
 def __getattr__(name: str) -> object:

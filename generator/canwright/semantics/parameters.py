@@ -1,13 +1,36 @@
-"""Values of number parameters from golden frames and the command line."""
+"""Values of parameters from programs, golden frames and the command line."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from decimal import Decimal
 from fractions import Fraction
 
+from ..diagnostics.diagnostic import nearest
 from ..language import notation
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.types import Parameter
+from ..model.types import Assignment, Parameter
+
+
+def assignment(editions: Sequence[Edition], values: Mapping[str, str | int | float | Decimal | Fraction]) -> Assignment:
+    """The values as an assignment. Raises ValueError with a sentence for one that is invalid in all editions."""
+    result: dict[str, str] = {}
+    for name, value in values.items():
+        owners = [
+            (edition, parameter) for edition in editions for parameter in edition.parameters if parameter.name == name
+        ]
+        if not owners:
+            hint = nearest(name, [parameter.name for edition in editions for parameter in edition.parameters])
+            raise ValueError(f"`{name}` is not a parameter; {hint or 'the spec has no parameters'}")
+        result[name] = str(value)
+        names = [choice.name for _, parameter in owners for choice in parameter.values]
+        if names and result[name] not in names:
+            raise ValueError(f"`{name}` is not `{value}`; use one of: {', '.join(dict.fromkeys(names))}")
+        for edition, parameter in owners:
+            if not parameter.is_choice:
+                number(edition, parameter, result[name])
+    return result
 
 
 def number(edition: Edition, parameter: Parameter, text: str) -> Fraction:
