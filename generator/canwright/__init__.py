@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .model.layout import Field, Layout
     from .model.message import Command, Direction, Message
     from .model.refusal import Refusal
-    from .model.types import Type
+    from .model.types import Assignment, Type
     from .semantics.decoder import Decoded, Identified, Rejection
     from .semantics.frame import CanFrame
     from .targets.base import EditionInput, NameProblem, Options, Output, Target, TargetWithOptions
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Assignment",
     "CanFrame",
     "Command",
     "Decoded",
@@ -65,7 +66,7 @@ _MODULES: Mapping[str, Sequence[str]] = {
     "model.layout": ("Field", "Layout"),
     "model.message": ("Command", "Direction", "Message"),
     "model.refusal": ("Refusal",),
-    "model.types": ("Type",),
+    "model.types": ("Assignment", "Type"),
     "semantics.decoder": ("Decoded", "Identified", "Rejection"),
     "semantics.frame": ("CanFrame",),
     "targets.base": ("NameProblem", "Options", "Output", "EditionInput", "Target", "TargetWithOptions"),

@@ -1,15 +1,12 @@
-from collections.abc import Iterator, Mapping, Sequence
-from fractions import Fraction
+from collections.abc import Iterator, Sequence
 
-from canwright import EditionInput, Output, Target
+from canwright import Assignment, EditionInput, Output, Target
 
 
 class CommandList(Target):
     title = "List of commands"
 
-    def generate(
-        self, specifications: Sequence[EditionInput], set_parameters: Mapping[str, str | Fraction]
-    ) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
         for edition, _ in specifications:
             names = "\n".join(command.name for command in edition.commands)
             yield Output(f"{edition.family}-{edition.name}.txt", names + "\n")

@@ -14,7 +14,7 @@ import pytest
 import yaml
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.language.edition import EditionSpec, json_schema
-from canwright.language.golden_frames import GoldenFrames
+from canwright.language.golden_frames import GoldenFramesSpec
 from canwright.project.loader import load
 from canwright.project.pipeline import generate
 from canwright.targets.registry import target_names
@@ -24,7 +24,7 @@ from ..untrusted.everything import FRAMES, SPEC
 
 NOT_SHOWN = {
     "EditionSpec.canwright": "the version of the language",
-    "GoldenFrames.canwright": "the version of the language",
+    "GoldenFramesSpec.canwright": "the version of the language",
     "TypeSpec.plausible": "for `identify` and `decode`, see tests/recordings/test_identify.py",
     **{
         f"{concept}.renamed_from": "for `diff`, see tests/compare/test_renames.py"
@@ -50,12 +50,14 @@ OF_EDITION: dict[str, dict[str, Any]] = {
 REQUEST = {"id": 0x101, "data": "11 03 00 00 00 00 00 00"}
 FRAME, REFUSED, VALUES, EXCHANGE = "frames.0", "refused.0", "refused.1", "exchanges.0"
 OF_FRAMES: dict[str, dict[str, Any]] = {
-    "GoldenFrames.family": {"family": "torch"},
-    "GoldenFrames.edition": {"edition": "v2"},
-    "GoldenFrames.sources": {"sources": {"paper": TEXT}},
-    "GoldenFrames.frames": {"frames": []},
-    "GoldenFrames.refused": {"refused": [REQUEST | {"decode": "request", "source": "manual", "says": "unknown_id"}]},
-    "GoldenFrames.exchanges": {
+    "GoldenFramesSpec.family": {"family": "torch"},
+    "GoldenFramesSpec.edition": {"edition": "v2"},
+    "GoldenFramesSpec.sources": {"sources": {"paper": TEXT}},
+    "GoldenFramesSpec.frames": {"frames": []},
+    "GoldenFramesSpec.refused": {
+        "refused": [REQUEST | {"decode": "request", "source": "manual", "says": "unknown_id"}]
+    },
+    "GoldenFramesSpec.exchanges": {
         "exchanges": [{"source": "manual", "request": REQUEST, "reply": REQUEST | {"id": 0x102}}]
     },
     "CheckedFrame.id": {f"{EXCHANGE}.reply.id": 0x102},
@@ -103,7 +105,7 @@ OF_FRAMES: dict[str, dict[str, Any]] = {
 Files = Mapping[str, str]
 
 
-def _keys(concept: type[EditionSpec] | type[GoldenFrames]) -> set[str]:
+def _keys(concept: type[EditionSpec] | type[GoldenFramesSpec]) -> set[str]:
     schema = json_schema(concept)
     concepts = {schema["title"]: schema, **schema["$defs"]}
     return {f"{name}.{key}" for name, one in concepts.items() for key in one.get("properties", {})}
@@ -159,7 +161,7 @@ def unchanged(tmp_path_factory: pytest.TempPathFactory) -> Mapping[bool, Files]:
 
 
 def test_every_key_is_known() -> None:
-    assert {*OF_EDITION, *OF_FRAMES, *NOT_SHOWN} == _keys(EditionSpec) | _keys(GoldenFrames)
+    assert {*OF_EDITION, *OF_FRAMES, *NOT_SHOWN} == _keys(EditionSpec) | _keys(GoldenFramesSpec)
     assert not {*OF_EDITION, *OF_FRAMES} & {*NOT_SHOWN}
 
 

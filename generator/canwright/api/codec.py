@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..language.golden_frames import Value
 from ..model.edition import Edition
+from ..model.golden_frames import Value
 from ..model.message import Direction, Message
 from ..semantics import decoder, encoder, exchange
 from ..semantics.decoder import Decoded, Identified, Rejection

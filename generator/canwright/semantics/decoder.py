@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..language import notation
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Variant
 from ..model.message import BitRun, Direction, Message
 from ..model.refusal import Refusal
-from ..model.types import Assignment, Encoding, Linear, Type
+from ..model.types import Assignment, Encoding, Linear, Type, number_of
 from .dispatch import Discriminator, DispatchNode, Length, MaskedId, Match, Route, Select, dispatch_plan
 from .frame import CanFrame, Raw, difference, node_in_id, raw_of, raws, read_bits, wrong_constants
 
@@ -171,11 +170,8 @@ def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
     linear = type_.linear.at(assignment)
     if linear is None or linear.times is None:
         return linear
-    try:
-        number = notation.rational(assignment.get(linear.times, ""))
-    except ValueError:
-        return None
-    return linear.at({linear.times: number}) if number > 0 else None
+    number = number_of(assignment, linear.times)
+    return linear.at({linear.times: number}) if number is not None and number > 0 else None
 
 
 def _message(node: DispatchNode, direction: Direction, frame: CanFrame) -> Message | Rejection:

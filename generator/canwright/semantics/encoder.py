@@ -11,13 +11,12 @@ from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 
-from ..language import notation
-from ..language.golden_frames import Value
 from ..model import formatting
+from ..model.golden_frames import Value
 from ..model.layout import Field, FixedRole, Segment, Space
 from ..model.message import Message
 from ..model.refusal import Refusal
-from ..model.types import Bound, Encoding, Range, Type
+from ..model.types import Assignment, Bound, Encoding, Range, Type, number_of
 from .decoder import Rejection, is_finite, linear_of, value_of
 from .frame import CanFrame, Raw
 
@@ -30,9 +29,9 @@ class Encoders:
     """An encoder for each set of parameters, created on first use."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[tuple[str, int | str], ...], Encoder] = {}
+        self._known: dict[tuple[tuple[str, int | str | Fraction], ...], Encoder] = {}
 
-    def for_parameters(self, parameters: Mapping[str, int | str]) -> Encoder:
+    def for_parameters(self, parameters: Mapping[str, int | str | Fraction]) -> Encoder:
         key = tuple(parameters.items())
         known = self._known.get(key)
         if known is None:
@@ -43,8 +42,10 @@ class Encoders:
 class Encoder:
     """Encodes messages under some parameters; facts about messages, fields and types are cached."""
 
-    def __init__(self, parameters: Mapping[str, int | str]) -> None:
-        self.assignment = {name: str(value) for name, value in parameters.items()}
+    def __init__(self, parameters: Mapping[str, int | str | Fraction]) -> None:
+        self.assignment: Assignment = {
+            name: str(value) if isinstance(value, int) else value for name, value in parameters.items()
+        }
         self._fields: dict[Message, dict[str, Field] | None] = {}
         self._allows: dict[Type, Callable[[int], bool]] = {}
         self._nearest: dict[Field, Callable[[Fraction], int | Rejection]] = {}
@@ -190,7 +191,8 @@ class Encoder:
 
     def _end(self, bound: Bound) -> Fraction | int | None:
         """The bound of a range; None if it depends on a missing parameter."""
-        end = bound.at({n: notation.rational(text) for n, text in self.assignment.items() if n == bound.parameter})
+        number = number_of(self.assignment, bound.parameter)
+        end = bound.at({} if number is None else {bound.parameter or "": number})
         return end.numerator if end is not None and end.denominator == 1 else end
 
     def _inverse(self, field: Field) -> Callable[[Fraction], int | Rejection]:

@@ -15,7 +15,7 @@ from ..model.types import Assignment, Parameter
 
 def assignment(editions: Sequence[Edition], values: Mapping[str, str | int | float | Decimal | Fraction]) -> Assignment:
     """The values as an assignment. Raises ValueError with a sentence for one that is invalid in all editions."""
-    result: dict[str, str] = {}
+    result: dict[str, str | Fraction] = {}
     for name, value in values.items():
         owners = [
             (edition, parameter) for edition in editions for parameter in edition.parameters if parameter.name == name
@@ -23,13 +23,11 @@ def assignment(editions: Sequence[Edition], values: Mapping[str, str | int | flo
         if not owners:
             hint = nearest(name, [parameter.name for edition in editions for parameter in edition.parameters])
             raise ValueError(f"`{name}` is not a parameter; {hint or 'the spec has no parameters'}")
-        result[name] = str(value)
         names = [choice.name for _, parameter in owners for choice in parameter.values]
-        if names and result[name] not in names:
+        if names and str(value) not in names:
             raise ValueError(f"`{name}` is not `{value}`; use one of: {', '.join(dict.fromkeys(names))}")
-        for edition, parameter in owners:
-            if not parameter.is_choice:
-                number(edition, parameter, result[name])
+        numbers = [number(edition, parameter, str(value)) for edition, parameter in owners if not parameter.is_choice]
+        result[name] = numbers[0] if numbers else str(value)
     return result
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
@@ -56,7 +57,7 @@ class DbcAdapter(Adapter):
         super().__init__(specification.edition)
         self._decoder = Decoder(specification.edition)
         self._traffics = traffics(self.edition)
-        self._made: dict[tuple[tuple[str, str], ...], Sequence[File]] = {}
+        self._made: dict[tuple[tuple[str, str | Fraction], ...], Sequence[File]] = {}
         self._loaded: dict[str, DbcFile] = {}
         self._left_out = {m.name for m in self.edition.all_messages() if obstacle(m)}
         for traffic in self._traffics.values():

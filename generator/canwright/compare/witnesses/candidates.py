@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 
-from ...language import notation
 from ...model.layout import Field, NodeRole, Segment, Space
 from ...model.message import BitRun, Direction, Message
-from ...model.types import Assignment, Bound, Encoding, Type
+from ...model.types import Assignment, Bound, Encoding, Type, number_of
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.dispatch import DispatchNode, Length, MaskedId, Select
 from ...semantics.encoder import Encoder
@@ -64,7 +63,8 @@ def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:
 
 def end_of(bound: Bound, assignment: Assignment) -> Fraction | None:
     """The end of a range under some parameters; None if it depends on another one."""
-    return bound.at({n: notation.rational(text) for n, text in assignment.items() if n == bound.parameter})
+    number = number_of(assignment, bound.parameter)
+    return bound.at({} if number is None else {bound.parameter or "": number})
 
 
 def base_raws(encoder: Encoder, message: Message, node: int | None) -> dict[str, Raw] | None:

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame
+from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame
 from ...model.message import LISTED_NODES, Direction
 from ...model.types import Assignment, Parameter
 from ...semantics import parameters
@@ -219,7 +220,7 @@ def _examples(specification: EditionInput, files: Sequence[File], direction: Dir
         if direction in file.directions and not file.table
     ]
     for frame in golden:
-        known = {str(value) for value in frame.parameters.values()}
+        known = set(formatting.parameter_values(frame.parameters).values())
         for file, known_there, by_id in whole:
             view = by_id.get(frame.id) if known_there == known else None
             example = _example(specification.edition, file, view, frame) if view else None
