@@ -23,11 +23,12 @@ def assignment(editions: Sequence[Edition], values: Mapping[str, str | int | flo
         if not owners:
             hint = nearest(name, [parameter.name for edition in editions for parameter in edition.parameters])
             raise ValueError(f"`{name}` is not a parameter; {hint or 'the spec has no parameters'}")
+        text = notation.text_of(Decimal(repr(value)) if isinstance(value, float) else value)
         names = [choice.name for _, parameter in owners for choice in parameter.values]
-        if names and str(value) not in names:
-            raise ValueError(f"`{name}` is not `{value}`; use one of: {', '.join(dict.fromkeys(names))}")
-        numbers = [number(edition, parameter, str(value)) for edition, parameter in owners if not parameter.is_choice]
-        result[name] = numbers[0] if numbers else str(value)
+        if names and text not in names:
+            raise ValueError(f"`{name}` is not `{text}`; use one of: {', '.join(dict.fromkeys(names))}")
+        numbers = [number(edition, parameter, text) for edition, parameter in owners if not parameter.is_choice]
+        result[name] = numbers[0] if numbers else text
     return result
 
 
