@@ -138,7 +138,7 @@ def test_switches_keep_page_and_section(site: Path, opened: Open) -> None:
     page.wait_for_url("**/en/v2.36-2025-03/index.html")
 
 
-def test_an_unknown_address_below_a_sub_path(address: str, chromium: Browser) -> None:
+def test_unknown_address_below_a_sub_path_links_to_the_start_page(address: str, chromium: Browser) -> None:
     page = chromium.new_page()
     for path in ("/en/v2.35/commands/none.html", "/none/none.html", "/none"):
         page.goto(address + path)
@@ -213,7 +213,7 @@ def test_words_that_people_search_for(site: Path, opened: Open, language: str) -
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
-def test_words_of_pages_that_are_about_no_edition(site: Path, opened: Open, language: str) -> None:
+def test_guides_are_found_by_their_words(site: Path, opened: Open, language: str) -> None:
     """In both languages; a space between Chinese and Latin text does not matter."""
     page = opened(f"{folder_of(site)}/{language}/index.html")
     words = {
