@@ -111,14 +111,14 @@ def test_target_of_the_api_guide_lists_the_commands(folder: Path) -> None:
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_api_guide_lists_exactly_the_public_names(language: str) -> None:
     page = (DOCS / language / "api.md").read_text("utf-8")
-    names = re.findall(r"^\| `(\w+)(?:\([^`]*)?` \|", page, re.MULTILINE)
+    names = re.findall(r"^- `(\w+)(?:\([^`]*)?`[:：]", page, re.MULTILINE)
     assert sorted(names) == sorted(canwright.__all__)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_api_guide_shows_the_arguments_of_functions_and_methods(language: str) -> None:
     page = (DOCS / language / "api.md").read_text("utf-8")
-    shown = re.findall(r"^\| `([\w.]+)\(([^`]*)\)` \|", page, re.MULTILINE)
+    shown = re.findall(r"^- `([\w.]+)\(([^`]*)\)`[:：]", page, re.MULTILINE)
     assert {name for name, _ in shown} >= {"load", "generate", "Decoder", "Encoder", "CanFrame"}
     for path, arguments in shown:
         first, *attributes = path.split(".")
