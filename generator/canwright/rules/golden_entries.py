@@ -14,9 +14,9 @@ from ..model.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFr
 from ..model.layout import Field
 from ..model.message import Message
 from ..model.types import Parameter
+from ..resolve.number_parameters import number
 from ..semantics.decoder import Decoded, Value
 from ..semantics.frame import Raw
-from ..semantics.parameters import number
 from .rule import Finding, Findings, RelatedItem
 
 EntryProblem = tuple[DocumentPath, str, str] | tuple[DocumentPath, str, str, RelatedItem]

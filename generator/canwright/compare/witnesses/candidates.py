@@ -9,10 +9,11 @@ from fractions import Fraction
 from ...model.layout import Field, NodeRole, Segment, Space
 from ...model.message import BitRun, Direction, Message
 from ...model.types import Assignment, Bound, Encoding, Type, number_of
+from ...semantics.bits import data_bits
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.dispatch import DispatchNode, Length, MaskedId, Select
 from ...semantics.encoder import Encoder
-from ...semantics.frame import CanFrame, Raw, data_bits, read_bits
+from ...semantics.frame import CanFrame, Raw, read_bits
 
 MAX_FRAMES = 64
 """So many frames of one message are tried for the decisions of the other edition."""

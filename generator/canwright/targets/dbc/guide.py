@@ -10,8 +10,7 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame
 from ...model.message import LISTED_NODES, Direction
-from ...model.types import Assignment, Parameter
-from ...semantics import parameters
+from ...model.types import Assignment, Parameter, number_of
 from ..base import EditionInput, header
 from .comments import ENGLISH, languages
 from .fields import LETTER
@@ -136,9 +135,8 @@ def _selection(made: Made) -> Iterator[str]:
 def _usual(specification: EditionInput, parameter: Parameter) -> str:
     """A typical value of a number parameter: that of the first golden frame with one."""
     golden = specification.frames.frames if specification.frames else ()
-    texts = (str(f.parameters[parameter.name]) for f in golden if parameter.name in f.parameters)
-    found = (parameters.number(specification.edition, parameter, text) for text in texts)
-    return number(next(found, parameter.maximum or Fraction(1)))
+    numbers = (number_of(f.parameters, parameter.name) for f in golden)
+    return number(next(filter(None, numbers), parameter.maximum or Fraction(1)))
 
 
 def _section(made: Made) -> Section:
