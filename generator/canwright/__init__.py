@@ -98,7 +98,7 @@ def generate(
     comments in a TargetWithOptions. Raises ValueError for unknown parameters and invalid values.
     """
     from .project import pipeline
-    from .semantics.parameters import assignment
+    from .resolve.number_parameters import assignment
     from .targets.base import Options
     from .targets.registry import target_names
 

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from ..model.edition import Edition
 from ..model.golden_frames import Value
 from ..model.message import Direction, Message
+from ..resolve.number_parameters import assignment
 from ..semantics import decoder, encoder, exchange
 from ..semantics.decoder import Decoded, Identified, Rejection
 from ..semantics.encoder import Number
 from ..semantics.frame import CanFrame, Raw
-from ..semantics.parameters import assignment
 
 
 class Decoder:
