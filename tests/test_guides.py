@@ -104,7 +104,7 @@ def test_target_of_the_api_guide_lists_the_commands(folder: Path) -> None:
     program = next(text for language, text in blocks("api") if "(Target)" in text)
     names: dict[str, canwright.Target] = {}
     exec(program, names)  # a page of this repository
-    outputs = names["TARGET"].generate([canwright.load(folder / "lamp.yaml")], {})
+    outputs = names["TARGET"].generate([canwright.load(folder / "lamp.yaml")], {}, canwright.Options())
     assert list(outputs) == [canwright.Output("lamp-v1.txt", "dim\nread_level\n")]
 
 
@@ -113,6 +113,13 @@ def test_api_guide_lists_exactly_the_public_names(language: str) -> None:
     page = (DOCS / language / "api.md").read_text("utf-8")
     names = re.findall(r"^- `(\w+)(?:\([^`]*)?`[:：]", page, re.MULTILINE)
     assert sorted(names) == sorted(canwright.__all__)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_api_guide_names_every_member_of_a_target(language: str) -> None:
+    (line,) = re.findall(r"^- `Target`.*$", (DOCS / language / "api.md").read_text("utf-8"), re.MULTILINE)
+    members = {*vars(canwright.Target), *canwright.Target.__annotations__}
+    assert {*re.findall(r"`(\w+)`", line)} == {"Target", *(name for name in members if not name.startswith("_"))}
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -14,6 +14,7 @@ from typing import Any
 
 import canwright
 import pytest
+from canwright.targets.registry import default_targets
 
 from .spec_texts import MINIMAL, ROOT
 
@@ -38,15 +39,19 @@ def test_a_spec_is_loaded_and_generated(tmp_path: Path) -> None:
     specification = canwright.load(tmp_path / "lamp.yaml")
     files = canwright.generate([specification], ["c"])
     assert b"lamp_v1_dim_request_encode" in files["c/include/lamp/v1.h"]
-    assert {path.partition("/")[0] for path in canwright.generate([specification])} == {
-        "c",
-        "columns",
-        "dbc",
-        "docs",
-        "javascript",
-        "python",
-        "wireshark",
-    }
+    assert {path.partition("/")[0] for path in canwright.generate([specification])} == set(default_targets())
+
+
+def test_options_of_targets_are_texts_as_on_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
+    specification = canwright.load(tmp_path / "lamp.yaml")
+    assert "dbc/lamp-v1-command-node2.dbc" in canwright.generate([specification], ["dbc"], options={"nodes": "2"})
+    for option, message in (
+        ({"nodes": "9"}, "--nodes 9: lamp v1 has no node 9; its nodes are 1..4"),
+        ({"speed": "9"}, "no target has the option --speed"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(message)):
+            canwright.generate([specification], ["dbc"], options=option)
 
 
 def test_a_spec_with_an_error_raises_its_findings(tmp_path: Path) -> None:

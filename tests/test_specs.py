@@ -10,7 +10,8 @@ import pytest
 from canwright.cli import main
 from canwright.project.loader import all_loaded, frames_file
 from canwright.project.pipeline import generate
-from canwright.targets.registry import target_names, targets
+from canwright.targets.options import NO_OPTIONS
+from canwright.targets.registry import default_targets, targets
 from click.testing import CliRunner
 
 from .compilers import WARNINGS, ZIG, Compiler, each_compiler
@@ -25,7 +26,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All targets of all small specs, in one folder."""
     folder = tmp_path_factory.mktemp("specs")
     items = [one.specification for one in all_loaded(SMALL)]
-    for path, content in generate(items, target_names(), {}).files.items():
+    for path, content in generate(items, default_targets(), {}).files.items():
         file = folder / path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_bytes(content)
@@ -153,4 +154,4 @@ def test_addresses_may_share_all_their_ids(tmp_path: Path) -> None:
 
 def test_of_no_edition_every_target_makes_something() -> None:
     for target in targets():
-        list(target.generate([], {}))
+        list(target.generate([], {}, NO_OPTIONS))

@@ -7,7 +7,7 @@
 local codec = (function()
 -- Identifies frames and decodes their fields, from the tables of an edition. It runs in Lua 5.2 and later, without Wireshark.
 --
--- A frame is a table: [0] is the CAN id, [1] to [8] are the data bytes; `length`, `extended`, `remote`.
+-- A frame is a table: [0] is the CAN id, the data bytes follow from [1] on; `length`, `extended`, `remote`.
 -- A segment is {index in the frame, 2^low, 2^width, 2^raw_low, whether raw_low counts from bit 32}: some bits of one byte.
 -- A key is an unsigned integer as a number, or as a text of its two halves if it has more than 32 bits.
 

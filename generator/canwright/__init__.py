@@ -24,12 +24,14 @@ if TYPE_CHECKING:
     from .model.types import Assignment, Type
     from .semantics.decoder import Decoded, Identified, Rejection
     from .semantics.frame import CanFrame
-    from .targets.base import EditionInput, NameProblem, Options, Output, Target, TargetWithOptions
+    from .targets.base import BinaryOutput, EditionInput, NameProblem, Output, Target
+    from .targets.options import Options, TargetOption
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Assignment",
+    "BinaryOutput",
     "CanFrame",
     "Command",
     "Decoded",
@@ -53,7 +55,7 @@ __all__ = [
     "Severity",
     "SpecError",
     "Target",
-    "TargetWithOptions",
+    "TargetOption",
     "Type",
     "generate",
     "load",
@@ -69,7 +71,8 @@ _MODULES: Mapping[str, Sequence[str]] = {
     "model.types": ("Assignment", "Type"),
     "semantics.decoder": ("Decoded", "Identified", "Rejection"),
     "semantics.frame": ("CanFrame",),
-    "targets.base": ("NameProblem", "Options", "Output", "EditionInput", "Target", "TargetWithOptions"),
+    "targets.base": ("BinaryOutput", "NameProblem", "Output", "EditionInput", "Target"),
+    "targets.options": ("Options", "TargetOption"),
 }
 
 
@@ -89,22 +92,22 @@ def generate(
     specifications: Sequence[EditionInput],
     targets: Sequence[str] | None = None,
     parameters: Mapping[str, str | int | float | Decimal | Fraction] | None = None,
-    options: Options | None = None,
+    options: Mapping[str, str] | None = None,
 ) -> Mapping[str, bytes]:
     """The generated files by path, such as `c/include/lamp/v1.h`; writes nothing.
 
-    `targets` are names of installed targets, by default all. `parameters` are fixed in the output of targets that can do
-    this; each must be one of an edition, with a value that it can have there. `options` select nodes and the language of
-    comments in a TargetWithOptions. Raises ValueError for unknown parameters and invalid values.
+    `targets` are names of installed targets, by default those that `canwright generate` takes. `parameters` are fixed in the
+    output of targets that can do this; each must be one of an edition, with a value that it can have there. `options` are
+    options of the targets, as on the command line without `--`. Raises ValueError for an invalid parameter or option.
     """
     from .project import pipeline
     from .resolve.number_parameters import assignment
-    from .targets.base import Options
-    from .targets.registry import target_names
+    from .targets.registry import default_targets, selected_options
 
-    names = target_names() if targets is None else targets
-    fixed = assignment([item.edition for item in specifications], parameters or {})
-    return pipeline.generate(specifications, names, fixed, options or Options()).files
+    editions = [item.edition for item in specifications]
+    names = default_targets() if targets is None else targets
+    selected = selected_options(names, options or {}, editions)
+    return pipeline.generate(specifications, names, assignment(editions, parameters or {}), selected).files
 
 
 def __getattr__(name: str) -> object:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from canwright.cli import main
+from canwright.targets.registry import declared_options, default_targets
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT
@@ -39,16 +40,7 @@ def test_check_reports_output_that_differs_after_an_edit_of_the_spec(folder: Pat
     assert "warning: there are no golden frames" in result.stderr
     listed = run("generate", "--spec", "my.yaml", "--out", "out", "--format", "json")
     assert [one["rule"] for one in json.loads(listed.stdout)["findings"]] == ["missing-frame"]
-    assert {p.name for p in (folder / "out").iterdir()} == {
-        ".canwright.json",
-        "c",
-        "columns",
-        "python",
-        "dbc",
-        "docs",
-        "javascript",
-        "wireshark",
-    }
+    assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", *default_targets()}
     assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
     (folder / "my.yaml").write_text(MINIMAL.replace("0..1000", "0..999"), "utf-8")
     result = run("check", "--spec", "my.yaml", "--out", "out")
@@ -187,13 +179,21 @@ def test_an_invalid_setting_is_rejected(setting: str, says: str, tmp_path: Path)
         (["--target", "dbc", "--nodes", "1,99"], "--nodes 1,99: arm v1 has no node 99; its nodes are 1..15"),
         (["--nodes", "1"], "--nodes affects only the target dbc; add --target dbc"),
         (["--target", "c", "--comments", "zh"], "--comments affects only the target dbc; add --target dbc"),
-        (["--target", "dbc", "--comments", "fr"], "--comments fr: the target `dbc` has comments in en, zh"),
+        (["--target", "dbc", "--comments", "fr"], "--comments fr: comments of DBC files are in en or zh"),
     ],
 )
 def test_impossible_nodes_and_comments_are_rejected(arguments: list[str], message: str, tmp_path: Path) -> None:
     result = run("generate", "--spec", ARM, *arguments, "--out", str(tmp_path / "out"))
     assert (result.exit_code, result.stderr) == (2, f"canwright: {message}\n")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", ["check", "generate"])
+def test_help_lists_the_options_of_targets(command: str) -> None:
+    words = " ".join(run(command, "--help").stdout.replace("-\n", "-").split())
+    assert {"nodes", "comments"} <= declared_options().keys()
+    for name, declared in declared_options().items():
+        assert f"--{name} {declared[0][1].metavar} {declared[0][1].help}".replace("- ", "-") in words.replace("- ", "-")
 
 
 def test_nodes_are_selected_singly_or_as_a_range(tmp_path: Path) -> None:

@@ -124,8 +124,10 @@ class Questions:
             fixed = (f for f in message.layout.fields if not f.role.is_value)
             parts = [(k.space, bits_of((segment,))) for k in message.keys for segment in k.segments]
             parts += [(f.space, e.bits) for f in fixed for e in f.elements]
+            beyond = message.id.base + ((message.id.nodes or range(1))[-1] + 1) * message.id.node_step
             for space, bits_ in parts:
-                yield _flipped(frame, space, chance.choice(list(bits_)))
+                wrong = _flipped(frame, space, chance.choice(list(bits_)))
+                yield from (wrong, wrong._replace(data=wrong.data[:-1]), wrong._replace(id=beyond | ids))
 
     def _with_fields(self, message: Message) -> Iterator[CanFrame]:
         """Frames with raw integers at the limits of each field and beyond them, one field at a time."""
@@ -244,9 +246,12 @@ class Questions:
                     raws[name] = candidate
                 yield Question("encode raw", "encode_raw", (*_start(message), self._node(message), raws, known))
 
-        if message.id.nodes is not None and fields:
+        if message.id.nodes is not None and fields:  # several reasons to reject: the node comes first
             largest = {name: _largest(field) for name, field in fields.items()}
-            yield Question("encode raw", "encode_raw", (*_start(message), message.id.nodes[-1] + 1, largest, known))
+            unknown = {name: value for name, value in known.items() if name != message.layout.parameter}
+            for parameters in (known, unknown) if unknown != known else (known,):
+                given = (*_start(message), message.id.nodes[-1] + 1, largest, self._having(message, parameters))
+                yield Question("encode raw", "encode_raw", given)
 
     def _given_values(self, message: Message) -> Iterator[Question]:
         """Values at the limits of every field, ties, and what is no number."""

@@ -12,7 +12,7 @@ from canwright.project.loader import specification
 from canwright.project.pipeline import generate
 from canwright.rules.bit_patterns import Known, pairs
 from canwright.targets.base import EditionInput
-from canwright.targets.registry import target_names
+from canwright.targets.registry import default_targets
 from hypothesis import given, strategies as st
 
 from ..bench.generate import multiplied
@@ -49,7 +49,7 @@ def test_reading_grows_with_the_commands(specs: list[Path]) -> None:
     assert most - more < MOST * (more - few)
 
 
-@pytest.mark.parametrize("target", target_names())
+@pytest.mark.parametrize("target", default_targets())
 def test_a_target_grows_with_the_commands(target: str, read: list[EditionInput]) -> None:
     generate(read[:1], [target], {})
     few, more, most = (calls(generate, [one], [target], {}) for one in read)

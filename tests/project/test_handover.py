@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib.util
 import io
 import math
 import re
@@ -16,22 +17,26 @@ from xml.etree import ElementTree
 import pytest
 from canwright.cli import main
 from canwright.model.golden_frames import GoldenFrame
-from canwright.output.paths import OutputError
-from canwright.project import matrix, spreadsheets
-from canwright.project.handover import build
 from canwright.project.loader import specification
-from canwright.project.words import LABELS
-from click.testing import CliRunner
+from canwright.targets.handover import matrix, spreadsheets
+from canwright.targets.handover.labels import labels
+from canwright.targets.registry import default_targets
+from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, SPECS as SPECS_OF_ALL, called
 
 SPECS = [ROOT / "spec/mwd_motor/v2.36-2025-03.yaml", ROOT / "tests/specs/press/v1.yaml"]
 
 
+def handover(specs: Sequence[Path], out: Path, *arguments: str) -> Result:
+    given = (part for spec in specs for part in ("--spec", str(spec)))
+    return CliRunner().invoke(main, ["handover", *given, "--out", str(out), *arguments], catch_exceptions=False)
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("handover") / "out"
-    build([specification(spec) for spec in SPECS], out)
+    assert handover(SPECS, out).exit_code == 0
     return out
 
 
@@ -284,7 +289,7 @@ def test_a_spreadsheet_changes_no_text(language: str) -> None:
 
 
 def test_equal_specs_make_equal_files(made: Path, tmp_path: Path) -> None:
-    build([specification(spec) for spec in SPECS], tmp_path / "again")
+    handover(SPECS, tmp_path / "again")
     for file in made.iterdir():
         assert (tmp_path / "again" / file.name).read_bytes() == file.read_bytes(), file.name
     with zipfile.ZipFile(made / "press-v1-en.xlsx") as book:
@@ -296,25 +301,60 @@ def test_texts_of_a_spec_are_escaped(tmp_path: Path) -> None:
     hostile = '=HYPERLINK("x") <script>alert(1)</script> </style>'
     (tmp_path / "lamp.yaml").write_text(MINIMAL.replace('    manual: "1"\n', f"    title: '{hostile}'\n"), "utf-8")
     item = specification(tmp_path / "lamp.yaml")
-    build([item], tmp_path / "out")
+    handover([tmp_path / "lamp.yaml"], tmp_path / "out")
     text = (tmp_path / "out/lamp-v1-en.html").read_text("utf-8")
     assert text.count("<script") == 1
     assert text.count("</style>") == 1
     found = list(matrix.rows(item.edition, "en"))
-    assert "'=HYPERLINK" in spreadsheets.csv_text(found, LABELS["en"]).decode("utf-8-sig")
+    assert "'=HYPERLINK" in spreadsheets.csv_text(found, labels()["en"]).decode("utf-8-sig")
     with zipfile.ZipFile(tmp_path / "out/lamp-v1-en.xlsx") as book:
         assert b"<f>" not in book.read("xl/worksheets/sheet1.xml")
 
 
 def test_other_files_are_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine", "utf-8")
-    with pytest.raises(OutputError, match=r"mine"):
-        build([specification(SPECS[1])], tmp_path)
+    result = handover(SPECS[1:], tmp_path)
+    assert (result.exit_code, "mine" in result.stderr) == (2, True)
 
 
 def test_handover_command_writes_documents(tmp_path: Path) -> None:
     (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
-    arguments = ["handover", "--spec", str(tmp_path / "lamp.yaml"), "--out", str(tmp_path / "out")]
-    result = CliRunner().invoke(main, arguments, catch_exceptions=False)
+    result = handover([tmp_path / "lamp.yaml"], tmp_path / "out")
     assert result.exit_code == 0, result.output
-    assert (tmp_path / "out/lamp-v1-en.html").is_file()
+    names = [f"lamp-v1-en.{ending}" for ending in ("csv", "html", "xlsx")]
+    assert result.stdout == "".join(f"{(tmp_path / 'out' / name).as_posix()}\n" for name in names)
+
+
+def test_the_documents_are_a_target_that_has_to_be_named(made: Path, tmp_path: Path) -> None:
+    """`generate --target handover` writes and `check` compares the same files, in a folder of the target."""
+    given = [
+        *(part for spec in SPECS for part in ("--spec", str(spec))),
+        "--out",
+        str(tmp_path),
+        "--target",
+        "handover",
+    ]
+    assert "handover" not in default_targets()
+    assert CliRunner().invoke(main, ["generate", *given], catch_exceptions=False).exit_code == 0
+    for file in made.glob("[a-z]*"):
+        assert (tmp_path / "handover" / file.name).read_bytes() == file.read_bytes(), file.name
+    assert CliRunner().invoke(main, ["check", *given], catch_exceptions=False).exit_code == 0
+    book = tmp_path / "handover/press-v1-en.xlsx"
+    book.write_bytes(book.read_bytes()[:-1])
+    result = CliRunner().invoke(main, ["check", *given], catch_exceptions=False)
+    assert result.exit_code == 1
+    assert result.stdout == f"Binary files {book.as_posix()} and handover/press-v1-en.xlsx as generated differ\n"
+
+
+@pytest.mark.parametrize("command", [["handover"], ["generate", "--target", "handover"]])
+def test_missing_packages_are_named_where_the_target_is_asked_for(
+    command: Sequence[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    given = ["--spec", str(tmp_path / "lamp.yaml"), "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(main, [*command, *given], catch_exceptions=False)
+    message = "canwright: required packages are not installed; run: pip install markdown-it-py XlsxWriter\n"
+    assert (result.exit_code, result.stderr.endswith(message)) == (2, True)
+    assert not (tmp_path / "out").exists()
+    assert CliRunner().invoke(main, ["generate", *given], catch_exceptions=False).exit_code == 0

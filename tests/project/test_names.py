@@ -71,7 +71,7 @@ def test_an_edition_that_starts_with_a_digit_can_be_imported(tmp_path: Path) -> 
 class _Twice(Target):
     title = "Twice"
 
-    def generate(self, specifications: object, set_parameters: object) -> Iterator[Output]:
+    def generate(self, specifications: object, set_parameters: object, options: object) -> Iterator[Output]:
         yield Output("read.me", "")
         yield Output("READ.ME", "")
 

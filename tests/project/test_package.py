@@ -10,6 +10,7 @@ import venv
 from pathlib import Path
 
 import pytest
+from canwright.targets.registry import target_names
 
 from ..spec_texts import MINIMAL, ROOT
 
@@ -84,9 +85,9 @@ def with_csv(installed: Path) -> Path:
 
 
 def test_a_target_of_another_package_is_listed_and_generates(with_csv: Path, tmp_path: Path) -> None:
-    assert "[c|columns|csv|dbc|docs|javascript|python|wireshark]" in run(
+    assert f"[{'|'.join(sorted(('csv', *target_names())))}]" in run(
         tmp_path, with_csv / "canwright", "generate", "--help"
-    )
+    ).replace("\n", "").replace(" ", "")
     (tmp_path / "my.yaml").write_text(MINIMAL, "utf-8")
     run(tmp_path, with_csv / "canwright", "generate", "--spec", "my.yaml", "--out", "out", "--target", "csv")
     assert [file.relative_to(tmp_path).as_posix() for file in (tmp_path / "out").rglob("*.csv")] == [

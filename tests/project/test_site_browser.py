@@ -12,9 +12,10 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from canwright.project import handover
+from canwright.cli import main
 from canwright.project.loader import specification
 from canwright.project.site import build
+from click.testing import CliRunner
 from playwright.sync_api import Browser, Page, expect
 
 from ..spec_texts import ROOT
@@ -37,8 +38,10 @@ PAGES = (
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site of two editions, in a folder whose name has a space."""
     folder = tmp_path_factory.mktemp("two editions")
-    specifications = [specification(ROOT / f"spec/mwd_motor/{edition}.yaml") for edition in EDITIONS]
-    handover.build(specifications[:1], folder / "handover")
+    specs = [ROOT / f"spec/mwd_motor/{edition}.yaml" for edition in EDITIONS]
+    specifications = [specification(spec) for spec in specs]
+    arguments = ["handover", "--spec", str(specs[0]), "--out", str(folder / "handover")]
+    assert CliRunner().invoke(main, arguments).exit_code == 0
     build(pages_of(specifications, folder / "docs"), folder / "site", folder / "handover")
     return folder / "site"
 

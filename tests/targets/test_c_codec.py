@@ -9,13 +9,13 @@ from fractions import Fraction
 
 import pytest
 from canwright.model.edition import Edition
-from canwright.model.layout import Field, FixedRole, Space
+from canwright.model.layout import MAX_DATA_BYTES, Field, FixedRole, Space
 from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified, linear_of
-from canwright.targets.c.numbers import integer
+from canwright.targets.c.expressions import integer
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused, assignment
 from ..conformance.adapters.c import CAdapter, NotAvailable
@@ -73,7 +73,7 @@ def test_noise_in_reserved_bits_is_ignored_and_other_frames_are_refused(made: tu
             assert isinstance(ask(other_format), Refused)
             other_kind = CanFrame(frame.id, frame.data, frame.extended, not frame.remote)
             assert isinstance(ask(other_kind), Refused)
-            if message.dlc < 8 and not message.remote:
+            if message.dlc < MAX_DATA_BYTES and not message.remote:
                 long = CanFrame(frame.id, frame.data + b"\0", frame.extended, frame.remote)
                 assert ask(long) in (Refused(Refusal.WRONG_LENGTH), Refused(Refusal.UNKNOWN_CODE))
 
@@ -278,7 +278,7 @@ def _used(message: Message, parameters: Parameters) -> set[int]:
 
 def _frame(message: Message, node: int | None, raw: dict[str, Raw], parameters: Parameters) -> CanFrame:
     """The frame bit by bit."""
-    spaces = {Space.DATA: [0] * 64, Space.ID: [0] * 32}
+    spaces = {Space.DATA: [0] * 8 * MAX_DATA_BYTES, Space.ID: [0] * 32}
     for key in message.keys:
         bits = tuple(s.byte * 8 + s.low + i for s in key.segments for i in range(s.width))
         _place(spaces[key.space], bits, key.value)
@@ -288,7 +288,7 @@ def _frame(message: Message, node: int | None, raw: dict[str, Raw], parameters: 
         numbers = given if isinstance(given, list) else [given] * len(field.elements)
         for element, number in zip(field.elements, numbers, strict=True):
             _place(spaces[field.space], element.bits, number)
-    data = sum(bit << i for i, bit in enumerate(spaces[Space.DATA])).to_bytes(8, "little")[: message.dlc]
+    data = sum(bit << i for i, bit in enumerate(spaces[Space.DATA])).to_bytes(MAX_DATA_BYTES, "little")[: message.dlc]
     id_ = message.id.base + (node or 0) * message.id.node_step
     id_ += sum(bit << i for i, bit in enumerate(spaces[Space.ID]))
     return CanFrame(id_, b"" if message.remote else data, message.id.extended, message.remote)

@@ -13,8 +13,7 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import c
 from canwright.targets.base import EditionInput
-from canwright.targets.c.files import PARTS
-from canwright.targets.c.names import Names, member
+from canwright.targets.c.names import PARTS, Names, member
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, each_compiler
 from ..conformance.adapters.c_harness import harness
@@ -223,6 +222,20 @@ def test_example_builds_and_runs(tmp_path: Path) -> None:
     for program in programs:
         done = subprocess.run([program], capture_output=True, text=True, check=True)
         assert done.stdout
+
+
+@pytest.mark.parametrize("has_golden_frames", [True, False])
+@pytest.mark.parametrize("spec", SMALL, ids=called)
+def test_example_shows_exchanges_in_which_the_reply_answers(
+    spec: Path, has_golden_frames: bool, tmp_path: Path
+) -> None:
+    item = specification(spec)
+    folder = write([item if has_golden_frames else EditionInput(item.edition, None)], tmp_path / "c")
+    for source in folder.glob("examples/*.c"):
+        program = tmp_path / "program"
+        ZIG.run("c99", *WARNINGS, f"-I{folder / 'include'}", source, "-o", program)
+        done = subprocess.run([program], capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout.split()[-1]) == (0, "ok"), done.stdout
 
 
 def test_an_id_that_code_or_fields_go_into_is_said_to_lack_them() -> None:

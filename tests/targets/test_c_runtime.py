@@ -12,7 +12,7 @@ from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.targets.base import header
 from canwright.targets.c import RUNTIME
-from canwright.targets.c.files import SHARED, SHARED_CXX
+from canwright.targets.c.names import SHARED, SHARED_CXX
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
 from ..verification import floating, integers

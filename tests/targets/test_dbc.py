@@ -18,8 +18,10 @@ from canwright.model.golden_frames import GoldenFrame, GoldenFrames
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import dbc
-from canwright.targets.base import EditionInput, Options
+from canwright.targets.base import EditionInput
 from canwright.targets.dbc.frames import obstacle
+from canwright.targets.dbc.selection import COMMENTS, NODES
+from canwright.targets.options import Options
 
 from ..spec_texts import MINIMAL, SMALL, SPECS as ALL, called
 
@@ -63,7 +65,7 @@ def texts(request: pytest.FixtureRequest) -> Mapping[str, str]:
     ("name", "nodes"), [("lamp-v1-small-reply-node1.dbc", (1,)), ("lamp-v1-small-command.dbc", ())]
 )
 def test_text_of_a_small_spec(name: str, nodes: tuple[int, ...]) -> None:
-    texts = {o.path: o.text for o in dbc.generate([specification(CASES / "tiny.yaml")], {}, Options(nodes=nodes))}
+    texts = {o.path: o.text for o in dbc.generate([specification(CASES / "tiny.yaml")], {}, Options({NODES: nodes}))}
     assert texts[name] == (CASES / name).read_text("ascii")
 
 
@@ -105,7 +107,7 @@ def test_codes_of_tables_have_names_in_the_plain_file() -> None:
 
 @pytest.mark.parametrize("nodes", [(5, 7), (32,)])
 def test_selected_nodes_are_the_only_ones(nodes: tuple[int, ...]) -> None:
-    outputs = {o.path: o.text for o in dbc.generate([specification(MAIN)], {"series": "MG"}, Options(nodes=nodes))}
+    outputs = {o.path: o.text for o in dbc.generate([specification(MAIN)], {"series": "MG"}, Options({NODES: nodes}))}
     listed = "_".join(map(str, nodes))
     reply, command = (outputs[f"mwd_motor-v2.35-MG-{kind}-node{listed}.dbc"] for kind in ("reply", "command"))
     assert re.findall(r"^BO_ (\d+)", reply, re.MULTILINE) == [str(0x140 + node) for node in nodes]
@@ -114,7 +116,7 @@ def test_selected_nodes_are_the_only_ones(nodes: tuple[int, ...]) -> None:
 
 def test_comments_in_chinese_are_utf_8_and_change_nothing_else() -> None:
     main = specification(MAIN)
-    chinese = {o.path: o.text for o in dbc.generate([main], {"series": "MG"}, Options(language="zh"))}
+    chinese = {o.path: o.text for o in dbc.generate([main], {"series": "MG"}, Options({COMMENTS: "zh"}))}
     for path, text in files(MAIN, series="MG").items():
         other = chinese[path.replace(".dbc", "-zh.dbc")].replace('-zh";', '";')
         assert [x for x in other.splitlines() if x[:3] != "CM_"] == [x for x in text.splitlines() if x[:3] != "CM_"]
@@ -164,7 +166,9 @@ def test_the_guide_says_how_to_set_numbers() -> None:
 
 def test_the_guide_of_a_variant_lists_what_is_not_set_and_editions_without_files() -> None:
     items = [specification(ROOT / f"spec/mwd_motor/{name}.yaml") for name in ("v2.35", "v2.35-2024-02")]
-    texts = {o.path: o.text for o in dbc.generate(items, {"series": "MG", "encoder_bits": "18"}, Options(nodes=(5, 7)))}
+    texts = {
+        o.path: o.text for o in dbc.generate(items, {"series": "MG", "encoder_bits": "18"}, Options({NODES: (5, 7)}))
+    }
     assert (
         "This edition has no files with series=MG, encoder_bits=18."
         in texts["README.md"].split("## mwd_motor v2.35-2024-02")[1]

@@ -64,7 +64,7 @@ def test_links_to_the_explorer_are_golden_frames_with_their_parameters(pages: di
     frames = specification(SPEC).frames
     assert frames is not None
     golden = {
-        (formatting.sent(frame), frame.direction.value, *((n, str(v)) for n, v in frame.parameters.items()))
+        (formatting.sent(frame), frame.direction.value, *formatting.parameter_values(frame.parameters).items())
         for frame in frames.frames
     }
     linked = set()
@@ -197,7 +197,7 @@ def test_states_have_a_page_if_there_are_any() -> None:
     assert f'<a id="states.muted"></a>Muted (`muted`) {muted}' in page
     assert "`writes_rom`" in page and "`loud`" not in page
     command = made["en/v2-2024-02/commands/set_volume.md"]
-    assert "In the state [Muted](../states.md#states.muted), these effects do not occur: Can be loud" in command
+    assert "While [Muted](../states.md#states.muted): Silent." in command
     assert "执行后的状态：[静音](../states.md#states.muted)" in made["zh/v2-2024-02/commands/mute_group.md"]
     press = specification(ROOT / "tests/specs/press/v1.yaml")
     assert not [output.path for output in docs.generate([press], {}) if output.path.endswith("states.md")]
@@ -210,7 +210,7 @@ def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
     text = pages["en/v1/commands/set.md"]
     assert "| `id bits 0..7` |  | `u8`<br>`0x21` |" in text
     assert "| `id bits 12..17` | `part` |" in text
-    assert "identifies the command; also accepted `0x23`" in text
+    assert "command code; also accepted `0x23`" in text
     picture = re.findall(r"<text[^>]*>([^<]*)</text>", pages["pictures/v1/set-request.svg"])
     assert picture[8:12] == ["id 28..24", "0", "0", "0"]
     assert {"0x21", "node", "part [3:0]", "[5:4]", "level [3:0]", "level [7:4]"} <= set(picture)
@@ -317,3 +317,44 @@ def test_a_frame_is_written_as_can_utils_take_it() -> None:
     assert {len(id_) for id_, _ in found} == {3, 8}
     assert ("0D05FF41", "64FFFE0000000000") in found
     assert any(data == "R" for _, data in found)
+
+
+SENTENCES = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+parameters:
+  model: {values: {A: {title: Model A}, B: {title: Model B}, C: {}}}
+effects: {glows: {level: warning, title: Glows}}
+states: {lit: {entered_by: [dim]}, dark: {entered_by: [b], prevents: [glows]}}
+types: {byte: {raw: u8}}
+layouts:
+  shared: {fields: {level: {at: 1, type: byte}}}
+  alone: {fields: {level: {at: 1, type: byte}}}
+commands:
+  dim: {code: 0x10, effects: [glows], only: {model: [A, B]}, request: {level: {at: 2, type: byte}}, reply: echo}
+  b: {code: 0x20, only: {model: [A, C]}, request: {}, reply: {layout: shared}}
+  c: {code: 0x21, request: {}, reply: {layout: shared}}
+  d: {code: 0x22, request: {}, reply: {layout: shared}}
+  e: {code: 0x30, request: {}, reply: {layout: shared}}
+  f: {code: 0x40, request: {}, reply: {layout: alone}}
+"""
+
+
+def test_what_pages_of_commands_state_in_sentences(tmp_path: Path) -> None:
+    """Availability by the titles of values if all have one; shared fields by codes; what does not occur in a state."""
+    (tmp_path / "spec.yaml").write_text(SENTENCES, "utf-8")
+    pages = {output.path: output.text for output in docs.generate([specification(tmp_path / "spec.yaml")], {})}
+    expected = {
+        "dim": ("\nAvailable on Model A, Model B\n", "| The request is returned unchanged |", "\nOther bits: 0\n"),
+        "b": ("\nAvailable on `model A, C`\n", "| Same fields as the replies of `0x21` to `0x22`, `0x30` |"),
+        "c": ("| Same fields as the replies of `0x20`, `0x22`, `0x30` |", "| command code |"),
+        "f": ("| Fields of this reply only |",),
+    }
+    for name, sentences in expected.items():
+        for sentence in sentences:
+            assert sentence in pages[f"en/v1/commands/{name}.md"], (name, sentence)
+    state = "While [Dark](../states.md#states.dark), this does not occur: Glows"
+    assert state in pages["en/v1/commands/dim.md"]

@@ -17,7 +17,7 @@ from canwright.language.edition import EditionSpec, json_schema
 from canwright.project.loader import spec_files, specification
 from canwright.targets import docs
 from canwright.targets.base import EditionInput
-from canwright.targets.docs.choice import Choice
+from canwright.targets.examples import Examples
 from canwright.templating.markup import markdown
 from canwright.templating.resources import CHANGE_EXAMPLES
 
@@ -158,8 +158,8 @@ def test_notes_of_shown_golden_frames_are_in_every_language() -> None:
     shown = 0
     for spec in spec_files(ROOT / "spec"):
         edition, frames = specification(spec)
-        choice = Choice(edition, frames)
-        for found in map(choice.select, edition.commands):
+        examples = Examples(edition, frames)
+        for found in map(examples.select, edition.commands):
             for frame in (*found.requests, *found.replies):
                 if frame.note is not None:
                     shown += 1

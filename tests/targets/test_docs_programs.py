@@ -19,7 +19,7 @@ from canwright.project.loader import specification
 from canwright.targets import c, docs, python
 from canwright.targets.base import CodeExample, EditionInput, Output, Target, WorkedExchange
 from canwright.targets.docs import common
-from canwright.targets.docs.choice import Choice
+from canwright.targets.examples import Examples
 
 from ..compilers import WARNINGS, ZIG
 from ..spec_texts import MINIMAL, SPECS
@@ -54,9 +54,9 @@ def expected(specifications: list[EditionInput]) -> Mapping[str, Expected]:
     folders = docs.folders([one.edition for one in specifications])
     found = {}
     for one in specifications:
-        choice = Choice(one.edition, one.frames)
+        examples = Examples(one.edition, one.frames)
         for command in one.edition.commands:
-            exchange = choice.select(command).exchange
+            exchange = examples.select(command).exchange
             path = f"en/{folders[one.edition]}/commands/{command.spec_name}.md"
             if exchange and path not in found:
                 found[path] = Expected(exchange.request, exchange.reply)
@@ -151,7 +151,7 @@ class Wordy(Target):
 
     title = "Wordy | <b>"
 
-    def generate(self, specifications: object, set_parameters: object) -> Iterator[Output]:
+    def generate(self, specifications: object, set_parameters: object, options: object) -> Iterator[Output]:
         yield from ()
 
     def example(self, edition: object, worked: WorkedExchange) -> CodeExample:

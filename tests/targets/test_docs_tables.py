@@ -93,9 +93,9 @@ def test_a_page_says_what_is_said_of_its_table_entry_and_command(pages: dict[str
     wears = "> [!WARNING]\n> Wears\n"
     assert wears in _entry(pages["commands/write_setting.md"], "gains")
     assert wears not in gains, "an entry has its effects when it is written"
-    assert "| `DATA[0]` |  | `u8`<br>`0x40` |  | identifies the command |" in gains
-    assert "| `DATA[1]` |  | `u8`<br>`0xA0` |  | identifies the entry |" in gains
-    assert level.count("| identifies the entry |") == 2
+    assert "| `DATA[0]` |  | `u8`<br>`0x40` |  | command code |" in gains
+    assert "| `DATA[1]` |  | `u8`<br>`0xA0` |  | index of the entry |" in gains
+    assert level.count("| index of the entry |") == 2
 
 
 def test_sections_of_the_manual_are_shown_where_they_differ(pages: dict[str, str]) -> None:
@@ -133,7 +133,7 @@ def test_errata_reach_the_commands_that_meet_them(pages: dict[str, str]) -> None
 
 
 def test_bits_are_called_reserved_where_some_are_left(pages: dict[str, str]) -> None:
-    said = "bits are reserved"
+    said = "Other bits: 0"
     reading, writing = pages["commands/read_setting.md"], pages["commands/write_setting.md"]
     assert _entry(writing, "gains").count(said) == 1
     assert "| Fields |" in _entry(writing, "gains")

@@ -17,7 +17,7 @@ from canwright.language.edition import EditionSpec, json_schema
 from canwright.language.golden_frames import GoldenFramesSpec
 from canwright.project.loader import load
 from canwright.project.pipeline import generate
-from canwright.targets.registry import target_names
+from canwright.targets.registry import default_targets
 
 from ..compare.test_every_key import CHANGES, TEXT
 from ..untrusted.everything import FRAMES, SPEC
@@ -136,7 +136,7 @@ def _output(folder: Path, of_edition: Mapping[str, Any], of_frames: Mapping[str,
     except SpecError as error:
         return {"check": str(error)}
     edition = replace(loaded.specification.edition, hash="0" * 64)
-    files = generate([loaded.specification._replace(edition=edition)], target_names(), {}).files
+    files = generate([loaded.specification._replace(edition=edition)], default_targets(), {}).files
     found = {"check": "\n".join(map(str, loaded.warnings))} if golden else {}
     return found | {path: content.decode("utf-8") for path, content in files.items()}
 

@@ -23,7 +23,7 @@ import can
 import pytest
 from canwright.model import refusal
 from canwright.project.loader import specification
-from canwright.targets.python import RUNTIME, target
+from canwright.targets.python import RUNTIME, generate
 from canwright.targets.python.imports import NAMES, PUBLIC, Imports
 from canwright.targets.python.module import SHARED
 from canwright.targets.python.runtime import _codec, _dispatch
@@ -187,7 +187,7 @@ def test_the_reasons_for_rejection_are_those_of_golden_frames() -> None:
 
 def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
     spec = ROOT / "tests/specs/valve/v1.yaml"
-    outputs = {o.path: o.text for o in target.TARGET.generate([specification(spec)], {})}
+    outputs = {o.path: o.text for o in generate([specification(spec)], {})}
     assert {path.name for path in RUNTIME.glob("*.py")} == {"__init__.py", *SHARED}
     for name in SHARED:
         first, rest = outputs[f"valve/{name}"].split("\n", 1)

@@ -16,7 +16,7 @@ import yaml
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import load
 from canwright.project.pipeline import generate
-from canwright.targets.registry import target_names
+from canwright.targets.registry import default_targets
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from ..spec_texts import MINIMAL, ROOT
@@ -132,7 +132,7 @@ def outcome(file: Path) -> str:
     """`made` or `refused`; anything else is raised."""
     try:
         specifications = load(file).specification
-        files = generate([specifications], target_names(), {}).files
+        files = generate([specifications], default_targets(), {}).files
     except SpecError as error:
         assert error.diagnostics
         assert all(finding.message and finding.position.line for finding in error.diagnostics)

@@ -10,7 +10,7 @@ from pathlib import Path
 import cantools
 from canwright.project.loader import load
 from canwright.project.pipeline import generate
-from canwright.targets.registry import target_names
+from canwright.targets.registry import default_targets
 
 from .. import node
 from ..compilers import ZIG
@@ -56,7 +56,7 @@ commands:
 def test_names_that_are_words_of_other_languages(tmp_path: Path) -> None:
     spec = tmp_path / "lamp.yaml"
     spec.write_text(SPEC, "utf-8")
-    for path, content in generate([load(spec).specification], target_names(), {}).files.items():
+    for path, content in generate([load(spec).specification], default_targets(), {}).files.items():
         file = tmp_path / path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_bytes(content)

@@ -18,7 +18,7 @@ from canwright.cli import main
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import load
 from canwright.project.pipeline import generate
-from canwright.targets.registry import target_names
+from canwright.targets.registry import default_targets
 from click.testing import CliRunner
 from lupa import lua54
 from markdown_it import MarkdownIt
@@ -41,7 +41,8 @@ def made(say: Sequence[str], folder: Path, languages: tuple[str, ...] = ("en", "
     turns = itertools.cycle(say)
     specifications = filled(lambda: next(turns), folder, languages)
     return {
-        path: content.decode("utf-8") for path, content in generate([specifications], target_names(), {}).files.items()
+        path: content.decode("utf-8")
+        for path, content in generate([specifications], default_targets(), {}).files.items()
     }
 
 

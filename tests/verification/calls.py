@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from canwright.model.layout import MAX_DATA_BYTES
 from canwright.targets.c.view import edition_view
 
 from ..conformance.adapters.c_signatures import Function, functions
@@ -78,7 +79,7 @@ class Calls:
 
 
 def _length(text: str) -> int:
-    return 8 if text == "CANWRIGHT_MAX_DATA" else int(text)
+    return MAX_DATA_BYTES if text == "CANWRIGHT_MAX_DATA" else int(text)
 
 
 def _unions(header: Header) -> Mapping[str, Sequence[tuple[str, str, str]]]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from canwright.model.edition import Edition
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
-from canwright.targets.c.numbers import integer
+from canwright.targets.c.expressions import integer
 
 from ..compilers import SANITIZED, ZIG
 from ..conformance.adapter import Raw, Refused, assignment

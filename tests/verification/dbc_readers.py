@@ -24,11 +24,13 @@ from canwright.model.edition import Edition
 from canwright.model.golden_frames import GoldenFrame
 from canwright.model.layout import Element, Field, Space
 from canwright.project.loader import specification
-from canwright.targets.base import EditionInput, Options
+from canwright.targets.base import EditionInput
 from canwright.targets.dbc.files import files, traffics
 from canwright.targets.dbc.frames import Part
 from canwright.targets.dbc.printer import printed
+from canwright.targets.dbc.selection import NODES
 from canwright.targets.dbc.view import EXTENDED, File, Message, Signal
+from canwright.targets.options import Options
 
 from ..spec_texts import SPECS, called
 from .readers import Case, Reader, UnsupportedFileError
@@ -166,7 +168,7 @@ def main() -> int:
             continue
         one = specification(spec)
         nodes = sorted({n for m in one.edition.all_messages() if m.id.nodes for n in m.id.nodes[:1]})
-        made = list(samples(one, Options(nodes=tuple(nodes) if arguments.sample else ())))
+        made = list(samples(one, Options({NODES: tuple(nodes) if arguments.sample else ()})))
         for file, cases in made:
             text = printed(file)
             found = list(violations(text))

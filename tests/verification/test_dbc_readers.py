@@ -6,8 +6,9 @@ import functools
 
 import pytest
 from canwright.project.loader import specification
-from canwright.targets.base import Options
 from canwright.targets.dbc.printer import printed
+from canwright.targets.dbc.selection import NODES
+from canwright.targets.options import Options
 
 from ..spec_texts import ROOT
 from .dbc_readers import differences, samples, violations
@@ -26,7 +27,7 @@ def sample(name: str) -> tuple[str, list[Case]]:
     """The text of a file for one node, and the golden frames that it describes."""
     edition = next(edition for edition, names in EDITIONS.items() if name in names)
     one = specification(ROOT / f"spec/mwd_motor/{edition}.yaml")
-    (found,) = ((printed(file), cases) for file, cases in samples(one, Options(nodes=(1,))) if file.name == name)
+    (found,) = ((printed(file), cases) for file, cases in samples(one, Options({NODES: (1,)})) if file.name == name)
     return found[0], list(found[1])
 
 

@@ -18,7 +18,10 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 """A column: one dimension, or two for a field that is an array."""
 Words = NDArray[np.uint64]
-"""The data bytes of each frame, the first in the lowest bits (`<u8`); bytes beyond the data are 0."""
+"""The data bytes of each frame, the first in the lowest bits (`<u8`); bytes beyond the data are 0.
+
+Two dimensions, with several integers for each frame, if frames have more than 8 bytes.
+"""
 ParameterValue = str | int | float | Fraction
 
 
@@ -87,18 +90,25 @@ def frames(
 ) -> Frames:
     """Frames from Python values. `direction` and `kind` are one value for all frames, or one for each."""
     count = len(data)
-    padded = b"".join(one[:8].ljust(8, b"\0") for one in data)
+    length = np.array([len(one) for one in data], np.uint8)
+    words = words_of(length)
+    padded = b"".join(one.ljust(8 * words, b"\0") for one in data)
     names = tuple(dict.fromkeys(bus)) if bus else ("",)
     return Frames(
         time=np.zeros(count, np.int64) if time is None else np.asarray(time, np.int64),
         bus=np.zeros(count, np.uint16) if bus is None else np.array([names.index(name) for name in bus], np.uint16),
         id=np.asarray(id, np.uint32),
         kind=np.broadcast_to(np.asarray(kind, np.uint8), count),
-        length=np.array([len(one) for one in data], np.uint8),
-        data=np.frombuffer(padded, "<u8"),
+        length=length,
+        data=np.frombuffer(padded, "<u8").reshape((count, words) if words > 1 else count),
         direction=np.broadcast_to(np.asarray(direction, np.uint8), count),
         buses=names,
     )
+
+
+def words_of(lengths: Array) -> int:
+    """The integers of 64 bits that the longest data has; at least one."""
+    return max(1, -(-int(lengths.max(initial=0)) // 8))
 
 
 class Parameter(NamedTuple):
@@ -346,6 +356,8 @@ class Edition:
     messages: tuple[Message, ...]
     requests: tuple[Route, ...]
     replies: tuple[Route, ...]
+    words: int = 1
+    """The integers of 64 bits that the data of the longest message has."""
 
     def decoder(self, parameters: Parameters | None = None, *, raw: bool = False) -> Decoder:
         """A decoder for nodes with these parameters. Raises ValueError for unknown parameters and values."""
@@ -381,6 +393,7 @@ class Decoder:
 
     def decode(self, frames: Frames) -> Decoded:
         """The tables of some frames. Frames of no message are in no table; `message` has the reason."""
+        frames = self._with_words(frames)
         ids = frames.id.astype(np.uint64)
         message, node = self._dispatch(frames, ids, frames.direction)
         tables = {}
@@ -401,9 +414,9 @@ class Decoder:
 
         A frame whose id, code and length both directions have keeps its direction: it depends on the other frames.
         """
-        ids = frames.id.astype(np.uint64)
+        ids, own = frames.id.astype(np.uint64), self._with_words(frames)
         is_request, is_reply = (
-            self._dispatch(frames, ids, np.full(len(frames), way, np.uint8))[0] >= 0
+            self._dispatch(own, ids, np.full(len(frames), way, np.uint8))[0] >= 0
             for way in (Direction.REQUEST, Direction.REPLY)
         )
         direction = frames.direction.copy()
@@ -411,6 +424,16 @@ class Decoder:
         direction[unknown & is_request & ~is_reply] = Direction.REQUEST
         direction[unknown & is_reply & ~is_request] = Direction.REPLY
         return replace(frames, direction=direction)
+
+    def _with_words(self, frames: Frames) -> Frames:
+        """The same frames with the number of words that the edition has."""
+        words = self.edition.words
+        if frames.data.ndim == 1 and words == 1:
+            return frames
+        data = np.zeros((len(frames), words), "<u8")
+        given = (frames.data if frames.data.ndim > 1 else frames.data[:, np.newaxis])[:, :words]
+        data[:, : given.shape[1]] = given
+        return replace(frames, data=data if words > 1 else data[:, 0])
 
     def _dispatch(self, frames: Frames, ids: Words, direction: Array) -> tuple[NDArray[np.int16], NDArray[np.int32]]:
         message = np.full(ids.size, Refusal.UNKNOWN_DIRECTION, np.int16)
@@ -486,7 +509,8 @@ def values(raw: Array, type_: Type, scale: Scale | None) -> Array:
     if scale is None:
         return raw
     if type_.is_float:
-        numbers = raw.view(f"f{raw.itemsize}").astype(np.float64)
+        with np.errstate(invalid="ignore"):  # a signaling NaN
+            numbers = raw.view(f"f{raw.itemsize}").astype(np.float64)
         finite = np.isfinite(numbers)
         return np.where(finite, scale.apply(np.where(finite, numbers, 0.0)), np.nan)
     return raw if scale.is_identity else scale.apply(raw)

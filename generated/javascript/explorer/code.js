@@ -26,30 +26,27 @@ canwright.code = (() => {
     return width <= 32 ? `${raw}u` : `UINT64_C(${raw})`;
   }
 
-  /** The parameters that a program can name, as `[name, value, names in the bindings]`. */
-  function named(parameters, { parameters: names }) {
-    return Object.entries(parameters).map(([name, value]) => [name, String(value), names[name]]);
+  /** The parameters that a program can name, each with its value. */
+  function named(parameters, names) {
+    return Object.entries(parameters).map(([name, value]) => ({ ...names.parameters[name], value: String(value) }));
   }
 
-  function c({ edition: { bindings }, message, decoded, parameters }) {
-    const { direction, command } = message;
-    const name = bindings.messages[`${direction} ${command}`].c;
-    const given = named(parameters, bindings);
-    const takes = bindings.messages[`${direction} ${command}`].takesParameters;
-    const lines = [`#include <${bindings.header}>`, ""];
-    if (takes) {
-      const items = given.map(([, value, one]) => `.${one.c} = ${one.values ? one.values[value].c : cRatio(value)}`);
-      lines.push(`const ${bindings.prefix}_parameters_t parameters = {${items.join(", ") || "0"}};`);
+  function c({ edition: { bindings: { c: names } }, message, decoded, parameters }) {
+    const { name, needsParameters } = names.messages[`${message.direction} ${message.command}`];
+    const lines = [`#include <${names.source}>`, ""];
+    if (needsParameters) {
+      const items = named(parameters, names).map((one) => `.${one.name} = ${one.members?.[one.value] ?? cRatio(one.value)}`);
+      lines.push(`const ${names.parametersType} parameters = {${items.join(", ") || "0"}};`);
     }
     const types = new Map(message.fields.map((field) => [field.name, field.type]));
     const fields = decoded.fields.map((field) => {
       const raws = Array.isArray(field.raw) ? `{${field.raw.map((raw) => cInteger(raw, types.get(field.name))).join(", ")}}` : null;
-      return `.${own(bindings.members, field.name) ?? field.name} = ${raws ?? cInteger(field.raw, types.get(field.name))}`;
+      return `.${own(names.fields, field.name) ?? field.name} = ${raws ?? cInteger(field.raw, types.get(field.name))}`;
     });
     if (fields.length) {
       lines.push(`const ${name}_t message = {${fields.join(", ")}};`);
     }
-    const rest = [message.nodes ? `${decoded.node}u` : [], fields.length ? "&message" : [], takes ? "&parameters" : []];
+    const rest = [message.nodes ? `${decoded.node}u` : [], fields.length ? "&message" : [], needsParameters ? "&parameters" : []];
     lines.push("canwright_frame_t frame;", `const canwright_status_t status = ${name}_encode(${["&frame", ...rest.flat()].join(", ")});`);
     return lines.join("\n");
   }
@@ -59,32 +56,31 @@ canwright.code = (() => {
     return `{${numerator}, ${denominator}u}`;
   }
 
-  function python({ edition: { bindings }, message, decoded, parameters }) {
-    const { python: name, dependsOnParameters } = bindings.messages[`${message.direction} ${message.command}`];
+  function python({ edition: { texts, bindings: { python: names } }, message, decoded, parameters }) {
+    const { name, needsParameters } = names.messages[`${message.direction} ${message.command}`];
     const imports = new Set([name]);
     const hasValues = decoded.fields.every((field) => field.reason === null);
-    const types = new Map(message.fields.map((field, i) => [field.name, typeOf(bindings, message, i)]));
+    const enums = new Map(message.fields.map((field, i) => [field.name, names.types?.[texts.layouts[message.layout][i].type]]));
     const items = message.nodes ? [`node=${decoded.node}`] : []; // otherwise a field contains it
     for (const { name: field, raw, value } of decoded.fields) {
-      const enumeration = types.get(field);
-      const one = hasValues ? pythonValue(value, enumeration, imports) : pythonNumber(raw);
-      items.push(`${own(bindings.attributes, field) ?? field}=${one}`);
+      const one = hasValues ? pythonValue(value, enums.get(field), Array.isArray(raw), imports) : pythonNumber(raw);
+      items.push(`${own(names.fields, field) ?? field}=${one}`);
     }
-    const given = named(parameters, bindings);
-    if (given.length && (dependsOnParameters || !hasValues)) {
-      imports.add("Parameters");
-      const known = given.map(([, value, one]) => {
-        if (one.class) {
-          imports.add(one.class);
+    const given = named(parameters, names);
+    if (given.length && (needsParameters || !hasValues)) {
+      imports.add(names.parametersType);
+      const known = given.map((one) => {
+        if (one.type) {
+          imports.add(one.type);
         }
-        return `${one.python}=${one.values ? one.values[value].python : pythonRatio(value)}`;
+        return `${one.name}=${one.members?.[one.value] ?? pythonRatio(one.value)}`;
       });
-      items.push(`parameters=Parameters(${known.join(", ")})`);
+      items.push(`parameters=${names.parametersType}(${known.join(", ")})`);
     }
     const call = hasValues ? name : `${name}.from_raw`;
     const fraction = items.some((item) => item.includes("Fraction(")) ? "from fractions import Fraction\n" : "";
     return [
-      `${fraction}from ${bindings.module} import ${[...imports].sort().join(", ")}`,
+      `${fraction}from ${names.source} import ${[...imports].sort().join(", ")}`,
       "",
       `message = ${called(call, items)}`,
       'print(f"{message.can_id:X}", message.encode().hex(" "))',
@@ -97,22 +93,16 @@ canwright.code = (() => {
     return line.length < 80 ? line : `${name}(\n${items.map((item) => `    ${item},\n`).join("")})`;
   }
 
-  function typeOf(bindings, message, position) {
-    return bindings.enums[bindings.fieldTypes[message.layout][position]] ?? null;
-  }
-
-  function pythonValue(value, enumeration, imports) {
-    if (Array.isArray(value) && !enumeration) {
-      return `[${value.map((one) => pythonValue(one, null, imports)).join(", ")}]`;
+  function pythonValue(value, enumeration, isArray, imports) {
+    if (isArray) {
+      return `[${value.map((one) => pythonValue(one, enumeration, false, imports)).join(", ")}]`;
     }
     if (!enumeration) {
       return pythonNumber(value);
     }
-    imports.add(enumeration.class);
-    if (Array.isArray(value) && enumeration.isFlags) {
-      return value.map((name) => enumeration.members[name]).join(" | ") || `${enumeration.class}(0)`;
-    }
-    return Array.isArray(value) ? `[${value.map((name) => enumeration.members[name]).join(", ")}]` : enumeration.members[value];
+    imports.add(enumeration.type);
+    const members = [value].flat().map((name) => enumeration.members[name]);
+    return members.join(" | ") || `${enumeration.type}(0)`;
   }
 
   function pythonNumber(value) {

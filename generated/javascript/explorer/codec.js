@@ -988,5 +988,5 @@ function frozen(value) {
   return value;
 }
 
-return { CodecError, createEdition, rational, editions: [] };
+return { CodecError, createEdition, rational, MAX_DATA_BYTES: 8, editions: [] };
 })();

@@ -17,7 +17,7 @@ canwright.frames = (() => {
     const asc = ASC.exec(line);
     const plain = BYTES.exec(line);
     const frame = asc ? fromAsc(asc) : plain ? fromBytes(plain) : fromCandump(line);
-    const isDamaged = !frame || frame.data.length > 8 || frame.id > (frame.extended ? 2 ** 29 - 1 : 0x7ff);
+    const isDamaged = !frame || frame.data.length > canwright.MAX_DATA_BYTES || frame.id > (frame.extended ? 2 ** 29 - 1 : 0x7ff);
     return isDamaged ? null : frame;
   }
 

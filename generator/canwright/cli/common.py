@@ -17,7 +17,6 @@ from ..model.formatting import counted
 from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
 from ..project.loader import Loaded, all_loaded, frames_file, spec_files, specs_below
 from ..targets.base import EditionInput
-from ..targets.registry import target_names
 from ..templating.resources import SPECS
 from . import COULD_NOT_RUN
 from .printers import PRINTERS
@@ -85,13 +84,6 @@ spec_option = click.option(
     callback=_specs,
     help="A spec, or a folder of specs, to read; may be given several times.  [default: spec/*/*.yaml]",
 )
-target_option = click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    type=click.Choice(target_names()),
-    help="A target; may be given several times.  [default: all]",
-)
 format_option = click.option(
     "--format",
     "printer",
@@ -104,28 +96,6 @@ cache_option = click.option(
     "--no-cache",
     is_flag=True,
     help="Generate everything, even if the cache folder of the user records that nothing changed.",
-)
-record_argument = click.make_pass_decorator(RunRecord, ensure=True)
-set_option = click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="PARAMETER=VALUE",
-    help="Fix a parameter in the DBC files, for example --set size=12.",
-)
-
-nodes_option = click.option(
-    "--nodes",
-    default="",
-    metavar="NODES",
-    help="List only these nodes in the DBC files, for example --nodes 5,7 or --nodes 1..8.",
-)
-comments_option = click.option(
-    "--comments",
-    "language",
-    default="",
-    metavar="LANGUAGE",
-    help="The language of comments in DBC files, for example --comments zh. Files with non-English comments are UTF-8.",
 )
 
 

@@ -8,8 +8,13 @@ from pathlib import Path
 import click
 
 from ..output.paths import OutputError
+from ..output.writer import Content, refuse_occupied, write
+from ..targets.options import NO_OPTIONS
+from ..targets.registry import target
 from .common import FilePath, read, spec_option, stop
 from .terminal import print_text
+
+TARGET = "handover"
 
 
 @click.command()
@@ -29,11 +34,11 @@ def handover(specs: Sequence[Path], out: Path, force: bool) -> None:
     command matrix has one row for each field, or several if its resolution depends on a parameter. The folder must be
     new, empty, or that of an earlier run.
     """
-    from ..project.handover import HandoverError, build
-
     specifications = read(specs)
     try:
-        names = build(specifications, out, force=force)
-    except (HandoverError, OutputError, OSError) as error:
+        refuse_occupied(out, (TARGET,))
+        files = {o.path: o.content for o in target(TARGET).generate(specifications, {}, NO_OPTIONS)}
+        write(out, Content((), (TARGET,), files, alone=True), force=force)
+    except OutputError as error:
         stop(str(error))
-    print_text("".join(f"{out.as_posix()}/{name}\n" for name in names))
+    print_text("".join(f"{out.as_posix()}/{name}\n" for name in sorted(files)))

@@ -28,6 +28,11 @@ def exact(number: Fraction) -> str:
     return f"{sign}{digits[:-15]}.{digits[-15:]}".rstrip("0")
 
 
+def constant(raw: int) -> str:
+    """A constant in the notation of codes; a negative one as a decimal."""
+    return f"0x{raw:02X}" if raw >= 0 else str(raw)
+
+
 def decimal(number: Fraction) -> str:
     """A decimal; one of at most six significant digits after `≈` where that is rounded: `0.01`, `≈0.333333`."""
     written = exact(number)

@@ -106,10 +106,13 @@ def difference(out: Path, content: Content) -> Iterator[str]:
         if is_interrupted(out):
             yield f"Only in {out.as_posix()}: {JOURNAL}, left by an interrupted run\n"
         for path in sorted((*changes.written, *changes.removed)):
-            present = (content_of(out / path) or b"").decode("utf-8", "replace")
-            wanted = content.files.get(path, b"").decode("utf-8")
+            present, wanted = content_of(out / path) or b"", content.files.get(path, b"")
             names = (f"{out.as_posix()}/{path}", f"{path} as generated")
-            lines = difflib.unified_diff(present.splitlines(True), wanted.splitlines(True), *names)
+            if b"\0" in wanted:
+                yield f"Binary files {names[0]} and {names[1]} differ\n"
+                continue
+            old_lines, new_lines = (data.decode("utf-8", "replace").splitlines(True) for data in (present, wanted))
+            lines = difflib.unified_diff(old_lines, new_lines, *names)
             yield "".join(line if line.endswith("\n") else line + "\n" for line in lines)
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
-from typing import ClassVar, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
+from .. import __version__
 from ..diagnostics.diagnostic import DocumentPath, Severity
 from ..model.edition import Edition
 from ..model.golden_frames import GoldenFrame, GoldenFrames
-from ..model.message import Command
-from ..model.types import Assignment
+from ..model.message import Command, Message
+from ..model.types import Assignment, Parameter, Type
+from .options import Options, TargetOption
 
-PACKAGE_VERSION = "0.1.0"
+PACKAGE_VERSION = __version__
 """The version of generated packages: that of canwright, since the names in generated code depend on it."""
 
 
@@ -28,6 +30,18 @@ class Output(NamedTuple):
 
     path: str
     text: str
+
+    @property
+    def content(self) -> bytes:
+        """The bytes of the file."""
+        return self.text.encode("utf-8")
+
+
+class BinaryOutput(NamedTuple):
+    """A generated file that is not a text."""
+
+    path: str
+    content: bytes
 
 
 class WorkedExchange(NamedTuple):
@@ -50,6 +64,33 @@ class CodeExample(NamedTuple):
     """The statements of the program that encode and decode, one a line; empty if the program is a single line."""
 
 
+class ItemNames(NamedTuple):
+    """The names that programs write for a parameter or a type, and for its values or members by their names in the spec.
+
+    `type` is the name of its type in the language; empty without one.
+    """
+
+    name: str
+    type: str
+    members: Mapping[str, str]
+
+
+class CodeNames(NamedTuple):
+    """What programs write to use an edition through the output of a target; `language` as in `CodeExample`."""
+
+    language: str
+    source: str
+    """The header or the module of the edition."""
+    parameters_type: str
+    messages: Mapping[Message, str]
+    needs_parameters: frozenset[Message]
+    """The messages whose constructor or encoder has the parameters as an argument."""
+    fields: Mapping[str, str]
+    parameters: Mapping[Parameter, ItemNames]
+    types: Mapping[Type, ItemNames]
+    """The types with named values; empty if programs write raw integers."""
+
+
 class NameProblem(NamedTuple):
     """A name that the language of a target cannot use (an error), or that the target changes (a warning)."""
 
@@ -61,18 +102,6 @@ class NameProblem(NamedTuple):
     """The path of another item with that name, and what it is."""
 
 
-class Options(NamedTuple):
-    """What a user selects of the output of targets that can leave something out."""
-
-    nodes: tuple[int, ...] = ()
-    """The nodes to list, in ascending order; empty for all."""
-    language: str = ""
-    """The language of comments; empty for the default of the target."""
-
-
-EVERYTHING = Options()
-
-
 class Target(ABC):
     """A kind of output. An instance is registered in the entry point group `canwright.targets`, under its name.
 
@@ -81,13 +110,20 @@ class Target(ABC):
 
     title: ClassVar[str]
     """What reports call the target, such as `C`."""
+    options: ClassVar[Sequence[TargetOption[Any]]] = ()
+    """Options of `canwright generate` and `canwright check` that this target has."""
+    is_default: ClassVar[bool] = True
+    """Whether a run that names no targets generates this one."""
 
     @abstractmethod
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output | BinaryOutput]:
         """The files for the editions, which may be of several families.
 
         `set_parameters` are values of parameters to fix in the output, by name; a target that leaves them to its user
-        ignores them. The output depends on the arguments alone: no date, host, path or order of hashes.
+        ignores them. `options` has a value for each option of the target. The output depends on the arguments alone:
+        no date, host, path or order of hashes.
         """
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
@@ -105,25 +141,16 @@ class Target(ABC):
         """
         yield from ()
 
+    def code_names(self, edition: Edition) -> CodeNames | None:
+        """What programs write to use an edition, for tools that write programs; None if they cannot."""
+        return None
+
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:
         """A program with the output of this target that encodes the request and decodes the reply, for documents.
 
         None if there is none.
         """
         return None
-
-
-class TargetWithOptions(Target):
-    """A target whose output lists nodes one by one, and has comments in one language: both can be selected."""
-
-    languages: ClassVar[Sequence[str]]
-    """The languages that comments can have."""
-
-    @abstractmethod
-    def generate(
-        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = EVERYTHING
-    ) -> Iterator[Output]:
-        """As in `Target`; `options` are what the user selected."""
 
 
 def header(edition: Edition) -> str:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import EntryPoint, entry_points
+from typing import Any
 
+from ..model.edition import Edition
 from .base import Target
+from .options import OptionError, Options, TargetOption
 
 GROUP = "canwright.targets"
 OWN_DISTRIBUTION = "canwright"
@@ -38,6 +41,11 @@ def target_names() -> Sequence[str]:
     return tuple(_installed())
 
 
+def default_targets() -> Sequence[str]:
+    """The names of the targets of a run that names none, sorted. Raises TargetError."""
+    return tuple(name for name in target_names() if target(name).is_default)
+
+
 @functools.cache
 def target(name: str) -> Target:
     """An installed target by its name. Raises TargetError."""
@@ -66,3 +74,40 @@ def own_targets() -> Sequence[Target]:
     return tuple(
         target(name) for name, point in _installed().items() if point.dist and point.dist.name == OWN_DISTRIBUTION
     )
+
+
+def declared_options() -> Mapping[str, Sequence[tuple[str, TargetOption[Any]]]]:
+    """The options of all installed targets by name, each with the targets that have an option of that name.
+
+    Raises TargetError.
+    """
+    declared: dict[str, list[tuple[str, TargetOption[Any]]]] = {}
+    for name in target_names():
+        for option in target(name).options:
+            declared.setdefault(option.name, []).append((name, option))
+    return declared
+
+
+def selected_options(
+    names: Sequence[str], texts: Mapping[str, str], editions: Sequence[Edition]
+) -> Mapping[str, Options]:
+    """The options of each of these targets, from the texts of options by name.
+
+    Raises OptionError for a text that one of the targets cannot use, and TargetError.
+    """
+    declared = declared_options()
+    values: dict[str, dict[TargetOption[Any], object]] = {name: {} for name in names}
+    for name, text in texts.items():
+        owners = dict(declared.get(name, ()))
+        if not owners:
+            raise OptionError(f"no target has the option --{name}")
+        if not owners.keys() >= set(names):
+            raise OptionError(
+                f"--{name} affects only the target {' and '.join(owners)}; add --target {next(iter(owners))}"
+            )
+        for target_name in names:
+            try:
+                values[target_name][owners[target_name]] = owners[target_name].parse(text, editions)
+            except ValueError as error:
+                raise OptionError(f"--{name} {text}: {error}") from None
+    return {name: Options(values[name]) for name in names}

@@ -18,7 +18,7 @@ from typing import Any
 
 import jinja2
 from canwright.model.edition import Edition
-from canwright.model.layout import Field
+from canwright.model.layout import MAX_DATA_BYTES, Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Linear, Type
@@ -155,8 +155,9 @@ class Facts:
         for number, refusal in enumerate(("ok", *(refusal.value for refusal in Refusal), "not_available")):
             yield Fact("status", "-", {}, (str(number),), refusal)
         yield Fact("status", "-", {}, ("99",), "?")
-        yield Fact("clear", "-", {}, (), "A5A5A5A5A5" + "00" * 11)
-        for size, other, place in itertools.product((0, 1, 7, 8), (0, 1, 7, 8), range(9)):
+        yield Fact("clear", "-", {}, (), "A5A5A5A5A5" + "00" * (3 + MAX_DATA_BYTES))
+        sizes = (0, 1, MAX_DATA_BYTES - 1, MAX_DATA_BYTES)
+        for size, other, place in itertools.product(sizes, sizes, range(MAX_DATA_BYTES + 1)):
             yield Fact("same", "-", {}, (str(size), str(other), str(place)), str(int(size == other and place >= size)))
         yield from self._of_commands()
         for name in self._fields:

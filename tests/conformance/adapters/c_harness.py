@@ -12,8 +12,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field, Layout
 from canwright.model.message import Direction, Message
 from canwright.model.types import Encoding, Type
-from canwright.targets.c.files import PARTS
-from canwright.targets.c.names import Names, layouts, member
+from canwright.targets.c.names import PARTS, Names, layouts, member
 
 from .c_facts import Facts
 from .c_signatures import Function, functions

@@ -20,11 +20,12 @@ from canwright.model.types import Assignment
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.dispatch import dispatch_plan
 from canwright.semantics.frame import has_id, is_message, raw_of, wrong_constants
-from canwright.targets.base import EditionInput, Options
+from canwright.targets.base import EditionInput
 from canwright.targets.dbc.files import files, traffics
 from canwright.targets.dbc.frames import obstacle
 from canwright.targets.dbc.printer import printed
 from canwright.targets.dbc.view import File
+from canwright.targets.options import NO_OPTIONS
 
 from ..adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
 from .dbc_file import DbcFile
@@ -156,7 +157,7 @@ class DbcAdapter(Adapter):
         """The files of a direction for known values: those of tables, then the plain one."""
         variant = tuple(fixed.items())
         if variant not in self._made:
-            self._made[variant] = files(self.edition, self._traffics, dict(variant), Options())
+            self._made[variant] = files(self.edition, self._traffics, dict(variant), NO_OPTIONS)
         found = [
             file
             for file in self._made[variant]

@@ -274,7 +274,7 @@ class DocsAdapter(Adapter):
         for source, has in ((from_node[0], -1), told or (None, 0)):
             if source is not None and expected and all((source ^ one) & bits & has for one in expected):
                 return Refused(Refusal.NOT_ANSWER)
-        if page.form == "echo" and request.data != reply.data:
+        if page.is_echo and request.data != reply.data:
             return Refused(Refusal.NOT_ANSWER)
         return None
 

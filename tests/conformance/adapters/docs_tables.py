@@ -182,7 +182,7 @@ class MessagePage:
     extended: bool
     remote: bool
     dlc: int
-    form: str
+    is_echo: bool
     from_each: tuple[int, ...]
     keys: tuple[Key, ...]
     rows: tuple[FieldRow, ...]
@@ -213,7 +213,7 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
         "29-bit" in said["Frame"],
         "remote frame" in said["Frame"],
         int(plain(said["Frame"])),
-        said.get("Form", "").split(",")[0],
+        said.get("Form") == "The request is returned unchanged",
         tuple(int(node) for node in each.split(", ") if node),
         tuple(_key(line) for line in lines if not line.get("Field")),
         tuple(_field(line) for line in lines if line.get("Field")),

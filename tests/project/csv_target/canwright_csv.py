@@ -6,22 +6,50 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 
-from canwright import Assignment, DocumentPath, Edition, EditionInput, NameProblem, Output, Target
+from canwright import (
+    Assignment,
+    DocumentPath,
+    Edition,
+    EditionInput,
+    NameProblem,
+    Options,
+    Output,
+    Target,
+    TargetOption,
+)
 
 COLUMNS = ("message", "direction", "field", "bits", "type", "unit")
 RESERVED = frozenset({"group", "order", "select"})
 """Words of SQL, which cannot name a column without quotes."""
 
 
+def _delimiter(text: str, editions: Sequence[Edition]) -> str:
+    if text not in (",", ";", "tab"):
+        raise ValueError("the delimiter is one of: , ; tab")
+    return text.replace("tab", "\t")
+
+
+DELIMITER = TargetOption(
+    name="delimiter",
+    metavar="DELIMITER",
+    help="What separates the columns of the CSV files: , or ; or tab.",
+    default=",",
+    parse=_delimiter,
+)
+
+
 class CsvTarget(Target):
     """`FAMILY-EDITION.csv`, one row for each field of each message."""
 
     title = "CSV"
+    options = (DELIMITER,)
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         for edition, _ in specifications:
             table = io.StringIO()
-            writer = csv.writer(table, lineterminator="\n")
+            writer = csv.writer(table, delimiter=options[DELIMITER], lineterminator="\n")
             writer.writerow(COLUMNS)
             writer.writerows(_rows(edition))
             yield Output(f"{edition.family}-{edition.name}.csv", table.getvalue())

@@ -180,8 +180,13 @@ static inline void canwright_clear(canwright_frame_t *frame)
     frame->data[5] = 0u;
     frame->data[6] = 0u;
     frame->data[7] = 0u;
-#if CANWRIGHT_MAX_DATA != 8u
-#error "canwright_clear sets 8 bytes, one by one: a loop may become a call of memset"
+#if CANWRIGHT_MAX_DATA > 8u /* One by one above: a loop may become a call of memset. */
+    {
+        uint8_t i;
+        for (i = 8u; i < CANWRIGHT_MAX_DATA; i++) {
+            frame->data[i] = 0u;
+        }
+    }
 #endif
 }
 

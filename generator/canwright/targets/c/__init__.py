@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -10,14 +11,14 @@ from typing import NamedTuple
 from jinja2 import Environment, Template
 
 from ...model.edition import Edition
+from ...model.layout import MAX_DATA_BYTES
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
-from .command_example import command_example
 from .cxx import cxx_example, cxx_view
-from .examples import example
+from .examples import command_example, example
 from .expressions import operand
-from .files import PARTS, SHARED, SHARED_CXX
+from .names import PARTS, SHARED, SHARED_CXX
 from .selftest import has_self_test, self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
@@ -96,9 +97,8 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
 def program(edition: Edition, worked: WorkedExchange) -> CodeExample:
     """A program that encodes the request of a command and decodes its reply."""
     x = command_example(edition, worked)
-    calls = [call for side in (x.request, x.reply) if side for call in side.calls]
-    lines = [f"status = {call.function}({arguments(call.arguments)});" for call in calls]
-    return CodeExample("c", fold(_program_template().render(e=x.e, x=x)), "\n".join(lines))
+    lines = "\n".join(f"status = {call};" for call in x.calls)
+    return CodeExample("c", fold(_program_template().render(e=x.e, x=x)), lines)
 
 
 @functools.cache
@@ -106,12 +106,18 @@ def _program_template() -> Template:
     return environment("c", FILTERS).get_template("command_example.c.j2")
 
 
+def _runtime(file: str) -> str:
+    """A header that is the same for every protocol, with the length of frames of the model."""
+    text = (RUNTIME / file).read_text("utf-8")
+    return re.sub(r"(?<=#define CANWRIGHT_MAX_DATA )\d+", str(MAX_DATA_BYTES), text)
+
+
 def _headers(
     env: Environment, family: FamilyView, editions: Sequence[tuple[EditionInput, EditionView]]
 ) -> Iterator[Output]:
     """The headers of a family, and those through which Arduino finds them."""
     lines = "".join(f"/* {line} */\n" for line in family.headers)
-    files = {file: lines + (RUNTIME / file).read_text("utf-8") for file in (*SHARED, *SHARED_CXX)}
+    files = {file: lines + _runtime(file) for file in (*SHARED, *SHARED_CXX)}
     for one, view in editions:
         for part in PARTS:
             files[f"{view.file}{part}.h"] = fold(env.get_template(f"edition{part}.h.j2").render(e=view))

@@ -8,8 +8,7 @@ from typing import NamedTuple
 from ...model.layout import Field, FixedRole, Segment, Space
 from ...model.message import BitRun, Key
 from ...model.types import Encoding
-from .expressions import joined, operand
-from .numbers import Integer, integer, smallest, working
+from .expressions import Integer, integer, joined, operand, smallest, working
 
 
 def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:
@@ -32,7 +31,7 @@ def key_value(key: BitRun, frame: str = "frame") -> str:
 
 def constant_differs(field: Field, frame: str = "frame") -> str:
     """The condition for a frame with another value of a constant field."""
-    value = (field.role.sent_raw or 0) & ((1 << field.type.width) - 1)
+    value = (field.role.required_raw or 0) & ((1 << field.type.width) - 1)
     kind = _shown(field.type.width, field.elements[0].segments)
     reads = (operand(_read(field.space, e.segments, field.type.width, frame)) for e in field.elements)
     return joined("||", [f"{read} != {kind.bits(value)}" for read in reads])

@@ -9,15 +9,15 @@ from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.layout import Layout
-from ...model.message import BitRun, Command, Direction, Message
+from ...model.message import BitRun, Direction, Message
 from ...semantics import dispatch
 from ...semantics.dispatch import dispatch_plan
+from ...semantics.exchange import ExchangePlan, exchange_plans
 from . import bits
 from .choices import ENUM_MAX
 from .expressions import joined, operand
 from .messages import Messages, RuleView, frame_id
-from .names import Names
-from .patterns import address_mask
+from .names import Names, address_mask
 
 
 class RejectView(NamedTuple):
@@ -196,54 +196,59 @@ def _differs(subject: dispatch.Discriminator, values: Sequence[int]) -> str:
 def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]:
     """The reply conditions of every command with a request and a reply."""
     grouped: dict[tuple[tuple[str, ...], bool], list[str]] = {}
-    for command in edition.commands:
-        if command.request is not None and command.reply is not None:
-            conditions = tuple(_answer(views, command, command.request, command.reply))
-            uses_from = views.message(command.reply).pattern.rule.has_nodes
-            grouped.setdefault((conditions, uses_from), []).append(names.command(command.name))
+    for plan in exchange_plans(edition).values():
+        if plan.reply is not None:
+            conditions = tuple(_answer(views, plan, plan.reply))
+            uses_from = views.message(plan.reply).pattern.rule.has_nodes
+            grouped.setdefault((conditions, uses_from), []).append(names.command(plan.command.name))
     return [AnswerView(tuple(commands), *answer) for answer, commands in grouped.items()]
 
 
-def _answer(views: Messages, command: Command, request: Message, reply: Message) -> Iterator[str]:
+def _answer(views: Messages, plan: ExchangePlan, reply: Message) -> Iterator[str]:
     message = views.message(reply)
     rule = message.pattern.rule
-    if not command.is_echoed:
+    if not plan.is_echo:
         node = "&from, " if rule.has_nodes else ""
         calls = [
             f"{message.pattern.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
-            for codes in _answering_codes(request, reply, message.codes)
+            for codes in _answering_codes(plan.request, reply, message.codes)
         ]
         yield joined("||", calls)
     elif rule.has_nodes:
         yield f"{rule.node_function}(&from, {frame_id(reply, 'reply')}) == CANWRIGHT_OK"
     else:
         yield f"{rule.masked(frame_id(reply, 'reply'))} == {rule.id_macro}"
-    if rule.has_nodes and command.from_each:
-        yield _one_of("from", command.from_each)
-    elif rule.has_nodes and request.id.nodes is not None and request.node_bits is None:
+    if rule.has_nodes and plan.nodes:
+        yield _one_of("from", plan.nodes)
+    elif rule.has_nodes and plan.request.id.nodes is not None and plan.asked is None:
         yield "from == to"
-    yield from _node_fields(command, request, reply)
-    if command.is_echoed:
+    yield from _node_fields(plan, reply)
+    if plan.is_echo:
         yield "canwright_same_data(request, reply)"
 
 
-def _node_fields(command: Command, request: Message, reply: Message) -> Iterator[str]:
+def _node_fields(plan: ExchangePlan, reply: Message) -> Iterator[str]:
     """Conditions on the node if a field of the request or of the reply contains it, on the bits that both have."""
-    asked, reported = request.node_bits, reply.node_bits
-    if reported is not None and command.from_each:
-        nodes = sorted({node & (1 << reported.width) - 1 for node in command.from_each})
+    asked, reported = plan.asked, plan.reported
+    if reported is not None and plan.nodes:
+        nodes = sorted({node & (1 << reported.width) - 1 for node in plan.nodes})
         yield _one_of(operand(bits.key_value(reported, "reply")), nodes)
-    if command.from_each or (asked is None and (reported is None or request.id.nodes is None)):
+    if plan.nodes or (asked is None and (reported is None or plan.request.id.nodes is None)):
         return
     sent_to = "to" if asked is None else operand(bits.key_value(asked, "request"))
-    sources = ["from"] if reply.id.nodes is not None and asked is not None else []
-    for source in [*sources, *([operand(bits.key_value(reported, "reply"))] if reported else [])]:
-        width = min(key.width for key in (asked, None if source == "from" else reported) if key is not None)
-        sides = (
-            side if key is not None and key.width == width else f"({side} & 0x{(1 << width) - 1:X}u)"
-            for side, key in ((source, None if source == "from" else reported), (sent_to, asked))
-        )
-        yield " == ".join(sides)
+    sources: list[tuple[str, BitRun | None]] = []
+    if reply.id.nodes is not None and asked is not None:
+        sources.append(("from", None))
+    if reported is not None:
+        sources.append((operand(bits.key_value(reported, "reply")), reported))
+    for source, key in sources:
+        width = min(bits_.width for bits_ in (asked, key) if bits_ is not None)
+        yield f"{_low_bits(source, key, width)} == {_low_bits(sent_to, asked, width)}"
+
+
+def _low_bits(node: str, key: BitRun | None, width: int) -> str:
+    """The low bits of a node; of one that `key` contains, unless these are all its bits."""
+    return node if key is not None and key.width == width else f"({node} & 0x{(1 << width) - 1:X}u)"
 
 
 def _answering_codes(

@@ -1,27 +1,26 @@
-"""The example of an edition: a host and a node in one program, with the golden frames of a few commands."""
+"""Examples: a host and a node that exchange the golden frames of a few commands, and a program for one command."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+import itertools
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.golden_frames import GoldenFrame
+from ...model.golden_frames import GoldenFrame, RawValue
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
-from ...model.types import Encoding, Type
-from ..base import EditionInput
+from ...model.types import Assignment
+from ..base import EditionInput, WorkedExchange
+from ..examples import Examples
+from .expressions import call, integer
 from .names import Names, member
-from .numbers import integer
 from .types import TypeView
-from .validity import constant_limits
-from .view import EditionView, FrameView
+from .view import EditionView, FrameView, edition_view
 
 COMMANDS = 4
-Raw = Mapping[str, int | list[int]]
 
 
 class ShownView(NamedTuple):
@@ -34,13 +33,13 @@ class ShownView(NamedTuple):
 
 
 class SideView(NamedTuple):
-    """One direction of a command: the values to send, and how received fields are printed.
+    """One direction of a command: the raw integers to send, and how received fields are printed.
 
-    `values` are designated initializers, `assignments` are the same values for languages without them.
+    `assignments` are the same raw integers for languages without designated initializers.
     """
 
     frame: FrameView
-    values: tuple[str, ...]
+    initializers: tuple[str, ...]
     assignments: tuple[str, ...]
     shown: tuple[ShownView, ...]
 
@@ -72,144 +71,197 @@ class ExampleView(NamedTuple):
 
     @property
     def uses_parameters(self) -> bool:
-        frames = [frame for one in self.exchanges for frame in (one.request.frame, one.reply.frame)]
+        frames = [side.frame for exchange in self.exchanges for side in (exchange.request, exchange.reply)]
         values = [t.double for t in self._shown if t.double is not None]
         return any(f.takes_parameters for f in frames) or any(v.to_parameters for v in values)
 
     @property
     def _shown(self) -> list[TypeView]:
-        return [s.type_ for one in self.exchanges for s in one.reply.shown]
+        return [field.type_ for exchange in self.exchanges for field in exchange.reply.shown]
+
+
+class CommandExampleView(NamedTuple):
+    """A program that encodes a request, decodes a reply, or both; the other is None.
+
+    `initializers` are those of the request's raw integers without a unit, `received` are those of the frame of the reply.
+    Calls return a status, except for those that print.
+    """
+
+    e: EditionView
+    parameters: tuple[str, ...]
+    request: FrameView | None
+    reply: FrameView | None
+    initializers: tuple[str, ...]
+    received: tuple[str, ...]
+    request_calls: tuple[str, ...]
+    reply_calls: tuple[str, ...]
+    print_request: str
+    print_reply: str
+    request_text: str
+    reply_text: str
+
+    @property
+    def calls(self) -> tuple[str, ...]:
+        return self.request_calls + self.reply_calls
+
+    @property
+    def uses_parameters(self) -> bool:
+        return any("&parameters" in text for text in (*self.calls, self.print_request, self.print_reply))
+
+    @property
+    def uses_floats(self) -> bool:
+        return len(self.request_calls) > 1
 
 
 def example(specification: EditionInput, view: EditionView) -> ExampleView:
     """The example of an edition: the first commands with different replies, with golden frames if any."""
-    return _Example(specification, view).view()
+    edition, examples = specification.edition, Examples(specification.edition, specification.frames)
+    known = examples.usual_parameters
+    commands = list(_commands(edition, known))
+    golden = (
+        next((e for e in examples.answered(command) if e.parameters.items() <= known.items()), None)
+        for command in commands
+    )
+    worked = list(filter(None, golden)) or filter(None, map(examples.simplest, commands))
+    return ExampleView(
+        f"{edition.family}_{edition.identifier}",
+        tuple(_parameters(edition, view.names, known)),
+        tuple(itertools.islice(_exchanges(view, worked, known), COMMANDS)),
+    )
 
 
-class _Example:
-    def __init__(self, specification: EditionInput, view: EditionView) -> None:
-        self._edition = specification.edition
-        self._view = view
-        self._names = Names(specification.edition)
-        self._golden = specification.frames
-        self._known = self._parameters()
-        self._types = {t.name: t for t in view.types}
-        self._frames = {f.name: f for command in view.commands for f in command.frames}
-
-    def view(self) -> ExampleView:
-        exchanges = list(self._exchanges(self._golden_pair)) or list(self._exchanges(self._plain_pair))
-        file = f"{self._edition.family}_{self._edition.identifier}"
-        return ExampleView(file, tuple(initializers(self._edition, self._names, self._known)), tuple(exchanges))
-
-    def _parameters(self) -> dict[str, str]:
-        """The parameters of most golden frames, of those with most parameters; without any, the first values."""
-        usable = (f for f in self._golden.frames if not f.decode_only) if self._golden else ()
-        given = Counter(tuple(sorted(f.parameters.items())) for f in usable)
-        if given:
-            most = max(given, key=lambda pairs: (len(pairs), given[pairs]))
-            return {name: str(value) for name, value in most}
-        return {p.name: p.values[0].name if p.values else str(p.minimum or 1) for p in self._edition.parameters}
-
-    def _exchanges(self, pair: Callable[[Command], tuple[int, Raw, Raw] | None]) -> Iterator[ExchangeView]:
-        shown: list[str] = []
-        for command in self._edition.commands:
-            request, reply = command.request, command.reply
-            if request is None or reply is None or reply.command != command.name or len(shown) == COMMANDS:
-                continue
-            if command.from_each or not reply.layout.fields:
-                continue
-            found = pair(command) if command.available(self._known) and reply.layout.name not in shown else None
-            if found is not None:
-                node, sent, answered = found
-                shown.append(reply.layout.name)
-                yield ExchangeView(
-                    command=command.name,
-                    enumerator=self._names.command(command.name),
-                    node=node,
-                    request=self._side(request, sent),
-                    reply=self._side(reply, answered),
-                )
-
-    def _golden_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
-        """Node, and raw integers of request and reply, from golden frames with the known parameters."""
-        for request in self._frames_of(command, Direction.REQUEST):
-            for reply in self._frames_of(command, Direction.REPLY):
-                echoes = not command.is_echoed or request.data == reply.data
-                if echoes and (request.node == reply.node or (command.reply and command.reply.id.nodes is None)):
-                    return request.node or 0, request.raw, reply.raw
-        return None
-
-    def _frames_of(self, command: Command, direction: Direction) -> list[GoldenFrame]:
-        return [
-            f
-            for f in (self._golden.of_command.get((command.name, direction), ()) if self._golden else ())
-            if not f.decode_only
-            and all(self._known.get(name) == value for name, value in formatting.parameter_values(f.parameters).items())
-        ]
-
-    def _plain_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:
-        """The first node, and the valid raw integers nearest to 0."""
-        request, reply = command.request, command.reply
-        if request is None or reply is None:
-            return None
-        nodes = request.id.nodes or (0,)
-        return nodes[0], self._plain(request), self._plain(reply)
-
-    def _plain(self, message: Message) -> Raw:
-        return {
-            f.name: [_plain_raw(f.type)] * len(f.elements) if f.is_array else _plain_raw(f.type)
-            for f in message.layout.fields
-        }
-
-    def _side(self, message: Message, raw: Raw) -> SideView:
-        variant = message.layout.variant(self._known)
-        fields = [f for f in variant.fields if f.role.is_value] if variant else []
-        values = [f".{member(f.name)} = {_initializer(f, raw.get(f.name, 0))}" for f in fields]
-        return SideView(
-            frame=self._frames[self._names.lower(message.name)],
-            values=tuple(values),
-            assignments=tuple(text for f in fields for text in _assignments(f, raw.get(f.name, 0))),
-            shown=tuple(self._shown(fields)),
-        )
-
-    def _shown(self, fields: list[Field]) -> Iterator[ShownView]:
-        for field in fields:
-            type_ = self._types[self._names.lower(self._names.type_stem(field.type))]
-            if not field.is_array:
-                yield ShownView(field.name, member(field.name), f"value_{field.name}", type_)
-                continue
-            for i in range(len(field.elements)):
-                yield ShownView(f"{field.name}[{i}]", f"{member(field.name)}[{i}]", f"value_{i}_{field.name}", type_)
+def _commands(edition: Edition, known: Assignment) -> Iterator[Command]:
+    """The commands with fields in a reply of their own from the addressed node."""
+    for command in edition.commands:
+        reply = command.reply
+        if reply is None or reply.command != command.name or not reply.layout.fields or command.from_each:
+            continue
+        if command.available(known):
+            yield command
 
 
-def initializers(edition: Edition, names: Names, known: Mapping[str, str]) -> Iterator[str]:
+def _exchanges(view: EditionView, worked: Iterable[WorkedExchange], known: Assignment) -> Iterator[ExchangeView]:
+    """The exchanges with different replies."""
+    layouts: set[str] = set()
+    for command, request, reply, _, _ in worked:
+        asked, answer = command.request, command.reply
+        if asked and answer and request and reply and answer.layout.name not in layouts:
+            layouts.add(answer.layout.name)
+            yield ExchangeView(
+                command=command.name,
+                enumerator=view.names.command(command.name),
+                node=request.node or 0,
+                request=_side(view, asked, request, known),
+                reply=_side(view, answer, reply, known),
+            )
+
+
+def _side(view: EditionView, message: Message, golden: GoldenFrame, known: Assignment) -> SideView:
+    fields = _fields(message, known)
+    numbers = [(number, literal) for f in fields for number, literal in _assigned(f, golden.raw.get(f.name, 0))]
+    return SideView(
+        frame=view.frame(message),
+        initializers=tuple(_initializer(f, golden.raw.get(f.name, 0)) for f in fields),
+        assignments=tuple(f".{number} = {literal}" for number, literal in numbers),
+        shown=tuple(shown for field in fields for shown in _shown(view, field)),
+    )
+
+
+def _fields(message: Message, known: Assignment) -> list[Field]:
+    variant = message.layout.variant(known)
+    return [f for f in variant.fields if f.role.is_value] if variant else []
+
+
+def _shown(view: EditionView, field: Field) -> Iterator[ShownView]:
+    type_, name = view.type(field.type), member(field.name)
+    if not field.is_array:
+        yield ShownView(field.name, name, f"value_{field.name}", type_)
+        return
+    for i in range(len(field.elements)):
+        yield ShownView(f"{field.name}[{i}]", f"{name}[{i}]", f"value_{i}_{field.name}", type_)
+
+
+def _parameters(edition: Edition, names: Names, known: Assignment) -> Iterator[str]:
     """The initializers of the known parameters."""
     for parameter in edition.parameters:
         value = known.get(parameter.name)
         if value is not None and parameter.is_choice:
-            yield f".{member(parameter.name)} = {names.upper(parameter.name, value)}"
+            yield f".{member(parameter.name)} = {names.upper(parameter.name, str(value))}"
         elif value is not None:
             number = Fraction(value)
             yield f".{member(parameter.name)} = {{{number.numerator}, {number.denominator}u}}"
 
 
-def _plain_raw(type_: Type) -> int:
-    if type_.enum:
-        return type_.enum[0].value
-    low, high = constant_limits(type_)
-    return 0 if type_.encoding is Encoding.FLOAT else max(low, min(high, 0))
+def _initializer(field: Field, raw: RawValue) -> str:
+    literals = [literal for _, literal in _assigned(field, raw)]
+    return f".{member(field.name)} = " + (f"{{{', '.join(literals)}}}" if isinstance(raw, list) else literals[0])
 
 
-def _initializer(field: Field, raw: int | list[int]) -> str:
-    kind = integer(field.type)
+def _assigned(field: Field, raw: RawValue) -> Iterator[tuple[str, str]]:
+    """Each number that a member has, and its raw integer as a literal."""
+    name, kind = member(field.name), integer(field.type)
     if isinstance(raw, list):
-        return "{" + ", ".join(kind.literal(number) for number in raw) + "}"
-    return kind.literal(raw)
-
-
-def _assignments(field: Field, raw: int | list[int]) -> Iterator[str]:
-    kind = integer(field.type)
-    if isinstance(raw, list):
-        yield from (f".{member(field.name)}[{i}] = {kind.literal(number)}" for i, number in enumerate(raw))
+        yield from ((f"{name}[{i}]", kind.literal(number)) for i, number in enumerate(raw))
     else:
-        yield f".{member(field.name)} = {kind.literal(raw)}"
+        yield name, kind.literal(raw)
+
+
+def command_example(edition: Edition, worked: WorkedExchange) -> CommandExampleView:
+    """The program for a command with these golden frames."""
+    command, request, reply, known, is_answered = worked
+    e = edition_view(edition)
+    asked = e.frame(command.request) if command.request and request else None
+    answer = e.frame(command.reply) if command.reply and reply else None
+    initializers, request_calls, reply_calls = [], [], []
+    if asked and request and command.request:
+        for field in _fields(command.request, known):
+            calls = list(_conversions(e, field, request))
+            request_calls += calls
+            initializers += [] if calls else [_named_initializer(e, field, request.raw.get(field.name, 0))]
+        request_calls.append(asked.encode("&frame", f"{request.node}u", "&request", "&parameters"))
+    if answer and reply:
+        reply_calls = [call(f"{e.prefix}check_reply", "&frame", "&received")] if is_answered else []
+        reply_calls.append(answer.decode("&reply", "&node", "&received", "&parameters"))
+    return CommandExampleView(
+        e=e,
+        parameters=tuple(_parameters(edition, e.names, known)),
+        request=asked,
+        reply=answer,
+        initializers=tuple(initializers),
+        received=tuple(_received(answer, reply)) if answer and reply else (),
+        request_calls=tuple(request_calls),
+        reply_calls=tuple(reply_calls),
+        print_request=e.direction(Direction.REQUEST).print(e, "&frame") if asked else "",
+        print_reply=e.direction(Direction.REPLY).print(e, "&received") if answer else "",
+        request_text=formatting.sent(request) if request else "",
+        reply_text=formatting.sent(reply) if reply else "",
+    )
+
+
+def _named_initializer(e: EditionView, field: Field, raw: RawValue) -> str:
+    """The initializer of raw integers, with the names of an enum, and flags in hexadecimal."""
+    stem, kind = e.names.type_stem(field.type), integer(field.type)
+    names = {m.value: e.names.upper(stem, m.name) for m in reversed(field.type.enum)}
+    written = kind.bits if field.type.flags else kind.literal
+    literals = [names.get(number) or written(number) for number in (raw if isinstance(raw, list) else [raw])]
+    return f".{member(field.name)} = " + (f"{{{', '.join(literals)}}}" if field.is_array else literals[0])
+
+
+def _conversions(e: EditionView, field: Field, golden: GoldenFrame) -> Iterator[str]:
+    """The call that converts a value; one for each element of an array."""
+    view, value = e.type(field.type), golden.values.get(field.name)
+    numbers = [number for number in (value if isinstance(value, list) else [value]) if isinstance(number, Fraction)]
+    if field.type.is_plain or view.double is None:
+        return
+    for i, number in enumerate(numbers):
+        where = f"&request.{member(field.name)}" + (f"[{i}]" if field.is_array else "")
+        parameters = "&parameters" if view.double.from_parameters else ""
+        yield call(f"{view.name}_from_double", where, repr(float(number)), parameters)
+
+
+def _received(frame: FrameView, golden: GoldenFrame) -> Iterator[str]:
+    marks = ["CANWRIGHT_EXTENDED"] * golden.extended + ["CANWRIGHT_REMOTE"] * golden.remote
+    yield f".id = {' | '.join([f'0x{golden.id:X}u', *marks])}"
+    yield f".dlc = {frame.message.dlc if golden.remote else len(golden.data)}u"
+    if golden.data:
+        yield f".data = {{{', '.join(f'0x{byte:02X}u' for byte in golden.data)}}}"

@@ -9,11 +9,9 @@ from typing import NamedTuple
 
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
-from .conversions import MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, nearest, ratio
-from .expressions import joined, operand
+from .conversions import ABOVE, BELOW, MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, nearest, ratio
+from .expressions import INT64, UINT64, Integer, common, integer, joined, operand
 from .names import Names
-from .numbers import INT64, UINT64, Integer, common, integer
-from .ratios import ABOVE, BELOW
 from .validity import Condition, constant_limits, has_constant_limits
 
 COARSE = 1 << 51

@@ -10,12 +10,12 @@ from typing import Generic, NamedTuple, TypeVar
 from ...model.edition import Edition
 from ...model.layout import Field, Layout, Variant
 from ...model.types import Encoding
+from ...semantics.plan import CheckConstant, CheckField, DecodingStep, EncodingStep, ReadField, message_plan
 from . import bits
 from .choices import Branch, parameter_access
-from .comments import errata, field_facts
+from .expressions import integer
 from .names import Names, member
-from .numbers import integer
-from .text import english, literal, with_deprecation
+from .text import english, errata, field_facts, literal, with_deprecation
 from .types import TypeView
 
 T = TypeVar("T")
@@ -121,6 +121,7 @@ class LayoutView:
 
 
 def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) -> LayoutView:
+    plan = message_plan(edition.of_layout(layout)[0])
     shared = {byte for message in edition.of_layout(layout) for byte in bits.key_bytes(message.keys)}
     members = {f.name: member(f.name) for f in layout.fields}
     facts = errata(edition, layout.path) if layout.shared else []
@@ -133,9 +134,9 @@ def layout_view(names: Names, edition: Edition, layout: Layout, types: Types) ->
         places=tuple(_places(stored)),
         has_fields=bool(layout.fields),
         depends=layout.parameter is not None,
-        check=_ordered_body(names, layout, lambda variant: _checks(names, layout, variant, types)),
+        check=_ordered_body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types)),
         pack=_body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared)),
-        unpack=_body(names, layout, lambda variant: _reads(layout, variant)),
+        unpack=_body(names, layout, lambda variant: _reads(plan.decoding, variant)),
         show=_ordered_body(names, layout, lambda variant: _shows(names, variant, types)),
     )
 
@@ -191,13 +192,13 @@ def _cases(names: Names, layout: Layout, steps: Iterable[tuple[T, ...]]) -> tupl
     return tuple(Branch(labels=one, value=value) for one, value in zip(labels, steps, strict=True))
 
 
-def _reads(layout: Layout, variant: Variant) -> Iterator[FieldRead]:
-    for field in layout.fields:
-        if field.role.is_checked and field.only and field in variant.fields:
-            yield FieldRead(constant_differs=bits.constant_differs(field))
-        elif field.role.is_value:
-            for number, element in zip(_numbers(field), field.elements, strict=True):
-                value = bits.read_field(field, element.segments) if field in variant.fields else "0"
+def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRead]:
+    for step in steps:
+        if isinstance(step, CheckConstant) and step.field.only and step.field in variant.fields:
+            yield FieldRead(constant_differs=bits.constant_differs(step.field))
+        elif isinstance(step, ReadField):
+            for number, element in zip(_numbers(step.field), step.field.elements, strict=True):
+                value = bits.read_field(step.field, element.segments) if step.field in variant.fields else "0"
                 yield FieldRead(member=number, value=value)
 
 
@@ -214,11 +215,9 @@ def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
             yield FieldShow(literal(f" {field.name}{index}="), call, given)
 
 
-def _checks(names: Names, layout: Layout, variant: Variant, types: Types) -> Iterator[FieldCheck]:
+def _checks(names: Names, steps: Sequence[EncodingStep], variant: Variant, types: Types) -> Iterator[FieldCheck]:
     """One check for each field and reason. A field that a variant lacks must be 0, since it is not sent."""
-    for field in layout.fields:
-        if not field.role.is_value:
-            continue
+    for field in (step.field for step in steps if isinstance(step, CheckField)):
         item = f"message->{member(field.name)}" + ("[i]" if field.is_array else "")
         if field not in variant.fields:
             yield _check(names, field, f"{item} != 0", "OUT_OF_RANGE")

@@ -2,21 +2,79 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from operator import or_
 from typing import NamedTuple
 
 from ...model.edition import Edition
+from ...model.layout import Space
 from ...model.message import Address, Direction, IdRule, Key, Message
+from ...semantics.bits import placed
+from ...semantics.plan import CheckConstant, message_plan
 from . import bits
-from .expressions import joined, operand
-from .filters import address_filter
-from .names import Names
-from .numbers import working
-from .patterns import Pattern, address_mask, named_patterns, pattern_of
+from .expressions import joined, operand, working
+from .names import Names, Pattern, address_mask, named_patterns, pattern_of
 from .text import english
 from .types import MacroView
 
-EXTENDED = 1 << 31
+EXTENDED, REMOTE = 1 << 31, 1 << 30
+STANDARD_BITS, EXTENDED_BITS = (1 << 11) - 1, (1 << 29) - 1
+MANY_NODES = 1 << 16
+"""Of so many ids, all bits between the lowest and the highest that differ are different somewhere."""
+
+
+class Filter(NamedTuple):
+    """The frames of an address: `id` and `mask` of one node, without the part of the id that depends on the node."""
+
+    id: int
+    mask: int
+    all_id: int
+    """The id for all nodes."""
+    all_mask: int
+    """The mask for all nodes."""
+    is_exact: bool
+    """False if the filter for all nodes also accepts ids that the address does not have."""
+
+
+def address_filter(edition: Edition, address: Address, direction: Direction) -> Filter:
+    """The filter for the messages of an address; there is at least one."""
+    rule = address.rule(direction)
+    kind, width = (EXTENDED, EXTENDED_BITS) if rule.extended else (0, STANDARD_BITS)
+    messages = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
+    patterns = [pattern for message in messages for pattern in _patterns(message)]
+    values = [value for value, _ in patterns]
+    mask = (EXTENDED | REMOTE | width) & ~(_differing(values) | reduce(or_, (free for _, free in patterns)))
+    nodes = rule.nodes or range(1)
+    first, last = (rule.base + node * rule.node_step for node in (nodes[0], nodes[-1]))
+    if len(nodes) < MANY_NODES:
+        of_nodes = _differing(range(first, last + 1, rule.node_step))
+    else:
+        of_nodes = ((1 << (first ^ last).bit_length()) - 1) & -(rule.node_step & -rule.node_step)
+    all_mask = mask & ~of_nodes
+    is_exact = 1 << of_nodes.bit_count() == len(nodes)
+    return Filter(values[0] & mask, mask, (values[0] | first | kind) & all_mask, all_mask, is_exact)
+
+
+def _patterns(message: Message) -> Iterator[tuple[int, int]]:
+    """The bits of the id that keys and constant fields set, for each accepted code, and the bits that fields may set."""
+    plan = message_plan(message)
+    constants = {step.field for step in plan.decoding if isinstance(step, CheckConstant)}
+    fixed, free = REMOTE * message.remote, 0
+    for field in (f for f in message.layout.fields if f.space is Space.ID):
+        for element in field.elements:
+            if field in constants:
+                fixed |= placed(element.segments, field.role.sent_raw or 0)
+            else:
+                free |= placed(element.segments, -1)
+    keys = [[placed(k.key.segments, v) * (k.key.space is Space.ID) for v in k.values] for k in plan.keys] or [[0]]
+    fixed |= reduce(or_, (bits[0] for bits in keys[1:]), 0)
+    yield from ((fixed | bits, free) for bits in keys[0])
+
+
+def _differing(ids: Sequence[int]) -> int:
+    """The bits that are not the same in all ids."""
+    return reduce(or_, (one ^ ids[0] for one in ids), 0)
 
 
 class RuleView(NamedTuple):
@@ -139,7 +197,8 @@ class Messages:
         return rule_view(self._names, self._edition, address, direction)
 
     def _message(self, message: Message, pattern: PatternView) -> MessageView:
-        constants = [f for f in message.layout.fields if f.role.is_checked and not f.only]
+        constants = [step.field for step in message_plan(message).decoding if isinstance(step, CheckConstant)]
+        always = [bits.constant_differs(field) for field in constants if not field.only]
         return MessageView(
             name=self._names.lower(message.name),
             struct=self._names.lower(message.name, "t"),
@@ -147,7 +206,7 @@ class Messages:
             pattern=pattern,
             dlc=message.dlc,
             codes=tuple(_codes(message)),
-            other_constant=joined("||", [bits.constant_differs(f) for f in constants]) if constants else "",
+            other_constant=joined("||", always) if always else "",
             node_in_data=bits.key_value(message.node_in_data) if message.node_in_data else "",
         )
 
@@ -248,12 +307,11 @@ def frame_id(message: Message, frame: str = "frame") -> str:
 
 
 def _codes(message: Message) -> Iterator[tuple[str, ...]]:
-    if not message.keys:
+    labels = [bits.labels(accepted.key, accepted.values) for accepted in message_plan(message).keys]
+    for first in labels[0] if labels else ():
+        yield (first, *(values[0] for values in labels[1:]))
+    if not labels:
         yield ()
-        return
-    rest = [bits.labels(key, [key.value])[0] for key in message.keys[1:]]
-    for value in dict.fromkeys((message.keys[0].value, *message.accepted_codes)):
-        yield (*bits.labels(message.keys[0], [value]), *rest)
 
 
 def _code(key: Key, index: int) -> CodeView:

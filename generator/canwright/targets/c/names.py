@@ -6,15 +6,67 @@ Every name with file scope is that of an item of the spec with an ending from th
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from functools import reduce
+from operator import or_
+from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.layout import Field, Layout
+from ...model.layout import Field, Layout, Segment, Space
+from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
 from ..base import NameProblem
-from .patterns import named_patterns, pattern_of
+
+SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h", "canwright_selftest.h")
+"""The headers that are the same for every protocol."""
+
+SHARED_CXX = ("canwright.hpp",)
+"""Those of C++."""
+
+PARTS = ("", "_float", "_print")
+"""The endings of the names of the headers of an edition."""
+
+
+class Pattern(NamedTuple):
+    """The common part of messages that differ only in length and codes."""
+
+    address: str
+    direction: Direction
+    remote: bool
+    id_mask: int
+    places: tuple[tuple[Space, int, tuple[Segment, ...]], ...]
+
+
+def pattern_of(message: Message) -> Pattern:
+    return Pattern(
+        message.address,
+        message.direction,
+        message.remote,
+        message.id_mask,
+        tuple((key.space, key.width, key.segments) for key in message.keys),
+    )
+
+
+def named_patterns(patterns: Iterable[Pattern]) -> dict[Pattern, tuple[str, ...]]:
+    """The parts of the name of each pattern: address and direction, and a number from the second one on."""
+    result: dict[Pattern, tuple[str, ...]] = {}
+    numbers: Counter[tuple[str, str]] = Counter()
+    for pattern in dict.fromkeys(patterns):
+        name = (pattern.address, pattern.direction.value)
+        numbers[name] += 1
+        result[pattern] = name if numbers[name] == 1 else (*name, str(numbers[name]))
+    return result
+
+
+def address_mask(edition: Edition, address: str, direction: Direction) -> int:
+    """Bits of the id that keys and fields fill in some message of this direction."""
+    here = edition.address(address)
+    rule = here.rule(direction)
+    return reduce(or_, (m.id_mask for m in edition.of_rule(direction, rule)), 0)
+
 
 C_WORDS = (
     "alignas alignof auto bool break case char const constexpr continue default do double else enum extern false float "

@@ -9,13 +9,13 @@ from typing import NamedTuple, TypeVar
 
 from ...model.edition import Edition
 from ...model.golden_frames import CheckedFrame, GoldenFrame, GoldenFrames, RawValue, RefusedFrame, RefusedValues
-from ...model.layout import Field, Layout
+from ...model.layout import MAX_DATA_BYTES, Field, Layout
 from ...model.message import Direction, Message
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.frame import CanFrame, node_of
 from ..base import EditionInput
+from .expressions import integer
 from .names import Names, member
-from .numbers import integer
 from .view import DirectionView, EditionView, FrameView
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
@@ -66,6 +66,8 @@ class SelfTestView(NamedTuple):
     directions: tuple[DirectionView, ...]
     parameters: tuple[str, ...]
     tables: tuple[Table, ...]
+    blank: str
+    """The initializer of a stored frame without anything."""
 
 
 def has_self_test(specification: EditionInput) -> bool:
@@ -112,6 +114,7 @@ class _SelfTest:
             directions=tuple(d for d in self._view.directions if d.decode),
             parameters=tuple(self._known),
             tables=tuple(numbered),
+            blank=_braces("0u", _braces(*["0u"] * MAX_DATA_BYTES)),
         )
 
     def _frame(self, frame: GoldenFrame) -> Entry:
@@ -262,5 +265,5 @@ def _can(frame: GoldenFrame) -> CanFrame:
 
 def _stored(frame: GoldenFrame | RefusedFrame | CheckedFrame) -> str:
     flags = (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
-    data = [f"0x{byte:02X}u" for byte in frame.data.ljust(8, b"\0")[:8]]
+    data = [f"0x{byte:02X}u" for byte in frame.data.ljust(MAX_DATA_BYTES, b"\0")[:MAX_DATA_BYTES]]
     return _braces(f"0x{frame.id | flags:X}u", _braces(*data))

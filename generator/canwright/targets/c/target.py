@@ -7,10 +7,121 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
-from . import generate, program
-from .exported import exported_names
-from .problems import edition_collisions, problems
+from ..base import CodeExample, CodeNames, EditionInput, NameProblem, Output, Target, WorkedExchange
+from ..options import Options
+from . import generate, names, program, validity
+from .code_names import code_names
+from .messages import Messages, addresses
+from .names import SHARED, Names, layouts, member
+from .types import TypeView, types
+
+Exported = tuple[DocumentPath, str]
+
+
+def exported_names(edition: Edition) -> Iterator[Exported]:
+    """Every name, with the path of its item; that of a declaration before those of its functions."""
+    names = Names(edition)
+    prefixes = names.lower(""), names.upper("")
+    for path, name in _names(names, edition):
+        yield path, f"…_{name[len(prefixes[0]) :]}" if name.startswith(prefixes) else name
+
+
+def _names(names: Names, edition: Edition) -> Iterator[Exported]:
+    yield from _parameters(names, edition)
+    yield from ((("effects", effect.name), names.upper("effect", effect.name)) for effect in edition.effects)
+    used = {address.name: address for address in edition.addresses}
+    for view in addresses(names, edition, Messages(names, edition)):
+        path = used[view.name].path
+        yield from ((path, macro.name) for macro in view.nodes)
+        for rule in view.rules:
+            yield from (
+                (path, n) for n in ((rule.id_function, rule.node_function) if rule.has_nodes else (rule.id_macro,))
+            )
+    views = {view.name: view for view in types(names, edition)}
+    for type_ in (t for t in edition.types if t.path[0] == "types"):
+        stem = names.type_stem(type_)
+        key = "enum" if type_.enum else "flags"
+        members = {names.upper(stem, m.name): (*type_.path, key, m.name) for m in (*type_.enum, *type_.flags)}
+        if names.lower(stem) in views:
+            yield from ((members.get(name, type_.path), name) for name in _type(views[names.lower(stem)]))
+    for layout in layouts(edition):
+        varying = [field for field in layout.fields if field.role.is_value]
+        if varying:
+            yield layout.path, names.lower(layout.name, "t")
+        for field in varying:
+            yield field.path, member(field.name)
+            yield field.path, names.upper("field", field.name)
+    for command in edition.commands:
+        yield command.path, names.command(command.name)
+        if command.code is not None:
+            yield command.path, names.upper(command.name, "code")
+    for message in edition.all_messages():
+        if any(field.role.is_value for field in message.layout.fields):
+            yield message.path, names.lower(message.name, "t")
+            yield message.path, f".{member(names.short(message.command))}"
+        yield from ((message.path, names.lower(message.name, ending)) for ending in ("encode", "decode"))
+
+
+def _parameters(names: Names, edition: Edition) -> Iterator[Exported]:
+    for parameter in edition.parameters:
+        path: DocumentPath = ("parameters", parameter.name)
+        yield path, f".{member(parameter.name)}"
+        if parameter.is_choice:
+            yield path, names.lower(parameter.name, "t")
+            yield path, names.upper(parameter.name, "unknown")
+        values = parameter.values
+        yield from (((*path, "values", v.name), names.upper(parameter.name, v.name)) for v in values)
+
+
+def _type(view: TypeView) -> Iterator[str]:
+    """The functions of a type and its macros."""
+    conversions = (("milli", view.milli), ("double", view.double), ("float", view.single))
+    for number, conversion in conversions:
+        yield from (f"{view.name}_{way}_{number}" for way in ("to", "from") if conversion is not None)
+    functions = (("name", view.names), ("first_flag", view.is_flags), ("valid", view.valid))
+    yield from (f"{view.name}_{ending}" for ending, exists in functions if exists)
+    yield from (macro.name for macro in view.macros)
+
+
+C_HEADERS = (
+    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic "
+    "stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype"
+)
+POSIX_HEADERS = "endian fcntl poll pthread sched semaphore strings termios unistd"
+HEADERS = frozenset((f"{C_HEADERS} {POSIX_HEADERS} arduino").split())
+"""Headers that a header of the same name would replace; some file systems find `arduino.h` for `Arduino.h`."""
+
+
+def problems(edition: Edition) -> Iterator[NameProblem]:
+    """The problems of one edition."""
+    yield from _headers(edition)
+    yield from names.problems(edition)
+    yield from validity.problems(edition)
+
+
+def _headers(edition: Edition) -> Iterator[NameProblem]:
+    """Headers in place of those of the C library, of Arduino, or of those that every family has; a reserved namespace."""
+    family, file = edition.family, edition.identifier
+    if family in HEADERS:
+        text = f"the header `{family}.h` for Arduino would replace a header of the C library or of Arduino"
+        yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
+    if family == "std":
+        text = "names in the C++ namespace `std` are reserved for the standard library"
+        yield NameProblem(("family",), text, f"choose another name, for example {family}_protocol")
+    if f"{file.lower()}.h" in SHARED:
+        text = f"the C library already contains a header `{file.lower()}.h`"
+        yield NameProblem(("edition",), text, f"choose another name, for example v-{edition.name}")
+
+
+def edition_collisions(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
+    """Names that two editions would have: the later edition, and a sentence."""
+    owners: dict[str, Edition] = {}
+    for edition in editions if len(editions) > 1 else ():
+        for name, _, _ in names.defined(edition):
+            other = owners.setdefault(name, edition)
+            if other is not edition:
+                yield edition, f"{other.family} {other.name} would also have `{name}` in C"
+                break
 
 
 class CTarget(Target):
@@ -18,7 +129,9 @@ class CTarget(Target):
 
     title = "C"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
@@ -29,6 +142,9 @@ class CTarget(Target):
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         return exported_names(edition)
+
+    def code_names(self, edition: Edition) -> CodeNames:
+        return code_names(edition)
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
         return program(edition, worked)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.types import Bound, ByParameter, Encoding, Linear, Member, Range, Type
+from ...model.types import Assignment, Bound, ByParameter, Encoding, Range, Type
+from ...semantics.valid_raws import FiniteFloats, FlagBits, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
-from .expressions import joined
+from .expressions import INT64, UINT64, Integer, integer, joined
 from .names import Names
-from .numbers import INT64, UINT64, Integer, integer
 
 RATIO_LIMIT = 1 << 30
 """The limit of factors whose product with a ratio fits into 64 bits."""
@@ -36,46 +36,48 @@ ALWAYS = Condition("true", uses_parameters=False)
 
 def valid(names: Names, type_: Type) -> Choice[Condition] | None:
     """The condition for valid raw integers; None if all are valid."""
-    found = _float_ranges(type_) if type_.encoding is Encoding.FLOAT else type_.raw_range
-    choice = choose(names, found, lambda limits: _condition(type_, limits), _condition(type_, None))
+    by = _unscaled(type_) if type_.encoding is Encoding.FLOAT else valid_raws(type_)
+    choice = choose(names, by, lambda raws: _condition(type_, raws), _condition(type_, width_limits(type_)))
     return None if choice.subject is None and choice.otherwise == ALWAYS else choice
 
 
-def _condition(type_: Type, limits: Range | None) -> Condition:
+def _condition(type_: Type, raws: ValidRaws | None) -> Condition:
     """The condition for a valid raw integer, without the limits of its C type."""
-    every = _float_conditions(type_, limits) if type_.encoding is Encoding.FLOAT else _conditions(type_, limits)
+    every = list(_conditions(type_, raws))
     if not every:
         return ALWAYS
-    return Condition(
-        joined("&&", [joined("||", some) for some in every]),
-        uses_parameters=limits is not None and not limits.is_constant,
-    )
+    depends = isinstance(raws, RawInterval) and bool(raws.low_bound or raws.high_bound)
+    return Condition(joined("&&", [joined("||", some) for some in every]), depends)
 
 
 Alternatives = tuple[str, ...]
 """Conditions of which at least one must be true."""
 
 
-def _conditions(type_: Type, limits: Range | None) -> list[Alternatives]:
+def _conditions(type_: Type, raws: ValidRaws | None) -> Iterator[Alternatives]:
     kind = integer(type_)
-    result: list[Alternatives] = []
-    if type_.enum:
-        result.append(_among(kind, type_.enum))
-    elif type_.flags:
-        others = ((1 << kind.width) - 1) & ~sum(1 << m.value for m in type_.flags)
+    if isinstance(raws, NamedRaws):
+        yield tuple(_within_run(kind, run) for run in raws.runs)
+    elif isinstance(raws, FlagBits):
+        unnamed = ((1 << kind.width) - 1) & ~raws.mask
         source = f"({kind.unsigned.name})raw" if kind.signed else "raw"
-        result += [(f"({source} & {kind.bits(others)}) == 0u",)] if others else []
-    if type_.is_number or limits is not None:
-        result += [(end,) for end in _between(kind, *_whole_limits(type_, limits))]
-    for bound, is_low in ((limits.low, True), (limits.high, False)) if limits else ():
-        if bound.parameter is not None:
-            result.append(_dependent(kind, bound, is_low))
-    return result
+        yield from [(f"({source} & {kind.bits(unnamed)}) == 0u",)] if unnamed else []
+    elif isinstance(raws, RawInterval):
+        yield from ((end,) for end in _between(kind, raws.low, raws.high))
+        for bound, is_low in ((raws.low_bound, True), (raws.high_bound, False)):
+            if bound is not None:
+                yield _dependent(kind, bound, is_low)
+    elif raws is not None and raws.scaled is not None:
+        ends = ((raws.scaled.low, ">=", True), (raws.scaled.high, "<=", False))
+        for bound, sign, is_low in ends:
+            order = kind.bits(_order(type_.width, bound.constant, up=is_low))
+            yield (f"canwright_order{type_.width}(raw) {sign} {order}",)
 
 
 def constant_limits(type_: Type) -> tuple[int, int]:
     """The smallest and largest raw integer, without limits that depend on a parameter."""
-    return _whole_limits(type_, type_.raw_range.constant if type_.raw_range.parameter is None else None)
+    raws = valid_raws(type_).constant
+    return (raws.low, raws.high) if isinstance(raws, RawInterval) else type_.raw_limits
 
 
 def has_constant_limits(type_: Type) -> bool:
@@ -107,37 +109,17 @@ def _depends_on_number(type_: Type) -> bool:
     return any(not limits.is_constant for limits in ranges)
 
 
-def _whole_limits(type_: Type, limits: Range | None) -> tuple[int, int]:
-    low, high = type_.raw_limits
-    if limits is not None and limits.low.parameter is None:
-        low = max(low, math.ceil(limits.low.constant))
-    if limits is not None and limits.high.parameter is None:
-        high = min(high, math.floor(limits.high.constant))
-    return low, high
-
-
 def _between(kind: Integer, low: int, high: int) -> list[str]:
     least, most = kind.limits
     result = [f"raw >= {kind.literal(low)}"] if low > least else []
     return result + ([f"raw <= {kind.literal(high)}"] if high < most else [])
 
 
-def _among(kind: Integer, members: Sequence[Member]) -> Alternatives:
-    """The conditions for a named raw integer, one for each run of consecutive values."""
-    runs: list[list[int]] = []
-    for value in sorted(m.value for m in members):
-        if runs and value == runs[-1][-1] + 1:
-            runs[-1].append(value)
-        else:
-            runs.append([value])
-    terms = []
-    for run in runs:
-        ends = _between(kind, run[0], run[-1])
-        if len(run) == 1:
-            terms.append(f"raw == {kind.literal(run[0])}")
-        else:
-            terms.append(joined("&&", ends or ["true"]))
-    return tuple(terms)
+def _within_run(kind: Integer, run: range) -> str:
+    """The condition for one of some consecutive raw integers."""
+    if len(run) == 1:
+        return f"raw == {kind.literal(run[0])}"
+    return joined("&&", _between(kind, run[0], run[-1]) or ["true"])
 
 
 def _factors(bound: Bound) -> tuple[int, int, int]:
@@ -159,34 +141,21 @@ def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
     return f"{ratio}.denominator == 0u", within
 
 
-def _float_ranges(type_: Type) -> ByParameter[Range]:
-    """The ranges of a float without its scale; those of the spec apply to the scaled value."""
+def _unscaled(type_: Type) -> ByParameter[ValidRaws]:
+    """The valid floats with ranges without the scale; those of the spec apply to the scaled value."""
     by = type_.linear.parameter or type_.raw_range.parameter
     if by is None:
-        return ByParameter.always(_raw(type_.raw_range.constant, type_.linear.constant))
+        return ByParameter.always(_floats(type_, {}))
     cases = type_.linear.cases or type_.raw_range.cases
-    return ByParameter(
-        parameter=by,
-        constant=None,
-        cases={n: _raw(type_.raw_range.at({by: n}), type_.linear.at({by: n})) for n in cases},
-    )
+    return ByParameter(parameter=by, constant=None, cases={name: _floats(type_, {by: name}) for name in cases})
 
 
-def _raw(limits: Range | None, linear: Linear | None) -> Range | None:
+def _floats(type_: Type, known: Assignment) -> FiniteFloats:
+    limits, linear = type_.raw_range.at(known), type_.linear.at(known)
     if limits is None or linear is None:
-        return None
+        return FiniteFloats(None)
     ends = [(end.constant - linear.offset) / linear.scale for end in (limits.low, limits.high)]
-    return Range(Bound(min(ends)), Bound(max(ends)))
-
-
-def _float_conditions(type_: Type, limits: Range | None) -> list[Alternatives]:
-    if limits is None:
-        return []
-    kind = integer(type_)
-    order = f"canwright_order{type_.width}(raw)"
-    low = _order(type_.width, limits.low.constant, up=True)
-    high = _order(type_.width, limits.high.constant, up=False)
-    return [(f"{order} >= {kind.bits(low)}",), (f"{order} <= {kind.bits(high)}",)]
+    return FiniteFloats(Range(Bound(min(ends)), Bound(max(ends))))
 
 
 def _order(width: int, bound: Fraction, up: bool) -> int:

@@ -13,18 +13,18 @@ from typing import NamedTuple
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Layout
-from ...model.message import Command, Direction, OtherReply
+from ...model.message import Command, Direction, Message, OtherReply
 from ...model.metadata import Level
+from ...model.types import Type
 from ..base import header
 from .choices import ParameterView, parameter_access, parameters
-from .comments import errata
 from .conversions import ConversionView
 from .dispatch import AnswerView, RouteView, UnpackView, answers, command_numbers, routes
-from .expressions import joined
+from .expressions import call, joined
 from .layouts import LayoutView, fields_named, layout_view
 from .messages import AddressView, Messages, MessageView, addresses
 from .names import Names, layouts, member
-from .text import english, literal, with_deprecation
+from .text import english, errata, literal, with_deprecation
 from .types import MacroView, TypeView, types
 
 
@@ -73,6 +73,26 @@ class FrameView(NamedTuple):
         pattern = self.message.pattern
         start = [*(["node"] if pattern.rule.has_nodes else []), "frame", f"{self.message.dlc}u"]
         return [f"{pattern.name}_match({', '.join([*start, *codes])})" for codes in self.message.codes]
+
+    def encode(self, frame: str, node: str, message: str, parameters: str) -> str:
+        """The call that encodes a message, without the arguments that it does not take."""
+        return call(
+            f"{self.name}_encode",
+            frame,
+            node if self.message.pattern.rule.has_nodes else "",
+            message if self.struct else "",
+            parameters if self.takes_parameters else "",
+        )
+
+    def decode(self, message: str, node: str, frame: str, parameters: str) -> str:
+        """The call that decodes a message, without the arguments that it does not take."""
+        return call(
+            f"{self.name}_decode",
+            message if self.struct else "",
+            node if self.message.has_node else "",
+            frame,
+            parameters if self.layout.depends else "",
+        )
 
     @property
     def is_match_only(self) -> bool:
@@ -170,6 +190,11 @@ class DirectionView:
         """The members of the union by command."""
         return {one.command: one for _, one in self.members}
 
+    def print(self, e: EditionView, frame: str) -> str:
+        """The call that prints a frame into the array `text`."""
+        parameters = "&parameters" if self.show_parameters else ""
+        return call(f"{e.prefix}print_{self.word}", "text", "sizeof text", frame, parameters)
+
     @cached_property
     def depends(self) -> bool:
         return any(content.layout.depends for content in self.contents)
@@ -204,9 +229,11 @@ class FloatingView(NamedTuple):
     types: tuple[tuple[TypeView, ConversionView], ...]
 
 
-class EditionView(NamedTuple):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EditionView:
     """The content of a header. `spec` is the start of the hash of its spec; every name has `prefix` or `PREFIX`."""
 
+    names: Names
     header: str
     spec: str
     prefix: str
@@ -227,6 +254,23 @@ class EditionView(NamedTuple):
     availability: tuple[AvailabilityView, ...]
     directions: tuple[DirectionView, ...]
     answers: tuple[AnswerView, ...]
+
+    def frame(self, message: Message) -> FrameView:
+        return self._frames[self.names.lower(message.name)]
+
+    def type(self, type_: Type) -> TypeView:
+        return self._types[self.names.lower(self.names.type_stem(type_))]
+
+    def direction(self, direction: Direction) -> DirectionView:
+        return next(view for view in self.directions if view.word == direction.value)
+
+    @cached_property
+    def _frames(self) -> Mapping[str, FrameView]:
+        return {frame.name: frame for command in self.commands for frame in command.frames}
+
+    @cached_property
+    def _types(self) -> Mapping[str, TypeView]:
+        return {view.name: view for view in self.types}
 
     @property
     def parameters_argument(self) -> str:
@@ -267,6 +311,7 @@ def edition_view(edition: Edition) -> EditionView:
     types_ = {view.name: view for view in types(names, edition)}
     views = {layout: layout_view(names, edition, layout, types_) for layout in used}
     return EditionView(
+        names=names,
         header=header(edition),
         spec=edition.hash[:8],
         prefix=names.lower(""),

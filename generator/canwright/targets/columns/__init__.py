@@ -8,7 +8,7 @@ from pathlib import Path
 from ...model.types import Assignment
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, EditionInput, Output
-from ..python.text import literal
+from ..python_source import literal
 from . import bits, view
 from .files import SHARED, package_name
 
@@ -49,7 +49,6 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
         "demanded": view.demanded,
         "fraction": view.fraction,
         "kinds": view.kinds,
-        "read_field": bits.read_field,
         "dtype": bits.dtype,
     }
     for item in specifications:

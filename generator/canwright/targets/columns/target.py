@@ -8,6 +8,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import EditionInput, NameProblem, Output, Target
+from ..options import Options
 from . import generate
 from .problems import problems
 from .view import columns_of, tables_of
@@ -18,7 +19,9 @@ class ColumnsTarget(Target):
 
     title = "Columns"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:

@@ -13,8 +13,8 @@ from ...model.message import BitRun, Direction, KeyRole, Message
 from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
 from ..base import header
-from ..python.text import literal, member_name, plain, tuple_of
-from .bits import read_key
+from ..python_source import english, literal, member_name, tuple_of
+from .bits import FrameReads
 
 FRAME_COLUMNS = ("time", "bus", "node", "direction", "command", "code")
 """The columns that every table has."""
@@ -69,18 +69,20 @@ def module_view(edition: Edition) -> Mapping[str, object]:
     layouts = list(tables)
     numbers = {message: number for number, message in enumerate(messages)}
     codes = {command.name: command.code for command in edition.commands}
+    reads = FrameReads.of(edition)
     return {
         "header": header(edition),
         "edition": edition,
-        "title": plain(edition.title.get("en") or next(iter(edition.title.values()))),
+        "title": english(edition.title),
         "parameters": edition.parameters,
         "types": edition.types,
+        "reads": reads,
         "tables": tables,
         "messages": [
-            (m, code_of(m, codes), layouts.index(m.layout), read_key(m.node_in_data) if m.node_in_data else "")
+            (m, code_of(m, codes), layouts.index(m.layout), reads.key(m.node_in_data) if m.node_in_data else "")
             for m in messages
         ],
-        "routes": {direction.value: route_views(edition, direction, numbers) for direction in Direction},
+        "routes": {direction.value: route_views(edition, direction, numbers, reads) for direction in Direction},
     }
 
 
@@ -143,29 +145,31 @@ def fraction(number: Fraction | None) -> str:
 
 
 def route_views(
-    edition: Edition, direction: Direction, numbers: Mapping[Message, int]
+    edition: Edition, direction: Direction, numbers: Mapping[Message, int], reads: FrameReads
 ) -> Sequence[tuple[dispatch.Route, NodeView]]:
     """The routes of one direction in the order in which they are tried, each with its tree."""
     routes = dispatch.dispatch_plan(edition, direction).routes
-    return [(route, _node(route.then, numbers)) for route in routes]
+    return [(route, _node(route.then, numbers, reads)) for route in routes]
 
 
-def _node(node: dispatch.DispatchNode, numbers: Mapping[Message, int]) -> NodeView:
+def _node(node: dispatch.DispatchNode, numbers: Mapping[Message, int], reads: FrameReads) -> NodeView:
     if isinstance(node, dispatch.Match):
         return str(numbers[node.message])
     if isinstance(node, dispatch.Reject):
         return f"Refusal.{node.reason.name}"
     form = "0x{:02X}" if isinstance(node.subject, BitRun) else "{}"
-    cases = ((tuple(form.format(v) for v in case.values), _node(case.then, numbers)) for case in node.cases)
-    return SelectView(read=_subject(node.subject), cases=tuple(cases), otherwise=_node(node.otherwise, numbers))
+    cases = ((tuple(form.format(v) for v in case.values), _node(case.then, numbers, reads)) for case in node.cases)
+    return SelectView(
+        read=_subject(node.subject, reads), cases=tuple(cases), otherwise=_node(node.otherwise, numbers, reads)
+    )
 
 
-def _subject(subject: dispatch.Discriminator) -> str:
+def _subject(subject: dispatch.Discriminator, reads: FrameReads) -> str:
     if isinstance(subject, dispatch.Length):
         return "lengths"
     if isinstance(subject, dispatch.MaskedId):
         return f"ids & 0x{subject.mask:X}"
-    return read_key(subject)
+    return reads.key(subject)
 
 
 def kinds(route: dispatch.Route) -> str:

@@ -10,14 +10,15 @@ from collections.abc import Iterator, Sequence
 
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import EVERYTHING, EditionInput, Options, Output
+from ..base import EditionInput, Output
+from ..options import NO_OPTIONS, Options
 from .files import files, traffics
 from .guide import Made, guide
 from .printer import printed
 
 
 def generate(
-    specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = EVERYTHING
+    specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = NO_OPTIONS
 ) -> Iterator[Output]:
     """The files of every edition, and a README.md with instructions."""
     made = [_made(one, set_parameters, options) for one in specifications]

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ..base import Options
+from ..options import Options
 from .files import files, node_name, traffics
 from .names import signals
+from .selection import NODES
 from .text import NAME_LENGTH
 
 Exported = tuple[DocumentPath, str]
@@ -21,7 +22,7 @@ def exported_names(edition: Edition) -> Iterator[Exported]:
     parts = [part for traffic in both.values() for frame in traffic.frames({}) for part in frame.parts]
     first = {part.message.address: part.message.id.nodes[0] for part in parts if part.message.id.nodes}
     yield from ((("addresses", address), node_name(address, node)) for address, node in first.items())
-    made = files(edition, both, {}, Options(nodes=tuple(sorted(set(first.values())))))
+    made = files(edition, both, {}, Options({NODES: tuple(sorted(set(first.values())))}))
     existing = {signal.name for file in made for message in file.messages for signal in message.signals}
     for part in parts:
         for field in part.message.layout.fields:

@@ -11,9 +11,10 @@ from typing import NamedTuple
 from ...model.edition import Edition
 from ...model.message import Direction
 from ...model.types import Assignment, number_of
-from ..base import EVERYTHING, Options
+from ..options import NO_OPTIONS, Options
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, Scope, Traffic, partners
+from .selection import COMMENTS, NODES
 from .selectors import joined_span
 from .signals import Signals
 from .tables import table_key, table_names
@@ -51,7 +52,7 @@ def files(edition: Edition, both: Traffics, set_parameters: Assignment, options:
 
 @functools.lru_cache(maxsize=4)
 def _with_defaults(edition: Edition) -> _Files:
-    return _Files(edition, traffics(edition), {}, EVERYTHING)
+    return _Files(edition, traffics(edition), {}, NO_OPTIONS)
 
 
 def reply_file(edition: Edition, assignment: Assignment) -> str | None:
@@ -87,8 +88,8 @@ class _Files:
     def __init__(self, edition: Edition, both: Traffics, set_parameters: Assignment, options: Options) -> None:
         self._edition = edition
         self._both = both
-        self._options = options
-        self._comments = Comments(options.language or ENGLISH)
+        self._nodes = options[NODES]
+        self._comments = Comments(options[COMMENTS])
         self._numbers: Mapping[str, Fraction] = {
             p.name: number
             for p in edition.parameters
@@ -135,7 +136,7 @@ class _Files:
         return [first._replace(known=tuple(self._known(scope)), comment=comment)]
 
     def _scope(self, assignment: Assignment) -> Scope:
-        return Scope(self._edition, assignment, self._numbers, self._options.nodes)
+        return Scope(self._edition, assignment, self._numbers, self._nodes)
 
     def _plain_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[_Content]:
         for direction in group:
@@ -218,7 +219,7 @@ class _Files:
 
     def _variant(self) -> Iterator[str]:
         """The selected nodes and the language, as parts of a file name."""
-        nodes = self._options.nodes
+        nodes = self._nodes
         if nodes:
             listed = "_".join(map(str, nodes)) if len(nodes) <= _MAX_NODES_IN_NAME else f"{nodes[0]}_to_{nodes[-1]}"
             yield f"node{listed}"

@@ -9,31 +9,23 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.message import Direction
 from ...model.types import Assignment
-from ..base import (
-    EVERYTHING,
-    CodeExample,
-    EditionInput,
-    NameProblem,
-    Options,
-    Output,
-    TargetWithOptions,
-    WorkedExchange,
-)
+from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
+from ..options import Options
 from . import generate
-from .comments import languages
 from .exported import exported_names
 from .files import reply_file, stems
 from .names import long_names
+from .selection import COMMENTS, NODES
 
 
-class DbcTarget(TargetWithOptions):
+class DbcTarget(Target):
     """Generates DBC files."""
 
     title = "DBC"
-    languages = tuple(languages())
+    options = (NODES, COMMENTS)
 
     def generate(
-        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = EVERYTHING
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
     ) -> Iterator[Output]:
         return generate(specifications, set_parameters, options)
 

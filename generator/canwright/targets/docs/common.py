@@ -14,8 +14,8 @@ from ...model.message import Command, Direction, Message
 from ...model.metadata import Mode
 from ...templating.markup import code, markdown
 from ..base import WorkedExchange
+from ..examples import Examples
 from ..registry import own_targets, targets
-from .choice import Choice
 from .examples import Worked, worked
 from .picture import Drawing, Drawings
 from .tables import Cells, code_of, field_cells, index, key_cells
@@ -90,7 +90,7 @@ class Common:
             for erratum in errata:
                 self.touched.setdefault(erratum.id, []).append(name)
         self._drawings = Drawings()
-        self._choice = Choice(edition, golden)
+        self._examples = Examples(edition, golden)
         self._modes: Mapping[str | None, Mode] = {mode.name: mode for mode in edition.bus.modes}
         self._fields: dict[Layout, Sequence[tuple[Field, Sequence[Cells]]]] = {}
         """Rows by layout: many messages share one."""
@@ -107,7 +107,7 @@ class Common:
         groups = list(self.edition.groups.values())
         for previous, group, following in zip((None, *groups), groups, (*groups[1:], None), strict=False):
             first, entry = group[0], group[0].entry
-            chosen = [self._choice.select(command) for command in group]
+            chosen = [self._examples.select(command) for command in group]
             exchange = next((one.exchange for one in chosen if one.exchange), None)
             errata = list(dict.fromkeys(erratum for one in group for erratum in self._errata[one.name]))
             only = first.only if all(one.only == first.only for one in group) else {}
@@ -116,7 +116,7 @@ class Common:
                 "code": ", ".join(dict.fromkeys(code_of(one) for one in group if one.code is not None)),
                 "manual": markdown(first.manual),
                 "table": self.edition.table(entry.table) if entry else None,
-                "only": code(formatting.condition(only)),
+                "only": only,
                 "mode": self._modes.get(first.mode),
                 "effects": [e for e in first.effects if all(e in one.effects for one in group)],
                 "previous": previous[0] if previous else None,

@@ -9,6 +9,7 @@ from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.message import Address, Command, Direction
 from ...model.metadata import Effect, Erratum, Level, State
+from ...model.types import ImpliedTitle
 from ...templating.markup import code, markdown
 from . import tables
 from .common import Common, Drawn, Form, Sheet, Side
@@ -194,6 +195,16 @@ class Pages:
     def deprecation(self, deprecated: Deprecation) -> str:
         """Since when, and until when, an object is deprecated."""
         return tables.deprecation(deprecated, self._labels)
+
+    def availability(self, only: Mapping[str, tuple[str, ...]]) -> str:
+        """The parameter values that a command is limited to, by their titles, or by their names where they have none."""
+        return self._labels["and"].join(self._available(name, values) for name, values in only.items())
+
+    def _available(self, name: str, values: Sequence[str]) -> str:
+        titles = {value.name: value.title for value in self._common.edition.parameter(name).values}
+        if any(isinstance(titles[value], ImpliedTitle) for value in values):
+            return code(formatting.condition({name: tuple(values)}))
+        return self._labels["listed"].join(markdown(titles[value][self._language]) for value in values)
 
     def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
         """The parameter values that an object is limited to."""

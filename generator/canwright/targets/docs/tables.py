@@ -11,15 +11,28 @@ from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.layout import Field, FixedRole, Layout, NodeRole, ReservedRole, Space
-from ...model.message import Command, EchoReply, IdRule, Key, KeyRole, Message, OtherReply, OwnReply, SharedReply
+from ...model.message import (
+    Command,
+    Direction,
+    EchoReply,
+    IdRule,
+    Key,
+    KeyRole,
+    Message,
+    OtherReply,
+    OwnReply,
+    SharedReply,
+)
 from ...model.types import Assignment, Encoding, Text, Type
 from ...templating.markup import code, markdown
+from ..availability import is_available, values_of
 from .links import command_link
 
 Labels = Mapping[str, str]
 _FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
+_KEY_LABELS = {KeyRole.CODE: "selector", KeyRole.INDEX: "selector_of_entry", KeyRole.CONSTANT: "constant"}
 MAX_MEMBERS = 8
-"""Most members shown in a row of a byte table; the page of types has all members with their titles."""
+"""Most members or commands shown in a row; the page of types has all members with their titles."""
 
 
 class Titled(Protocol):
@@ -47,11 +60,6 @@ class Row(NamedTuple):
 def code_of(command: Command) -> str:
     """The code of a command, or a check mark if it has none."""
     return f"0x{command.code:02X}" if command.code is not None else "✓"
-
-
-def constant(raw: int) -> str:
-    """A constant in the notation of codes."""
-    return f"0x{raw:02X}" if raw >= 0 else str(raw)
 
 
 def index(message: Message | None) -> str:
@@ -86,11 +94,11 @@ def field_cells(field: Field) -> list[Cells]:
 def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels: Labels) -> Iterator[Row]:
     """The rows of the keys of a frame."""
     for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
-        note = labels["selector_of_entry" if command.entry and key.role is KeyRole.INDEX else "selector"]
+        note = labels[_KEY_LABELS[key.role] if command.entry or key.role is not KeyRole.INDEX else "selector"]
         if i == 0 and message.accepted_codes:
             accepted = ", ".join(code(f"0x{value:02X}") for value in message.accepted_codes)
             note += f"{labels['and']}{labels['accepted']} {accepted}"
-        yield Row(start.place, "", f"{start.raw}<br>{code(constant(key.value))}", "", "", "", note)
+        yield Row(start.place, "", f"{start.raw}<br>{code(formatting.constant(key.value))}", "", "", "", note)
 
 
 def field_rows(
@@ -111,18 +119,6 @@ def field_rows(
             for cells in places:
                 formats = "<br>".join(filter(None, (cells.raw, raw)))
                 yield Row(cells.place, cells.field, formats, resolution, values, _only(layout, field), what)
-
-
-def is_available(layout: Layout, field: Field, command: Command) -> bool:
-    """Whether the field exists for a parameter value that has the command."""
-    return not field.only or bool(values_of(layout.parameter or "", layout, field, command))
-
-
-def values_of(parameter: str, layout: Layout, field: Field, command: Command) -> tuple[str, ...]:
-    """The values of a parameter under which a command has a field, if it is limited to some; empty for all and for none."""
-    here = field.only if layout.parameter == parameter else ()
-    having = command.only.get(parameter, ())
-    return tuple(value for value in here if value in having) if here and having else here or having
 
 
 def _only(layout: Layout, field: Field) -> str:
@@ -160,7 +156,7 @@ def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> 
     if isinstance(field.role, FixedRole):
         return (
             "",
-            code(constant(field.role.raw)),
+            code(formatting.constant(field.role.raw)),
             labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"],
         )
     among = values_of(field.type.linear.parameter or "", layout, field, command)
@@ -236,21 +232,50 @@ def reply_form(edition: Edition, command: Command, labels: Labels, commands: str
     form = labels[_form_label(command)]
     for reply in command.replies:
         if isinstance(reply, OtherReply):
-            return f"{form} [{markdown(reply.of)}]({commands}{command_link(edition, reply.of)})"
+            return f"{form} {_link(edition, reply, commands)}"
         if isinstance(reply, SharedReply):
             return f"{form} {code(reply.message.layout.name)}"
     return form
+
+
+def _link(edition: Edition, reply: OtherReply, commands: str) -> str:
+    return f"[{markdown(reply.of)}]({commands}{command_link(edition, reply.of)})"
 
 
 def _form_label(command: Command) -> str:
     return _FORM_LABELS[type(command.replies[0])] if command.replies else "none"
 
 
+def _sharers(edition: Edition, layout: Layout, command: Command, labels: Labels) -> str:
+    """Which other replies have a layout: those of `0x9C`, `0xA0` to `0xA8`, by name where a code is not enough."""
+    names: dict[str, None] = {}
+    codes: set[int] = set()
+    for message in edition.of_layout(layout):
+        other = edition.command(message.command)
+        if other is command or message.direction is Direction.REQUEST:
+            continue
+        if other.code is None or other.entry:
+            names[other.name] = None
+        else:
+            codes.add(other.code)
+    runs = [run.partition("..") for run in formatting.numbers(sorted(codes)).split(", ")] if codes else []
+    listed = [labels["through"].join(code(f"0x{int(end):02X}") for end in (low, high) if end) for low, _, high in runs]
+    shown = (*listed, *map(code, names))
+    if not shown:
+        return labels["means_own"]
+    if len(shown) > MAX_MEMBERS:
+        return labels["means_many"].format(len(codes) + len(names))
+    return labels["means_layout"].format(labels["listed"].join(shown))
+
+
 def reply_facts(edition: Edition, command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
     """Form and senders of the reply."""
-    yield (
-        labels["form"],
-        reply_form(edition, command, labels, "") + labels["comma"] + labels[f"means_{_form_label(command)}"],
-    )
+    form = labels[f"means_{_form_label(command)}"]
+    for reply in command.replies:
+        if isinstance(reply, OtherReply):
+            form = form.format(_link(edition, reply, ""))
+        elif isinstance(reply, SharedReply):
+            form = _sharers(edition, reply.message.layout, command, labels)
+    yield labels["form"], form
     if command.from_each:
         yield labels["from_each"], code(", ".join(map(str, command.from_each)))

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import EditionInput, Output, Target
+from ..options import Options
 from . import folders, generate
 
 _PAGES = (".html", ".md")
@@ -18,7 +19,9 @@ class DocsTarget(Target):
 
     title = "Markdown"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:

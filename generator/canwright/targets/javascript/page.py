@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ...model import formatting
+from ...model.layout import MAX_DATA_BYTES
 from ...templating.data_files import read_data
 from ...templating.environment import environment
 from ...templating.resources import TEMPLATES
@@ -53,5 +54,5 @@ def _classic_codec() -> str:
     """The modules of the runtime as one script, which defines `canwright`."""
     sources = [(RUNTIME / name).read_text("utf-8") for name in _MODULES]
     plain = (re.sub(r"^import .*;\n|^export \{.*\};\n|^export ", "", source, flags=re.MULTILINE) for source in sources)
-    names = "CodecError, createEdition, rational, editions: []"
+    names = f"CodecError, createEdition, rational, MAX_DATA_BYTES: {MAX_DATA_BYTES}, editions: []"
     return f'"use strict";\n\nconst canwright = (() => {{\n{"".join(plain)}\nreturn {{ {names} }};\n}})();\n'

@@ -8,6 +8,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import EditionInput, NameProblem, Output, Target
+from ..options import Options
 from . import generate
 from .problems import problems
 
@@ -17,7 +18,9 @@ class JavaScriptTarget(Target):
 
     title = "JavaScript"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:

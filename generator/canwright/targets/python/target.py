@@ -7,8 +7,10 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
+from ..base import CodeExample, CodeNames, EditionInput, NameProblem, Output, Target, WorkedExchange
+from ..options import Options
 from . import generate, program, text
+from .code_names import code_names
 from .fields import varying
 from .messages import base_classes
 from .problems import problems
@@ -19,7 +21,9 @@ class PythonTarget(Target):
 
     title = "Python"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
@@ -48,6 +52,9 @@ class PythonTarget(Target):
         used = {setting for command in edition.commands for setting in command.limited_by}
         yield from ((("settings", s.name), f'"{s.name}"') for s in edition.settings if s in used)
         yield from ((("effects", effect.name), f'"{effect.name}"') for effect in edition.effects)
+
+    def code_names(self, edition: Edition) -> CodeNames:
+        return code_names(edition)
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
         return program(edition, worked)

@@ -1,14 +1,19 @@
-"""Texts and names that are safe in Python source."""
+"""Names and docstrings of the generated package; texts in Python source are those of `python_source`."""
 
 from __future__ import annotations
 
 import builtins
 import functools
 import keyword
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
-from ...diagnostics.unicode_safety import visible
-from ...model.types import Text
+from ..python_source import (
+    english as english,
+    literal as literal,
+    member_name as member_name,
+    plain as plain,
+    tuple_of as tuple_of,
+)
 from .runtime._codec import Message
 
 _RESERVED = {*keyword.kwlist, *dir(builtins)}
@@ -16,28 +21,6 @@ _RESERVED = {*keyword.kwlist, *dir(builtins)}
 _MEMBERS = {name for name in dir(Message) if not name.startswith("_")} | {"mro"}
 _IN_CLASS_BODIES = {"self", "property", "classmethod", "super", "int", "float", "bytes", "tuple"}
 """Names that the code of generated classes uses where it would find a field of that name instead."""
-
-
-@functools.lru_cache(maxsize=1 << 12)
-def plain(text: str) -> str:
-    """One line of a text for a docstring: no quote, backslash, line break, control or bidirectional character."""
-    return visible(text).replace("\\", "\N{REVERSE SOLIDUS OPERATOR}").replace('"', "'")
-
-
-def literal(text: str) -> str:
-    """A text as a Python string literal in ASCII."""
-    return '"' + ascii(text)[1:-1].replace("\\'", "'").replace('"', "\\x22") + '"'
-
-
-def tuple_of(items: Iterable[str]) -> str:
-    """The expression of a tuple; one item alone has a comma behind it."""
-    listed = list(items)
-    return f"({', '.join(listed)}{',' if len(listed) == 1 else ''})"
-
-
-def english(text: Text) -> str:
-    """The English text, or the first there is, for a docstring."""
-    return plain(text.get("en") or next(iter(text.values()), ""))
 
 
 def sentence(text: str) -> str:
@@ -50,12 +33,6 @@ def class_name(name: str) -> str:
     """`read_level_reply` as `ReadLevelReply`."""
     camel = "".join(part[:1].upper() + part[1:] for part in name.split("_"))
     return camel + "_" if camel in _RESERVED else camel
-
-
-def member_name(name: str) -> str:
-    """An enum member: `low_voltage` as `LOW_VOLTAGE`, and `14` as `_14`."""
-    upper = name.upper()
-    return f"_{upper}" if upper[:1].isdigit() else upper
 
 
 def attribute(name: str) -> str:

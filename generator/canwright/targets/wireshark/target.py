@@ -8,6 +8,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
 from ..base import EditionInput, Output, Target
+from ..options import Options
 from . import generate
 from .family import preference
 from .filters import filters
@@ -18,7 +19,9 @@ class WiresharkTarget(Target):
 
     title = "Wireshark"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+    ) -> Iterator[Output]:
         return generate(specifications, set_parameters)
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:

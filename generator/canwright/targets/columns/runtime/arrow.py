@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from ._columns import Array, Column, Decoded, Decoder, Direction, Frames, Kind, Table
+from ._columns import Array, Column, Decoded, Decoder, Direction, Frames, Kind, Table, words_of
 
 DIRECTIONS = ("request", "reply")
 INPUT = pa.schema(
@@ -168,16 +168,18 @@ def _column(batch: pa.RecordBatch, name: str) -> pa.Array:
 
 
 def _words(data: pa.Array) -> tuple[Array, Array]:
-    """The length of each, and its first 8 bytes as one little-endian integer."""
+    """The length of each, at most 255, and its bytes as one or several little-endian integers."""
     _, offsets_buffer, content_buffer = data.buffers()
     offsets = np.frombuffer(offsets_buffer, np.int32)[data.offset : data.offset + len(data) + 1]
     content = np.frombuffer(content_buffer or b"", np.uint8)
-    lengths = np.diff(offsets)
-    within = np.arange(8) < lengths[:, None]
-    places = np.where(within, offsets[:-1, None] + np.arange(8), 0)
+    lengths = np.minimum(np.diff(offsets), 255).astype(np.uint8)
+    words = words_of(lengths)
+    within = np.arange(8 * words) < lengths[:, None]
+    places = np.where(within, offsets[:-1, None] + np.arange(8 * words), 0)
     padded = np.append(content, np.uint8(0))  # so that place 0 exists
     octets = np.where(within, padded[places], np.uint8(0)).astype(np.uint8)
-    return np.minimum(lengths, 255).astype(np.uint8), np.ascontiguousarray(octets).view("<u8")[:, 0]
+    integers = np.ascontiguousarray(octets).view("<u8")
+    return lengths, integers if words > 1 else integers[:, 0]
 
 
 def decode_batches(batches: Iterable[pa.RecordBatch], decoder: Decoder, table: str) -> Iterator[pa.RecordBatch]:

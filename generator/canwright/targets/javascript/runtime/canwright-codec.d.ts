@@ -1,7 +1,7 @@
 /** A frame. `extended` means a 29-bit id, `remote` a frame without data that requests some; both are false if left out. */
 export interface Frame {
   readonly id: number;
-  /** At most 8 bytes: an array, a `Uint8Array` or a `Buffer`. */
+  /** The data bytes: an array, a `Uint8Array` or a `Buffer`. */
   readonly data?: ArrayLike<number>;
   readonly extended?: boolean;
   readonly remote?: boolean;

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from fractions import Fraction
 
-from ..model import formatting
+from ...model import formatting
 from .matrix import Cell, Row
 
 _FORMULA = ("=", "+", "-", "@", "\t")

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..model import formatting
-from ..model.edition import Edition
-from ..model.layout import ConstantRole, Field, FixedRole, Layout, NodeRole, ReservedRole
-from ..model.message import Command, Direction, EchoReply, Key, KeyRole, Message, OtherReply
-from ..model.types import Bound, Encoding, Linear, Member, Range, Type
-from ..targets.docs.tables import constant, is_available, values_of
-from .words import LABELS
+from ...model import formatting
+from ...model.edition import Edition
+from ...model.layout import ConstantRole, Field, FixedRole, Layout, NodeRole, ReservedRole
+from ...model.message import Command, Direction, EchoReply, Key, KeyRole, Message, OtherReply
+from ...model.types import Bound, Encoding, Linear, Member, Range, Type
+from ..availability import is_available, values_of
+from .labels import labels
 
 Cell = str | Fraction
 """A text, or an exact number; both can be in one column, for a bound that depends on a parameter."""
@@ -63,7 +63,7 @@ class Numbers(NamedTuple):
 
 
 def rows(edition: Edition, language: str) -> Iterator[Row]:
-    """The rows of an edition, with texts in one of the languages of `LABELS`."""
+    """The rows of an edition, with texts in a language of the labels."""
     for command in edition.commands:
         for direction in Direction:
             message = command.message(direction)
@@ -81,9 +81,9 @@ class _Rows:
         self._command = command
         self._message = message
         self._language = language
-        self._labels = labels = LABELS[language]
-        self._words = formatting.PlaceWords(*(labels[f"place_{name}"] for name in formatting.PlaceWords._fields))
-        length = labels["remote"] if message.remote else labels["bytes"].format(message.dlc)
+        self._labels = labels()[language]
+        self._words = formatting.PlaceWords(*(self._labels[f"place_{name}"] for name in formatting.PlaceWords._fields))
+        length = self._labels["remote"] if message.remote else self._labels["bytes"].format(message.dlc)
         answering = command.from_each if direction is Direction.REPLY else ()
         nodes = [node for node in message.id.nodes or () if not answering or node in answering]
         self._start = Row(
@@ -91,12 +91,14 @@ class _Rows:
         )._replace(
             command=command.name,
             title=command.title[language],
-            code="" if command.code is None else constant(command.code),
-            direction=labels[direction.value],
-            answer=_answer(command, direction, labels),
+            code="" if command.code is None else formatting.constant(command.code),
+            direction=self._labels[direction.value],
+            answer=_answer(command, direction, self._labels),
             id=formatting.id_rule(message.id),
             nodes=formatting.numbers(nodes),
-            frame=labels["semicolon"].join((labels["extended" if message.id.extended else "standard"], length)),
+            frame=self._labels["semicolon"].join(
+                (self._labels["extended" if message.id.extended else "standard"], length)
+            ),
             only=self._condition(command.only),
             manual=self._section(command.manual),
             edition=edition.name,
@@ -117,7 +119,9 @@ class _Rows:
     def _of_key(self, key: Key, accepted: Sequence[int]) -> Row:
         meaning = [self._labels[_ROLES[key.role]]]
         if accepted:
-            meaning.append(self._labels["accepted"].format(self._labels["comma"].join(map(constant, accepted))))
+            meaning.append(
+                self._labels["accepted"].format(self._labels["comma"].join(map(formatting.constant, accepted)))
+            )
         place = formatting.key_place(key, self._words)
         return self._start._replace(
             position=place.position,
@@ -187,10 +191,10 @@ class _Rows:
 
     def _condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
         """`Model: A, B`, by the titles of the parameters."""
-        labels = self._labels
+        texts = self._labels
         shown = ((self._edition.parameter(name).title[self._language], values) for name, values in only.items())
-        listed = (labels["condition"].format(title, labels["comma"].join(values)) for title, values in shown)
-        return labels["semicolon"].join(listed)
+        listed = (texts["condition"].format(title, texts["comma"].join(values)) for title, values in shown)
+        return texts["semicolon"].join(listed)
 
 
 _ROLES = {KeyRole.CODE: "selector", KeyRole.INDEX: "index", KeyRole.CONSTANT: "constant"}
@@ -198,18 +202,18 @@ _ROLES = {KeyRole.CODE: "selector", KeyRole.INDEX: "index", KeyRole.CONSTANT: "c
 
 def _fixed(raw: int) -> Cell:
     """A code, or a negative number."""
-    return constant(raw) if raw >= 0 else Fraction(raw)
+    return formatting.constant(raw) if raw >= 0 else Fraction(raw)
 
 
-def _answer(command: Command, direction: Direction, labels: Mapping[str, str]) -> str:
+def _answer(command: Command, direction: Direction, texts: Mapping[str, str]) -> str:
     """The form of a reply, or that a request has none."""
     if direction is Direction.REQUEST:
-        return "" if command.replies else labels["no_reply"]
-    found = [labels["echo"] for reply in command.replies if isinstance(reply, EchoReply)]
-    found += [labels["other"].format(reply.of) for reply in command.replies if isinstance(reply, OtherReply)]
+        return "" if command.replies else texts["no_reply"]
+    forms = [texts["echo"] for reply in command.replies if isinstance(reply, EchoReply)]
+    forms += [texts["other"].format(reply.of) for reply in command.replies if isinstance(reply, OtherReply)]
     if command.from_each:
-        found.append(labels["from_each"].format(formatting.numbers(command.from_each)))
-    return labels["semicolon"].join(found)
+        forms.append(texts["from_each"].format(formatting.numbers(command.from_each)))
+    return texts["semicolon"].join(forms)
 
 
 def _numbers(edition: Edition, layout: Layout, field: Field, command: Command) -> Iterator[Numbers]:

@@ -1,0 +1,53 @@
+"""The options of the target: the nodes to list, and the language of comments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...language import notation
+from ...model.edition import Edition
+from ...model.message import Direction
+from ..options import TargetOption
+from .comments import ENGLISH, languages
+
+
+def _nodes(written: str, editions: Sequence[Edition]) -> tuple[int, ...]:
+    """The nodes of `5,7` and `1..8`, in ascending order; each must exist in every edition that has nodes."""
+    selected: set[int] = set()
+    for part in written.split(","):
+        try:
+            selected |= {*notation.nodes(part if ".." in part else f"{part}..{part}")}
+        except ValueError:
+            raise ValueError(f"`{part}` is not a node; write nodes as 5,7 or 1..8") from None
+    for edition in editions:
+        rules = [address.rule(direction) for address in edition.addresses for direction in Direction]
+        existing = {node for rule in rules for node in rule.nodes or ()}
+        missing = sorted(selected - existing)
+        if existing and missing:
+            nodes = f"{min(existing)}..{max(existing)}"
+            raise ValueError(f"{edition.family} {edition.name} has no node {missing[0]}; its nodes are {nodes}")
+    return tuple(sorted(selected))
+
+
+def _language(written: str, editions: Sequence[Edition]) -> str:
+    if written not in languages():
+        raise ValueError(f"comments of DBC files are in {' or '.join(languages())}")
+    return written
+
+
+NODES: TargetOption[tuple[int, ...]] = TargetOption(
+    name="nodes",
+    metavar="NODES",
+    help="List only these nodes in the DBC files, for example --nodes 5,7 or --nodes 1..8.",
+    default=(),
+    parse=_nodes,
+)
+"""The nodes to list, in ascending order; empty for all."""
+COMMENTS = TargetOption(
+    name="comments",
+    metavar="LANGUAGE",
+    help="The language of comments in DBC files, for example --comments zh. Files with non-English comments are UTF-8.",
+    default=ENGLISH,
+    parse=_language,
+)
+"""The language of comments."""
