@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
 import shutil
 import subprocess
 import sys
@@ -11,6 +13,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
+
+PROGRAMS = "CANWRIGHT_TEST_PROGRAMS"
 
 WARNINGS = (
     "-Wall",
@@ -93,6 +98,24 @@ def build(
     standard: str = "c99",
     compiler: Compiler = ZIG,
 ) -> Path:
-    """A program; without other flags it is not optimized, which takes ten times as long, and stops where it is wrong."""
-    compiler.run(standard, *WARNINGS, *(flags or ("-O0", "-g0", *SANITIZED)), f"-I{include}", *sources, "-o", program)
+    """A program; without other flags it is not optimized, which takes ten times as long, and stops where it is wrong.
+
+    Processes of one test run compile equal files once: `PROGRAMS` of the environment is the folder that they share.
+    """
+    options = (*WARNINGS, *(flags or ("-O0", "-g0", *SANITIZED)))
+    if PROGRAMS not in os.environ:
+        compiler.run(standard, *options, f"-I{include}", *sources, "-o", program)
+        return program
+    headers = sorted(file for file in include.rglob("*") if file.is_file())
+    parts = [repr((compiler, standard, options)), *(str(file.relative_to(include)) for file in headers)]
+    contents = [part.encode() for part in parts] + [file.read_bytes() for file in (*headers, *sources)]
+    digest = hashlib.sha256(b"".join(hashlib.sha256(content).digest() for content in contents)).hexdigest()
+    shared = Path(os.environ[PROGRAMS]) / digest
+    shared.parent.mkdir(exist_ok=True)
+    with FileLock(shared.with_suffix(".lock")):
+        if not shared.exists():
+            compiler.run(standard, *options, f"-I{include}", *sources, "-o", program)
+            shutil.copy(program, shared)
+    program.unlink(missing_ok=True)
+    os.link(shared, program)
     return program

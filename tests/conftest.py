@@ -1,14 +1,23 @@
-"""The order of the files, folders for caches, and how many golden frames went through each target."""
+"""The order of the files, caches, packages of markers, and how many golden frames went through each target."""
 
 from __future__ import annotations
 
+import functools
 import os
+import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import pytest
+from canwright.project import loader
 
-from .conformance.summary import REPORTS, lines
+from .compilers import PROGRAMS
+from .conformance import summary
+from .conformance.runner import Report
+
+ROOT = Path(__file__).parents[1]
 
 LONGEST = {
     "test_quality.py",
@@ -22,17 +31,36 @@ LONGEST = {
 }
 """These files come first: a worker that started one of them last would run on its own at the end."""
 
-OF_WORKERS: list[str] = []
-"""What was counted in the processes that the tests are shared among."""
+OPTIONAL = {"interop", "machine", "tools"}
+"""The markers of tests that use more than the extra `test` installs; they take the packages of `test-interop`."""
+
+OF_WORKERS: list[Report] = []
+"""The replays of the processes that the tests are shared among."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--conformance-table",
+        action="store_true",
+        help="list the golden frames that went through each target, and what targets cannot express",
+    )
+
+
+def pytest_configure() -> None:
+    """Loads each committed spec once in a process, for all modules that are collected: its edition is frozen."""
+    load = loader.specification
+    load_once = functools.cache(load)
+    loader.specification = lambda file: (load_once if ROOT in file.parents else load)(file)
 
 
 @pytest.fixture(autouse=True, scope="session")
 def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Records of runs go to a temporary folder, not to that of the user; all workers share the C library of zig."""
+    """Records of runs go to a temporary folder, not to that of the user; all workers share compiled programs."""
     own = tmp_path_factory.getbasetemp()
     shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv(PROGRAMS, str(shared / "programs"))
         patch.setenv("ZIG_GLOBAL_CACHE_DIR", os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(shared / "zig")))
         yield
 
@@ -41,20 +69,30 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Fails a test whose marker names a package that is not installed."""
+    names = {name for marker in item.iter_markers() if marker.name in OPTIONAL for name in marker.args}
+    missing = sorted(name for name in names if find_spec(name) is None)
+    if missing:
+        command = f"{sys.executable} -m pip install -e '.[test-interop]'"
+        pytest.fail(f"not installed: {', '.join(missing)}; run: {command}", pytrace=False)
+
+
 def pytest_sessionfinish(session: pytest.Session) -> None:
     output = getattr(session.config, "workeroutput", None)
-    if output is not None and REPORTS:
-        output["golden frames"] = list(lines())
+    if output is not None:
+        output["golden frames"] = summary.as_data(summary.REPORTS)
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any) -> None:
-    OF_WORKERS.extend(getattr(node, "workeroutput", {}).get("golden frames", ()))
+    OF_WORKERS.extend(summary.from_data(getattr(node, "workeroutput", {}).get("golden frames", ())))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    shown = OF_WORKERS or (list(lines()) if REPORTS else [])
-    if shown:
+    reports = OF_WORKERS or summary.REPORTS
+    if reports:
         terminalreporter.section("golden frames")
-        for line in shown:
+        is_complete = terminalreporter.config.getoption("conformance_table")
+        for line in (summary.table if is_complete else summary.summary)(reports):
             terminalreporter.write_line(line)

@@ -27,7 +27,7 @@ def main(arguments: list[str]) -> int:
         python = Path(folder) / "bin" / "python"
         pip = (python, "-m", "pip", "--disable-pip-version-check")
         uv = (python, "-m", "uv", "pip", "install", "-q", "--python", python, "--resolution", RESOLUTIONS[end])
-        for command in ((*pip, "install", "-q", "uv"), (*uv, "-e", ".[test]"), (*pip, "list")):
+        for command in ((*pip, "install", "-q", "uv"), (*uv, "-e", ".[test-interop]"), (*pip, "list")):
             subprocess.run(command, cwd=ROOT, check=True)
         return subprocess.run([python, "-m", "pytest", *rest], cwd=ROOT, check=False).returncode
 

@@ -40,6 +40,7 @@ def test_nothing_is_found(spec: Path) -> None:
     assert result.exit_code == 0, result.output
 
 
+@pytest.mark.interop("check_jsonschema")
 @pytest.mark.parametrize(
     ("schema", "files"), [("canwright.schema.json", SMALL), ("canwright.frames.schema.json", FRAMES)]
 )

@@ -1,24 +1,72 @@
-"""What went through each target, for the end of a test run."""
+"""How many golden frames went through each target, for the end of a test run."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
+from .adapters import ADAPTERS
 from .runner import Report
 
 REPORTS: list[Report] = []
+"""The replays of this process."""
+
 KINDS = ("decode", "decode alone", "encode raw", "encode values", "refuse", "answer")
 
 
-def lines() -> Iterator[str]:
-    """A table of cases by target, then the named exceptions."""
-    yield (
-        f"{'edition':<24}{'target':<8}" + "".join(f"{kind:>15}" for kind in KINDS) + f"{'exceptions':>12}{'failed':>8}"
-    )
-    for report in REPORTS:
-        counts = "".join(f"{report.passed[kind]:>15}" for kind in KINDS)
-        failed = len(report.failures)
-        yield f"{report.edition:<24}{report.target:<8}{counts}{report.exceptions.total():>12}{failed:>8}"
-    for report in REPORTS:
-        for name, count in sorted(report.exceptions.items()):
-            yield f"{report.edition} {report.target} cannot: {name} ({count})"
+def as_data(reports: Iterable[Report]) -> list[dict[str, Any]]:
+    """Reports as plain data, which one process can send to another."""
+    return [
+        {
+            "target": report.target,
+            "edition": report.edition,
+            "passed": dict(report.passed),
+            "exceptions": dict(report.exceptions),
+            "failures": report.failures,
+        }
+        for report in reports
+    ]
+
+
+def from_data(data: Iterable[Mapping[str, Any]]) -> Iterator[Report]:
+    """The reports that `as_data` made plain."""
+    for item in data:
+        counters = {key: Counter(item[key]) for key in ("passed", "exceptions")}
+        yield Report(item["target"], item["edition"], **counters, failures=item["failures"])
+
+
+def summary(reports: Iterable[Report]) -> Iterator[str]:
+    """A few lines: how much was replayed, and with which result."""
+    reports = list(reports)
+    editions = {report.edition for report in reports}
+    targets = sorted({report.target for report in reports})
+    passed = sum(report.passed.total() for report in reports)
+    failed = sum(len(report.failures) for report in reports)
+    exceptions = sum(report.exceptions.total() for report in reports)
+    yield f"{len(editions)} edition{'s' * (len(editions) != 1)} through {', '.join(targets)}:"
+    yield f"{passed} cases passed, {failed} failed, {exceptions} cannot be expressed (--conformance-table lists them)"
+
+
+def table(reports: Iterable[Report]) -> Iterator[str]:
+    """Cases of each edition and target by kind, then what each target cannot express."""
+    reports = sorted(reports, key=lambda report: (report.edition, report.target))
+    yield f"{'edition':<24}{'target':<11}" + "".join(f"{kind:>14}" for kind in (*KINDS, "exceptions", "failed"))
+    for report in reports:
+        numbers = (*(report.passed[kind] for kind in KINDS), report.exceptions.total(), len(report.failures))
+        yield f"{report.edition:<24}{report.target:<11}" + "".join(f"{number:>14}" for number in numbers)
+    yield ""
+    yield f"{'target':<11}{'cannot':<20}{'cases':>7}{'editions':>10}  reason"
+    cases: Counter[tuple[str, str]] = Counter()
+    editions: Counter[tuple[str, str]] = Counter()
+    for report in reports:
+        for name, count in report.exceptions.items():
+            cases[report.target, name] += count
+            editions[report.target, name] += 1
+    for (target, name), count in sorted(cases.items()):
+        reason = ADAPTERS[target].cannot.get(name, REASONS.get(name, ""))
+        yield f"{target:<11}{name:<20}{count:>7}{editions[target, name]:>10}  {reason}"
+
+
+REASONS = {"beyond_double": "no double represents the value exactly, so it is only decoded"}
+"""What no target can express."""

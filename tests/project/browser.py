@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
-from playwright.sync_api import Browser, Error, sync_playwright
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Locator, Page
+
+PACKAGES = ("playwright", "axe_playwright_python")
+"""What tests with a browser import; they are not installed for other tests."""
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 _ARGUMENTS = ("--no-sandbox", "--disable-dev-shm-usage")
@@ -20,6 +25,8 @@ class BrowserError(Exception):
 @contextmanager
 def browser() -> Iterator[Browser]:
     """A headless browser. Raises BrowserError."""
+    from playwright.sync_api import Error, sync_playwright
+
     installed = next(filter(None, map(shutil.which, _NAMES)), None)
     with sync_playwright() as playwright:
         try:
@@ -31,3 +38,18 @@ def browser() -> Iterator[Browser]:
             ) from None
         yield launched
         launched.close()
+
+
+def expect(part: Locator) -> Any:
+    """Assertions about a part of a page, which wait until they hold."""
+    from playwright.sync_api import expect as assertions
+
+    return assertions(part)
+
+
+def accessibility_violations(page: Page, options: Mapping[str, object] | None = None) -> Sequence[Any]:
+    """What axe finds on a page."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    violations: Sequence[Any] = Axe().run(page, options=options).response["violations"]
+    return violations

@@ -18,7 +18,7 @@ from canwright.project.loader import frames_file, spec_files
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
-from ..spec_texts import ROOT
+from ..spec_texts import ROOT, SMALL
 
 FOREIGN = re.compile(r"motor(?!ola\b)|\biq\b|mwd|0x140|torque", re.IGNORECASE)
 SPECS = spec_files(ROOT / "spec")
@@ -71,7 +71,10 @@ class _Loader(yaml.CSafeLoader):
 
 @pytest.mark.parametrize(
     ("name", "files"),
-    [("canwright.schema.json", SPECS), ("canwright.frames.schema.json", [frames_file(file) for file in SPECS])],
+    [
+        ("canwright.schema.json", [*SPECS, *SMALL]),
+        ("canwright.frames.schema.json", [frames_file(file) for file in (*SPECS, *SMALL)]),
+    ],
 )
 def test_specs_fit_the_json_schema(name: str, files: list[Path]) -> None:
     validator = Draft202012Validator(json.loads((ROOT / "spec" / name).read_text("utf-8")))

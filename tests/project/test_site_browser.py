@@ -8,22 +8,23 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from canwright.cli import main
 from canwright.project.loader import specification
 from canwright.project.site import build
 from click.testing import CliRunner
-from playwright.sync_api import Browser, Page, expect
 
 from ..spec_texts import ROOT
 from ..untrusted.everything import filled
-from .browser import browser
+from .browser import PACKAGES, accessibility_violations, browser, expect
 from .test_site import pages_of
 
-pytestmark = pytest.mark.machine
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+pytestmark = pytest.mark.machine(*PACKAGES)
 
 EDITIONS = ("v2.35", "v2.36-2025-03")
 COMMAND = "en/v2.35/commands/set_torque.html"
@@ -80,7 +81,7 @@ def chromium() -> Iterator[Browser]:
         yield launched
 
 
-Open = Callable[..., Page]
+Open = Callable[..., "Page"]
 
 
 @pytest.fixture
@@ -323,7 +324,7 @@ def test_accessibility(address: str, opened: Open, scheme: str) -> None:
     found = set()
     for name in (*PAGES[:-1], "404.html"):
         page.goto(f"{address}/{name}")
-        for violation in Axe().run(page).response["violations"]:
+        for violation in accessibility_violations(page):
             if violation["impact"] in ("serious", "critical"):
                 found |= {f"{violation['id']}: {node['html'][:150]}" for node in violation["nodes"]}
     assert found == set()

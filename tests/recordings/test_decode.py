@@ -17,9 +17,7 @@ from typing import Any
 
 import can
 import cantools.database
-import pyarrow.parquet as pq
 import pytest
-from asammdf import MDF
 from canwright.cli import main
 from canwright.model.edition import Edition
 from canwright.model.golden_frames import GoldenFrame
@@ -40,6 +38,7 @@ from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
+from .test_readers import LOG_FORMATS
 from .traffic import Loss, Traffic
 
 V2_35 = ROOT / "spec/mwd_motor/v2.35.yaml"
@@ -243,7 +242,7 @@ def test_a_table_with_a_summary() -> None:
     assert "values depend on `encoder_bits` (can0, node 1): --set encoder_bits=14|15|18" in without
 
 
-@pytest.mark.parametrize("suffix", ["asc", "blf", "trc", "csv", "mf4", "log"])
+@pytest.mark.parametrize("suffix", LOG_FORMATS)
 def test_logs_of_every_format_give_the_same_rows(suffix: str) -> None:
     def facts(text: str) -> list[object]:
         return [[row[key] for key in ("frame", "direction", "command", "request", "fields")] for row in json_rows(text)]
@@ -468,7 +467,10 @@ def test_a_single_frame_as_a_golden_frame() -> None:
     assert "see --set" in run("181#A1329B00F4010080", "--golden", status=1).stderr
 
 
+@pytest.mark.interop("pyarrow")
 def test_parquet_has_one_table_for_each_layout() -> None:
+    import pyarrow.parquet as pq
+
     log = MIXED + "(1.100000) can0 141#9C00000000000000\n(1.100100) can0 141#9C329B00F4010080\n"
     decode(log, *SETTINGS, "--set", "series=MG", "--format", "parquet", "--out", "tables")
     assert sorted(path.as_posix() for path in Path("tables").rglob("*.parquet")) == [
@@ -498,7 +500,10 @@ def test_parquet_has_one_table_for_each_layout() -> None:
     assert "tables" in again.stderr and "choose a new folder" in again.stderr
 
 
+@pytest.mark.interop("pyarrow")
 def test_fields_with_the_names_of_other_columns(tmp_path: Path) -> None:
+    import pyarrow.parquet as pq
+
     body = "{time: {at: 2, type: level}, latency: {at: 4, raw: u8}, a: {at: 5, raw: u8, array: 1..2}}"
     Path("lamp.yaml").write_text(MINIMAL.replace("{level: {at: 2, type: level}}", body), "utf-8")
     decode("(1.0) can0 101#1000640007010200\n", "--spec", "lamp.yaml", "--format", "parquet", "--out", "u")
@@ -527,8 +532,11 @@ def test_requests_and_replies_in_separate_channels(suffix: str) -> None:
     assert Path(name).read_bytes() == before
 
 
+@pytest.mark.interop("asammdf")
 def test_both_dbc_files_read_the_channels_of_a_split_log() -> None:
     """Without marks, cantools and asammdf find the values of `canwright decode`, and no others."""
+    from asammdf import MDF
+
     traffic = Traffic(specification(V2_35).edition, "mixed", 4, loss=Loss(0.1, has_retries=True), nodes=1)
     log = "".join(
         f"({time // 10**9}.{time % 10**9 // 1000:06}) can0 {frame.id:03X}#{frame.data.hex().upper()}\n"
@@ -569,6 +577,7 @@ def test_both_dbc_files_read_the_channels_of_a_split_log() -> None:
     assert len(found) > 50
 
 
+@pytest.mark.interop("matplotlib")
 def test_a_picture_of_fields() -> None:
     for name in ("a.png", "a.svg"):
         decode(MIXED, *SETTINGS, "--set", "series=MG", "--plot", name, "--field", "iq", "--field", "voltage")
@@ -645,6 +654,7 @@ def test_an_output_never_replaces_the_standard_input() -> None:
     assert (result.returncode, Path("bus.log").read_text("utf-8")) == (2, MIXED)
 
 
+@pytest.mark.interop("pyarrow")
 def test_a_log_with_the_name_of_a_temporary_file() -> None:
     for name in (".rows.part", ".tables.part/bus.log"):
         Path(name).parent.mkdir(exist_ok=True)

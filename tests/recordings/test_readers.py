@@ -83,7 +83,11 @@ def test_a_text_has_times_buses_and_marks_in_every_encoding(text: str, changed: 
     assert read.counts.frames == 4
 
 
-@pytest.mark.parametrize("suffix", ["asc", "blf", "trc", "csv", "mf4", "log"])
+LOG_FORMATS = ["asc", "blf", "trc", "csv", "log", pytest.param("mf4", marks=pytest.mark.interop("asammdf"))]
+"""The suffixes of the formats that python-can writes."""
+
+
+@pytest.mark.parametrize("suffix", LOG_FORMATS)
 def test_what_python_can_writes_is_read(suffix: str, tmp_path: Path) -> None:
     file = tmp_path / f"log.{suffix}"
     with can.Logger(str(file)) as writer:

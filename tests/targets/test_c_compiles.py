@@ -209,6 +209,7 @@ def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     assert len(made) == 1
 
 
+@pytest.mark.interop("cmake", "ninja")
 def test_example_builds_and_runs(tmp_path: Path) -> None:
     folder = write([specification(MAIN)], tmp_path / "c")
     build, prefix, examples = tmp_path / "build", tmp_path / "prefix", tmp_path / "examples"
@@ -282,6 +283,7 @@ def test_the_programs_of_the_readme_compile(spec: Path, tmp_path: Path) -> None:
             ZIG.check(standard, *WARNINGS, f"-I{folder / include}", "-c", unit, "-o", tmp_path / "unit.o")
 
 
+@pytest.mark.interop("cmake", "ninja")
 def test_cmake_serves_a_project_in_cxx_alone_and_keeps_editions_apart(tmp_path: Path) -> None:
     folder = write([specification(MAIN), specification(MAIN.with_name("v2.36-2025-03.yaml"))], tmp_path / "c")
     prefix = tmp_path / "prefix"

@@ -48,6 +48,7 @@ def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "prefix"
 
 
+@pytest.mark.interop("cmake", "ninja")
 @pytest.mark.parametrize(
     ("version", "is_found"), [("0.1", True), ("0.1.0", True), ("0.0", False), ("0.2", False), ("1", False)]
 )
@@ -67,6 +68,7 @@ def test_cmake_finds_compatible_versions(version: str, is_found: bool, prefix: P
             cmake(*arguments)
 
 
+@pytest.mark.interop("cmake", "ninja", "pkgconf")
 @pytest.mark.parametrize("where", ["installed", "in place"])
 def test_pkg_config_finds_the_headers(where: str, prefix: Path, tmp_path: Path) -> None:
     root = prefix if where == "installed" else GENERATED

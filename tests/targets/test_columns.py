@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import importlib.util
 import itertools
 import os
@@ -13,14 +14,10 @@ import sys
 import tracemalloc
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import can
-import duckdb
 import numpy as np
-import polars
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import specification
@@ -35,6 +32,9 @@ from ..spec_texts import MINIMAL, ROOT, edition
 from ..tools import tool
 from ..untrusted.everything import filled
 
+if TYPE_CHECKING:
+    import pyarrow as pa
+
 COMMITTED = ROOT / "generated/columns"
 
 PARAMETERS = {"series": "MG", "encoder_bits": 18}
@@ -46,15 +46,12 @@ class Package:
     def __init__(self, folder: Path) -> None:
         item = specification(ROOT / "spec/mwd_motor/v2.35.yaml")
         assert item.frames is not None
-        names = ("v2_35", "logs", "arrow", "_columns")
-        loaded = load(
-            write_files(target.generate([item], {}), folder), *(f"mwd_motor_columns.{name}" for name in names)
-        )
+        names = ("v2_35", "logs", "_columns")
+        self._folder = write_files(target.generate([item], {}), folder)
         self.edition: Any
         self.logs: Any
-        self.arrow: Any
         self.runtime: Any
-        self.edition, self.logs, self.arrow, self.runtime = loaded
+        self.edition, self.logs, self.runtime = load(self._folder, *(f"mwd_motor_columns.{name}" for name in names))
         self.golden = item.frames.frames
 
     def frames(self) -> Any:
@@ -69,8 +66,15 @@ class Package:
             bus=["can0" if number % 3 else "can1" for number in range(count)],
         )
 
+    @functools.cached_property
+    def arrow(self) -> Any:
+        """The module that needs pyarrow."""
+        return load(self._folder, "mwd_motor_columns.arrow")[0]
+
     def input(self) -> pa.RecordBatch:
         """The same frames as a batch."""
+        import pyarrow as pa
+
         frames = self.frames()
         names = ["request", "reply"]
         return pa.RecordBatch.from_arrays(
@@ -217,12 +221,17 @@ def test_parameters_are_checked(package: Package) -> None:
 
 
 def _decoded(package: Package, batches: Sequence[pa.RecordBatch], table: str) -> pa.Table:
+    import pyarrow as pa
+
     decoder = package.edition.decoder(PARAMETERS)
     found = list(package.arrow.decode_batches(batches, decoder, table))
     return pa.Table.from_batches(found, package.arrow.schema(decoder, table))
 
 
+@pytest.mark.interop("pyarrow")
 def test_parquet_has_units_and_one_file_for_each_table(package: Package, tmp_path: Path) -> None:
+    import pyarrow.parquet as pq
+
     decoder, frames = package.edition.decoder(PARAMETERS), package.frames()
     with package.arrow.ParquetWriter(decoder, tmp_path) as writer:
         for block in (frames.take(slice(0, 100)), frames.take(slice(100, None))):
@@ -235,7 +244,10 @@ def test_parquet_has_units_and_one_file_for_each_table(package: Package, tmp_pat
     assert b"low_voltage" in status.field("errors").metadata[b"flags"]
 
 
+@pytest.mark.interop("pyarrow")
 def test_a_partition_by_bus_and_time_gives_the_same_rows(package: Package) -> None:
+    import pyarrow as pa
+
     whole = package.input()
     expected = _decoded(package, [whole], "motion_feedback")
     for cuts in ((1,), (17, 18), tuple(range(1, whole.num_rows))):
@@ -246,7 +258,10 @@ def test_a_partition_by_bus_and_time_gives_the_same_rows(package: Package) -> No
     assert _decoded(package, buses, "motion_feedback").sort_by("time").equals(expected)
 
 
+@pytest.mark.interop("pyarrow")
 def test_a_batch_with_wrong_columns_is_an_error(package: Package) -> None:
+    import pyarrow as pa
+
     decoder, whole = package.edition.decoder(PARAMETERS), package.input()
     strings = pa.array(["x"] * whole.num_rows)
     for batch, text in (
@@ -276,7 +291,13 @@ def test_a_line_without_an_end_needs_no_memory(package: Package, tmp_path: Path,
     assert log.skipped == {"lines of no data frame": 2}
 
 
+@pytest.mark.interop("duckdb", "polars", "pyarrow")
 def test_duckdb_and_polars(package: Package, tmp_path: Path) -> None:
+    import duckdb
+    import polars
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     decoder = package.edition.decoder(PARAMETERS)
     expected = _decoded(package, [package.input()], "motion_feedback")
     path = tmp_path / "frames.parquet"
@@ -300,8 +321,12 @@ SNIPPETS = re.findall(r"```python\n(.*?)```", (COMMITTED / "README.md").read_tex
 """The examples of the guide."""
 
 
+@pytest.mark.interop("duckdb", "polars", "pyarrow")
 def test_the_examples_of_the_guide(package: Package, tmp_path: Path) -> None:
     """All but that of Spark, in one program."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     (tmp_path / "frames").mkdir()
     pq.write_table(pa.Table.from_batches([package.input()]), tmp_path / "frames/1.parquet")
     (tmp_path / "bus.log").write_text(LINES, "utf-8")
@@ -320,8 +345,11 @@ def test_the_examples_of_the_guide(package: Package, tmp_path: Path) -> None:
     assert sum(count for _, count in ast.literal_eval(by_node)) == int(height) == rows.num_rows
 
 
-@pytest.mark.tools
+@pytest.mark.tools("pyarrow")
 def test_the_example_of_spark(package: Package, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     tool("java")
     if importlib.util.find_spec("pyspark") is None:
         raise SystemExit("pyspark is not installed: pip install pyspark")

@@ -8,26 +8,27 @@ import threading
 from collections.abc import Callable, Iterator
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from canwright.model import formatting
 from canwright.project.loader import specification
 from canwright.targets.javascript.edition_source import EditionSpec
 from canwright.targets.javascript.page import FOLDER, explorer
-from playwright.sync_api import Browser, Page
 
 from ..conformance.adapter import write_files
-from ..project.browser import browser
+from ..project.browser import PACKAGES, accessibility_violations, browser
 from ..spec_texts import MINIMAL, SPECS
 from ..untrusted.everything import filled
 from ..untrusted.hostile import HOSTILE
 
-pytestmark = pytest.mark.machine
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+pytestmark = pytest.mark.machine(*PACKAGES)
 
 TORQUE = "#frame=141%23A1329B00F4010080&edition=v2.35&direction=reply&parameter.series=MG&parameter.encoder_bits=15"
-Open = Callable[..., Page]
+Open = Callable[..., "Page"]
 
 
 class _Quiet(SimpleHTTPRequestHandler):
@@ -302,7 +303,7 @@ def test_it_is_accessible_and_fits_a_phone(language: str, scheme: Any, page_of_m
     assert page.evaluate("document.documentElement.scrollWidth") == 390
     assert page.evaluate("document.documentElement.lang") == {"en": "en", "zh": "zh-Hans"}[language]
     page.locator("#fields button").first.click()
-    found = Axe().run(page, options={"preload": False}).response["violations"]
+    found = accessibility_violations(page, {"preload": False})
     assert [(one["id"], [node["html"] for node in one["nodes"]][:3]) for one in found] == []
     page.emulate_media(media="print")
     assert page.locator("#bits-table").is_visible() and not page.locator("#frame").is_visible()

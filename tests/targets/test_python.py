@@ -54,7 +54,18 @@ def of_node(data: bytes) -> v2_35.AnyReply:
 """
 
 
-def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("mypy", "--strict", "--warn-unreachable", "--no-incremental", "."),
+        pytest.param(
+            ("basedpyright", "--level", "error", "--pythonpath", sys.executable),
+            marks=pytest.mark.interop("basedpyright"),
+        ),
+    ],
+    ids=lambda command: command[0],
+)
+def test_type_checkers_find_a_missing_case_and_nothing_else(command: tuple[str, ...], tmp_path: Path) -> None:
     write(tmp_path, SPEC)
     use = tmp_path / "use.py"
     use.write_text(
@@ -87,16 +98,10 @@ def test_mypy_strict_and_pyright_find_a_missing_case_and_nothing_else(tmp_path: 
         listed = " | ".join(f"v2_35.{one}()" for one in cases)
         (tmp_path / f"{name}.py").write_text(MATCH.replace("CASES", f"case {listed}: return 0"))
     (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
-    for command in (
-        ("mypy", "--strict", "--warn-unreachable", "--no-incremental", "."),
-        ("basedpyright", "--level", "error", "--pythonpath", sys.executable),
-    ):
-        result = subprocess.run(
-            [sys.executable, "-m", *command], cwd=tmp_path, capture_output=True, text=True, check=False
-        )
-        errors = [line for line in result.stdout.splitlines() if " error: " in line]
-        assert len(errors) == 1, result.stdout + result.stderr
-        assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and others[0] in result.stdout
+    result = subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, capture_output=True, text=True, check=False)
+    errors = [line for line in result.stdout.splitlines() if " error: " in line]
+    assert len(errors) == 1, result.stdout + result.stderr
+    assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and others[0] in result.stdout
 
 
 def test_a_constructor_says_field_value_and_range(v2_35: ModuleType) -> None:

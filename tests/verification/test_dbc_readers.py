@@ -36,7 +36,10 @@ def is_noticed(text: str, cases: list[Case]) -> bool:
 
 
 @pytest.mark.parametrize("name", [name for names in EDITIONS.values() for name in names])
-@pytest.mark.parametrize("reader", PYTHON, ids=lambda reader: reader.name)
+@pytest.mark.parametrize(
+    "reader",
+    [pytest.param(reader, id=reader.name, marks=pytest.mark.interop(reader.package)) for reader in PYTHON],
+)
 def test_golden_frames_have_their_values_in_a_reader(reader: Reader, name: str) -> None:
     text, cases = sample(name)
     assert len(cases) > 10
@@ -52,6 +55,7 @@ def test_golden_frames_have_their_values_in_qt(name: str) -> None:
     assert not list(differences(Qt(), *sample(name)))
 
 
+@pytest.mark.interop(*(reader.package for reader in PYTHON))
 @pytest.mark.parametrize(
     ("old", "new"),
     [

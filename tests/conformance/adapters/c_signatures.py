@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,7 +26,8 @@ class Function:
         return f"{self.name}({', '.join(given)})"
 
 
-def functions(header: str) -> dict[str, Function]:
+@functools.cache
+def functions(header: str) -> Mapping[str, Function]:
     """The functions of a header by name."""
     found = {}
     for match in _FUNCTION.finditer(header):

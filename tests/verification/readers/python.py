@@ -119,4 +119,4 @@ class Asammdf(PythonReader):
             return results
 
 
-PYTHON: Sequence[Reader] = (Cantools(), Canmatrix(), CanDecoder(), Asammdf())
+PYTHON: Sequence[PythonReader] = (Cantools(), Canmatrix(), CanDecoder(), Asammdf())
