@@ -53,11 +53,11 @@ def findings(folder: Path, text: str) -> list[Diagnostic]:
     return []
 
 
-def places(found: list[Diagnostic]) -> list[str]:
+def places(diagnostics: list[Diagnostic]) -> list[str]:
     """Findings as `line:column rule`."""
-    return [f"{d.position.line}:{d.position.column} {d.rule}" for d in found]
+    return [f"{d.position.line}:{d.position.column} {d.rule}" for d in diagnostics]
 
 
-def marked(found: list[Diagnostic]) -> list[str]:
+def marked(diagnostics: list[Diagnostic]) -> list[str]:
     """Findings as `rule: what the caret underlines`."""
-    return [f"{d.rule}: {d.position.text[d.position.column - 1 :][: d.position.length]}" for d in found]
+    return [f"{d.rule}: {d.position.text[d.position.column - 1 :][: d.position.length]}" for d in diagnostics]

@@ -64,13 +64,13 @@ def test_findings_about_a_mistake(name: str, tmp_path: Path) -> None:
         (tmp_path / file).write_text(text, "utf-8")
     with pytest.raises(SpecError) as refused:
         load(tmp_path / SPEC)
-    found = [
+    reported = [
         (f"{'F ' if d.position.file.endswith(FRAMES) else ''}{d.position.line}:{d.position.column} {d.rule}", d)
         for d in refused.value.diagnostics
     ]
     expected = MISTAKES[name].findings
-    assert [place for place, _ in found] == [place for place, _ in expected]
-    for (_, diagnostic), (_, fact) in zip(found, expected, strict=True):
+    assert [place for place, _ in reported] == [place for place, _ in expected]
+    for (_, diagnostic), (_, fact) in zip(reported, expected, strict=True):
         assert fact in (diagnostic.hint or diagnostic.message)
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import cantools
 import pytest
 from canwright.cli import main
-from canwright.diagnostics.diagnostic import SpecError
+from canwright.diagnostics.diagnostic import Severity, SpecError
+from canwright.language.units import read_units
 from canwright.project.loader import load, specification
-from canwright.resolve.types import read_units
 from click.testing import CliRunner
 
 from ..spec_texts import MINIMAL, findings
@@ -142,3 +142,89 @@ def test_every_unit_has_distinct_texts() -> None:
     assert all(set(unit.title) == {"en", "zh"} and all(unit.title.values()) for unit in units.values())
     for texts in zip(*((u.dbc, u.symbol, u.title["en"], u.title["zh"]) for u in units.values()), strict=True):
         assert len(set(texts)) == len(units), "two units have the same text"
+
+
+FRAME = '{request: dim, node: 1, id: 0x101, data: "10 00 64 00 00 00 00 00", raw: {level: 100}, source: manual}'
+BLOCK = """dim:
+    code: 0x10
+    manual: "1"
+    request: {level: {at: 2, type: level}}
+    reply: echo
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "hint"),
+    [
+        (BLOCK, f"- {BLOCK}", "this is an item of a list, and `dim` has no value", "mapping without dashes: `dim:`"),
+        (
+            BLOCK,
+            "- dim: {code: 0x10, reply: none}\n",
+            "expected a mapping here, not a list",
+            "write a mapping without dashes: {dim: {code: 16, reply: none}}",
+        ),
+        ("0.1", f"0.{'1' * 33}", "this number has 33 decimals", "33/2048"),
+        ("type: level}", "raw: u8, step: 0.5}", "unknown key `step`", "did you mean `scale`? It belongs to a type"),
+    ],
+)
+def test_message_and_hint_of_a_mistake_in_a_spec(tmp_path: Path, old: str, new: str, message: str, hint: str) -> None:
+    assert old in MINIMAL
+    finding = findings(tmp_path, MINIMAL.replace(old, new, 1))[0]
+    assert message in finding.message
+    assert hint in finding.hint
+
+
+@pytest.mark.parametrize(
+    ("spec", "frame", "message", "hint"),
+    [
+        (("", ""), ("64 00", "00 64"), "`level` is 25600 in `data`", "the other byte order gives 100"),
+        (
+            ("", ""),
+            ("level: 100", "level: 10"),
+            "`level` is 100 in `data`",
+            "10 is its value in %; `raw` is an integer",
+        ),
+        (("", ""), ("level: 100", "level: 10.5"), "`10.5` is not a whole number", "`values`"),
+        (("", ""), ("level: 100", "level: idle"), "`idle` is not a whole number", "`values`"),
+        (
+            ("", ""),
+            ("level: 100}", "level: 100}, values: {level: 100}"),
+            "`level` is 10 according to the scale",
+            "this is the raw integer; `values` has the value in %",
+        ),
+        (
+            ("id: 0x100 + node, nodes: 1..4", "id: 0x100"),
+            ("", ""),
+            "the address `lamp` has no node: the id of all its frames is 0x100",
+            "remove `node`, or write the id of the address with `node`",
+        ),
+        (
+            ("id: 0x100 + node, nodes: 1..4", "id: 0x101"),
+            ("", ""),
+            "the id 0x101 has no node",
+            "remove `node`, or write the id of the address with `node`",
+        ),
+    ],
+)
+def test_message_and_hint_of_a_mistake_in_a_golden_frame(
+    tmp_path: Path, spec: tuple[str, str], frame: tuple[str, str], message: str, hint: str
+) -> None:
+    head = "canwright: 1\nfamily: lamp\nedition: v1\nsources: {manual: The manual.}\nframes:\n"
+    (tmp_path / "x.yaml").write_text(MINIMAL.replace(*spec), "utf-8")
+    (tmp_path / "x.frames.yaml").write_text(f"{head}  - {FRAME.replace(*frame)}\n", "utf-8")
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "x.yaml")
+    (finding,) = (d for d in refused.value.diagnostics if d.severity is Severity.ERROR)
+    assert message in finding.message
+    assert hint in finding.hint
+
+
+def test_messages_without_a_golden_frame_are_listed_in_one_warning(tmp_path: Path) -> None:
+    commands = "".join(f"  glow_{n}: {{code: {n}, manual: '1', reply: none}}\n" for n in range(5))
+    head = "canwright: 1\nfamily: lamp\nedition: v1\nsources: {manual: The manual.}\nframes:\n"
+    (tmp_path / "x.yaml").write_text(MINIMAL + commands, "utf-8")
+    (tmp_path / "x.frames.yaml").write_text(f"{head}  - {FRAME}\n", "utf-8")
+    (warning,) = load(tmp_path / "x.yaml").warnings
+    assert warning.message == (
+        "6 messages have no golden frame: `dim` (reply), `glow_0` (request), `glow_1` (request) and 3 more"
+    )

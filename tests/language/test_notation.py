@@ -24,8 +24,8 @@ def test_rationals_are_exact(text: str, value: Fraction) -> None:
 
 @pytest.mark.parametrize("written", ["0.0000001", "0.000000000000000000000000000001"])
 def test_small_decimals_are_numbers(written: str, tmp_path: Path) -> None:
-    found = edition(tmp_path, MINIMAL.replace("scale: 0.1", f"scale: {written}")).types[0].linear
-    scaled = found.at({})
+    linear = edition(tmp_path, MINIMAL.replace("scale: 0.1", f"scale: {written}")).types[0].linear
+    scaled = linear.at({})
     assert scaled is not None and scaled.scale == Fraction(written)
     assert notation.value(Decimal(written)) == Fraction(written)
 
@@ -123,7 +123,7 @@ def test_exact_numbers_round_trip(number: Fraction) -> None:
 
 
 def test_each_edition_shows_a_scale_in_its_own_notation(tmp_path: Path) -> None:
-    (one,) = edition(tmp_path, MINIMAL).types
-    (other,) = edition(tmp_path, MINIMAL.replace("scale: 0.1", "scale: 1/10")).types
-    assert one.linear == other.linear
-    assert [formatting.scale(type_) for type_ in (one, other)] == [[("", "0.1 %")], [("", "1/10 %")]]
+    (decimal,) = edition(tmp_path, MINIMAL).types
+    (quotient,) = edition(tmp_path, MINIMAL.replace("scale: 0.1", "scale: 1/10")).types
+    assert decimal.linear == quotient.linear
+    assert [formatting.scale(type_) for type_ in (decimal, quotient)] == [[("", "0.1 %")], [("", "1/10 %")]]

@@ -50,8 +50,7 @@ def test_the_start_and_its_golden_frames(tmp_path: Path) -> None:
     lamp = written(tmp_path, START)
     (tmp_path / "lamp.frames.yaml").write_text(yaml.safe_dump(FRAMES), "utf-8")
     assert [finding.message for finding in load(lamp).warnings] == [
-        "the reply of `dim` has no golden frame",
-        "the request of `read_level` has no golden frame",
+        "2 messages have no golden frame: `dim` (reply), `read_level` (request)",
     ]
 
 

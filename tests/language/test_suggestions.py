@@ -95,7 +95,7 @@ def test_values_and_mappings_are_equivalent(tmp_path: Path) -> None:
         text.replace("idle: 0", "idle: {value: 0}").replace("3}", "{value: 3}}"), "utf-8"
     )
     short, long = (specification(tmp_path / name).edition for name in ("short.yaml", "long.yaml"))
-    assert [asdict(one) for one in short.types] == [asdict(one) for one in long.types]
+    assert [asdict(type_) for type_ in short.types] == [asdict(type_) for type_ in long.types]
     assert [(m.name, m.value) for m in short.types[0].enum] == [("idle", 0), ("busy", 3)]
 
 
@@ -116,5 +116,5 @@ def test_no_name_is_suggested_if_none_is_similar(tmp_path: Path) -> None:
     [("2024", True), ("2024-02", True), ("2024-02-29", True), ("2024-02-30", False), ("2023-02-29", False)],
 )
 def test_dates_of_the_calendar(tmp_path: Path, date: str, exists: bool) -> None:
-    found = findings(tmp_path, MINIMAL.replace("edition: v1", f'edition: v1\ndate: "{date}"'))
-    assert [one.message for one in found] == ([] if exists else [f"`{date}` is not a date"])
+    reported = findings(tmp_path, MINIMAL.replace("edition: v1", f'edition: v1\ndate: "{date}"'))
+    assert [finding.message for finding in reported] == ([] if exists else [f"`{date}` is not a date"])

@@ -27,9 +27,9 @@ from ..spec_texts import MINIMAL, findings, places
 )
 def test_position_and_hint_of_a_structural_error(tmp_path: Path, old: str, new: str, expected: str, hint: str) -> None:
     assert old in MINIMAL
-    found = findings(tmp_path, MINIMAL.replace(old, new, 1))
-    assert expected in places(found)
-    assert any(hint in finding.hint for finding in found)
+    reported = findings(tmp_path, MINIMAL.replace(old, new, 1))
+    assert expected in places(reported)
+    assert any(hint in finding.hint for finding in reported)
 
 
 def test_one_run_reports_all_findings_in_file_order(tmp_path: Path) -> None:
@@ -42,5 +42,5 @@ def test_the_minimal_spec_is_valid(tmp_path: Path) -> None:
 
 
 def test_a_mapping_for_a_raw_type_is_reported(tmp_path: Path) -> None:
-    (found,) = findings(tmp_path, MINIMAL.replace("raw: u16", "raw: {x: u16}"))
-    assert (found.rule, found.message) == ("value", "expected a number or a short text here, for example u8")
+    (finding,) = findings(tmp_path, MINIMAL.replace("raw: u16", "raw: {x: u16}"))
+    assert (finding.rule, finding.message) == ("value", "expected a number or a short text here, for example u8")

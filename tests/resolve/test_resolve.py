@@ -74,7 +74,7 @@ def test_reply_forms(v2_35: Edition) -> None:
     assert broadcast.message is v2_35.command("set_torque").reply
 
 
-def test_the_command_of_a_code_claims_it(v2_35: Edition) -> None:
+def test_a_code_identifies_its_command(v2_35: Edition) -> None:
     codes = {m.command: m.identifying_codes for m in v2_35.messages(Direction.REPLY)}
     assert codes["read_status_1"] == (0x9A,)
     assert codes["clear_errors"] == (0x9B,)
@@ -175,10 +175,10 @@ def test_an_offset_may_depend_on_a_parameter(tmp_path: Path) -> None:
     )
     assert height.linear.at({"size": "small"}) == Linear(Fraction(1), Fraction(-1, 2))
     assert height.linear.at({"size": "odd"}) is None
-    other = PACKED.replace(
+    contradictory = PACKED.replace(
         "offset: {by: size, small: -10, large: -25, odd: 0}", "offset: {by: color, warm: 1, cold: 2}"
     )
-    assert marked(findings(tmp_path, other)) == ["two-parameters: {"]
+    assert marked(findings(tmp_path, contradictory)) == ["two-parameters: {"]
     assert marked(findings(tmp_path, PACKED.replace(", odd: none}}\ncommands", "}}\ncommands"))) == [
         "incomplete-choice: offset"
     ]
@@ -250,12 +250,12 @@ def test_a_constant_distinguishes_a_message_from_one_without_a_code(tmp_path: Pa
     assert [(key.name, key.value) for key in ask.keys] == [("code", 0x33), ("zero", 0)]
 
 
-@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda original: pickle.loads(pickle.dumps(original))])
 def test_a_copied_edition_refers_to_its_own_layouts(v2_35: Edition, copied: Callable[[Edition], Edition]) -> None:
     assert all(v2_35.of_layout(message.layout) for message in v2_35.all_messages())
-    other = copied(v2_35)
-    assert [m.name for m in other.all_messages()] == [m.name for m in v2_35.all_messages()]
-    assert all(m in other.of_layout(m.layout) for m in other.all_messages())
+    copied_edition = copied(v2_35)
+    assert [m.name for m in copied_edition.all_messages()] == [m.name for m in v2_35.all_messages()]
+    assert all(m in copied_edition.of_layout(m.layout) for m in copied_edition.all_messages())
 
 
 MULTIPLES = """\

@@ -1,4 +1,4 @@
-"""Ids that run into each other, by what messages there are and by what an address makes of a node."""
+"""Collisions of ids: of messages with ids of their own, and of addresses with different rules for nodes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from ..spec_texts import MINIMAL, findings, marked
 
 
-def test_ids_that_no_message_has_run_into_nothing(tmp_path: Path) -> None:
+def test_ids_without_a_message_do_not_collide(tmp_path: Path) -> None:
     """An address that only frames without a request come from has no requests, whatever `id` says of them."""
     of_all = "all: {id: 0x102}}"
     text = MINIMAL.replace("nodes: 1..4}}", f"nodes: 1..4}}, {of_all}")
@@ -35,15 +35,15 @@ def test_ids_that_no_message_has_run_into_nothing(tmp_path: Path) -> None:
 )
 def test_ids_of_a_request_and_a_reply_overlap(tmp_path: Path, ids: str, expected: str) -> None:
     text = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", ids)
-    found = [finding for finding in findings(tmp_path, text) if finding.rule == "id-collision"]
-    assert [finding.message.rpartition(": ")[2] for finding in found] == ([expected] if expected else [])
+    collisions = [finding for finding in findings(tmp_path, text) if finding.rule == "id-collision"]
+    assert [finding.message.rpartition(": ")[2] for finding in collisions] == ([expected] if expected else [])
     assert all(
-        finding.position.text[finding.related[0].position.column - 1 :].startswith(ids[9:13]) for finding in found
+        finding.position.text[finding.related[0].position.column - 1 :].startswith(ids[9:13]) for finding in collisions
     )
 
 
 @pytest.mark.parametrize(
-    ("one", "other", "met"),
+    ("lamp", "all_", "met"),
     [
         ("300 + node * 10", "305 + node * 10", ""),
         ("300 + node * 10", "310 + node * 10", "0x136"),
@@ -55,11 +55,11 @@ def test_ids_of_a_request_and_a_reply_overlap(tmp_path: Path, ids: str, expected
         ("300 + node * 10", "331", ""),
     ],
 )
-def test_ids_that_are_not_powers_of_two_apart(tmp_path: Path, one: str, other: str, met: str) -> None:
-    nodes = ", nodes: 0..15" if "node" in other else ""
-    addresses = f"{{lamp: {{id: {one}, nodes: 0..15}}, all: {{id: {other}{nodes}}}}}"
-    found = findings(tmp_path, MINIMAL.replace("{lamp: {id: 0x100 + node, nodes: 1..4}}", addresses))
-    assert [f.message.split()[3] for f in found if f.rule == "id-collision"] == ([met] if met else [])
+def test_ids_that_are_not_powers_of_two_apart(tmp_path: Path, lamp: str, all_: str, met: str) -> None:
+    nodes = ", nodes: 0..15" if "node" in all_ else ""
+    addresses = f"{{lamp: {{id: {lamp}, nodes: 0..15}}, all: {{id: {all_}{nodes}}}}}"
+    reported = findings(tmp_path, MINIMAL.replace("{lamp: {id: 0x100 + node, nodes: 1..4}}", addresses))
+    assert [f.message.split()[3] for f in reported if f.rule == "id-collision"] == ([met] if met else [])
 
 
 IN_THE_ID = """\
@@ -76,11 +76,11 @@ commands:
 """
 
 
-def test_an_id_that_is_looked_for_at_another_address_is_found(tmp_path: Path) -> None:
-    """The store has fixed two bits of the selector of the others, and is asked first."""
+def test_a_message_is_unreachable_if_an_earlier_address_has_its_ids(tmp_path: Path) -> None:
+    """The id of `store` fixes two bits of the selector of `lamp`, and is compared first."""
     assert findings(tmp_path, IN_THE_ID) == []
-    found = findings(tmp_path, IN_THE_ID.replace("0x061", "0x361"))
-    assert [(f.rule, f.message, f.hint) for f in found] == [
+    reported = findings(tmp_path, IN_THE_ID.replace("0x061", "0x361"))
+    assert [(f.rule, f.message, f.hint) for f in reported] == [
         (
             "id-collision",
             "the ids of this reply are identified as ids of the address `store`, which has no such code",

@@ -1,4 +1,4 @@
-"""Golden frames of a copied edition whose spec was changed: `check` names those that are no longer right."""
+"""Golden frames of a copied edition with a changed spec: `check` reports those that contradict the spec."""
 
 from __future__ import annotations
 
@@ -119,21 +119,21 @@ def changed(folder: Path, edition: str, old: str, new: str) -> tuple[Diagnostic,
     text = (ROOT / f"{edition}.yaml").read_text("utf-8")
     assert old in text
     file.write_text(text.replace(old, new, 1), "utf-8")
-    with pytest.raises(SpecError) as found:
+    with pytest.raises(SpecError) as rejected:
         load(file)
-    return found.value.diagnostics
+    return rejected.value.diagnostics
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_stale_frames_are_named(name: str, tmp_path: Path) -> None:
+def test_stale_golden_frames_are_reported(name: str, tmp_path: Path) -> None:
     edition, old, new, says = CASES[name]
-    found = changed(tmp_path, edition, old, new)
-    rules = {d.rule for d in found if d.severity is Severity.ERROR}
+    rejected = changed(tmp_path, edition, old, new)
+    rules = {d.rule for d in rejected if d.severity is Severity.ERROR}
     assert rules <= {"frame-contradiction", "refused-contradiction", "exchange-contradiction"}
-    assert any(says in d.message for d in found)
+    assert any(says in d.message for d in rejected)
 
 
-def test_an_id_that_is_written_out_goes_before_one_with_a_code_in_it(tmp_path: Path) -> None:
+def test_a_fixed_id_takes_precedence_over_an_id_with_a_code(tmp_path: Path) -> None:
     """With one node more, its id without a code is that of the broadcast, which stays what it is."""
-    found = changed(tmp_path, "tests/specs/blower/v1", "nodes: 0..62", "nodes: 0..63")
-    assert {d.rule for d in found} == {"refused-contradiction"}
+    rejected = changed(tmp_path, "tests/specs/blower/v1", "nodes: 0..62", "nodes: 0..63")
+    assert {d.rule for d in rejected} == {"refused-contradiction"}

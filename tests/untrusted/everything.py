@@ -101,30 +101,34 @@ def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) ->
         data = yaml.load(written, yaml.CSafeLoader)
         if concept is EditionSpec:
             data["languages"] = list(languages)
-        found = _Filler(_schema(concept), say, languages).all(data)
-        (folder / name).write_text(json.dumps(found, ensure_ascii=False, indent=1), "utf-8")
+        data = _Filler(_schema(concept), say, languages).all(data)
+        (folder / name).write_text(json.dumps(data, ensure_ascii=False, indent=1), "utf-8")
     return load(folder / "lamp.yaml").specification
 
 
 def text_fields() -> set[str]:
     """`Concept.key` of every text that the language knows."""
-    found: set[str] = set()
+    fields: set[str] = set()
     for concept in (EditionSpec, GoldenFramesSpec):
         schema = _schema(concept)
         filler = _Filler(schema, str, ())
-        for name, one in {schema["title"]: schema, **schema["$defs"]}.items():
-            found |= {f"{name}.{key}" for key, inner in one.get("properties", {}).items() if filler.is_text(key, inner)}
-    return found
+        for name, concept_schema in {schema["title"]: schema, **schema["$defs"]}.items():
+            fields |= {
+                f"{name}.{key}"
+                for key, inner in concept_schema.get("properties", {}).items()
+                if filler.is_text(key, inner)
+            }
+    return fields
 
 
 def filled_fields() -> set[str]:
     """`Concept.key` of every text that is filled."""
-    found: set[str] = set()
+    fields: set[str] = set()
     for written, concept in ((SPEC, EditionSpec), (FRAMES, GoldenFramesSpec)):
         filler = _Filler(_schema(concept), str, ("en",))
         filler.all(yaml.load(written, yaml.CSafeLoader))
-        found |= filler.found
-    return found
+        fields |= filler.found
+    return fields
 
 
 class _Filler:
@@ -141,14 +145,14 @@ class _Filler:
 
     def is_text(self, key: str, schema: Schema) -> bool:
         """Whether a key takes any string, or a list of them."""
-        choices = [one for one in self._choices(schema) if one.get("type") != "null"]
-        items = [item for one in choices for item in self._choices(one.get("items", {}))]
+        choices = [choice for choice in self._choices(schema) if choice.get("type") != "null"]
+        items = [item for choice in choices for item in self._choices(choice.get("items", {}))]
         return key not in LOOKED_UP and (_are_text(choices) or _are_text(items))
 
     def _filled(self, schema: Schema, value: Any) -> Any:
         if isinstance(value, list):
-            items: Schema = next((one["items"] for one in self._choices(schema) if "items" in one), {})
-            return [self._said("", items, one) for one in value]
+            items: Schema = next((item["items"] for item in self._choices(schema) if "items" in item), {})
+            return [self._said("", items, item) for item in value]
         if not isinstance(value, dict):
             return value
         concept = self._concept(schema, value)
@@ -164,8 +168,8 @@ class _Filler:
 
     def _concept(self, schema: Schema, value: dict[str, Any]) -> Schema:
         """The choice of a schema that knows all keys of a mapping, or takes any."""
-        choices = [one for one in self._choices(schema) if one.get("type") == "object"]
-        fitting = (one for one in choices if set(one.get("properties", {})) >= set(value))
+        choices = [choice for choice in self._choices(schema) if choice.get("type") == "object"]
+        fitting = (choice for choice in choices if set(choice.get("properties", {})) >= set(value))
         return next(fitting, None) or next(filter(_entries, choices), {})
 
     def _said(self, key: str, schema: Schema, value: Any) -> Any:
@@ -188,8 +192,8 @@ class _Filler:
         if not inner or "properties" in schema:
             yield schema
             return
-        for one in inner:
-            yield from self._choices(one)
+        for choice in inner:
+            yield from self._choices(choice)
 
 
 @functools.cache
@@ -199,14 +203,14 @@ def _schema(concept: type[EditionSpec] | type[GoldenFramesSpec]) -> Schema:
 
 def _entries(schema: Schema) -> Schema:
     """The schema of the entries of a mapping that takes any key."""
-    found: Schema | bool = schema.get("additionalProperties") or next(
+    value: Schema | bool = schema.get("additionalProperties") or next(
         iter(schema.get("patternProperties", {}).values()), {}
     )
-    return found if isinstance(found, dict) else {}
+    return value if isinstance(value, dict) else {}
 
 
 def _are_text(choices: list[Schema]) -> bool:
-    return bool(choices) and all(_is_any_string(one) or _has_languages(one) for one in choices)
+    return bool(choices) and all(_is_any_string(choice) or _has_languages(choice) for choice in choices)
 
 
 def _has_languages(schema: Schema) -> bool:

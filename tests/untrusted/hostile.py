@@ -1,4 +1,4 @@
-"""Texts that try to be more than text in some place that a text of a spec is put into."""
+"""Texts that try to break out of the place where an output contains them."""
 
 from __future__ import annotations
 

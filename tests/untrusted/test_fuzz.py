@@ -1,4 +1,4 @@
-"""Whatever a spec says, findings come out or files do, and nothing else."""
+"""Every spec gives either findings or files."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def _change(data: Data, path: Steps, places: list[Steps], chance: random.Random)
     elif how == 2:
         owner[key] = copy.deepcopy(_at(data, chance.choice(places)))
     elif how == 3 and isinstance(owner, dict):
-        owner[chance.choice([str(one[-1]) for one in places] + ["x", "1", "entry"])] = owner.pop(key)
+        owner[chance.choice([str(place[-1]) for place in places] + ["x", "1", "entry"])] = owner.pop(key)
     elif how == 4 and isinstance(owner, dict):
         owner[str(chance.choice(places)[-1])] = copy.deepcopy(owner[key])
     elif isinstance(owner, list):
@@ -222,7 +222,7 @@ def try_out(folder: Path, spec: Data, frames: Data | None) -> str:
 
 @bounded(150)
 @given(st.binary(max_size=200) | st.text(max_size=200).map(lambda text: text.encode("utf-8", "surrogatepass")))
-def test_bytes(tmp_path: Path, content: bytes) -> None:
+def test_any_bytes_give_findings_or_files(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "bytes.yaml"
     for whole in (content, MINIMAL.encode()[: len(content) * 3] + content, MINIMAL.encode() + content):
         file.write_bytes(whole)

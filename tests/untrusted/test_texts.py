@@ -1,4 +1,4 @@
-"""Hostile texts in every text of a spec: nothing but the texts differs in what is made of it."""
+"""Hostile texts in every text of a spec: the outputs differ from those of harmless texts in the texts only."""
 
 from __future__ import annotations
 
@@ -72,14 +72,14 @@ def test_javascript_reads_hostile_texts(tmp_path: Path) -> None:
         (tmp_path / path).write_text(files[path], "utf-8")
     (texts,) = tmp_path.glob("javascript/*/*.texts.js")
     module = json.dumps(texts.as_uri().replace(".texts", ""))
-    found = run_node(f"""
+    printed = run_node(f"""
         await import({module});
         const {{ TEXTS }} = await import({json.dumps(texts.as_uri())});
         console.log(JSON.stringify(TEXTS));""")
     assert not re.search(
         r"[^\n -~]|[<>]", "".join(line for line in files[texts.relative_to(tmp_path).as_posix()].splitlines()[2:])
     )
-    shown = set(_strings(json.loads(found)))
+    shown = set(_strings(json.loads(printed)))
     assert len(shown & {" ".join(text.split()) for text in HOSTILE} | shown & set(HOSTILE)) > 20
 
 
@@ -87,17 +87,17 @@ def _strings(value: object) -> Iterator[str]:
     if isinstance(value, str):
         yield value
     elif isinstance(value, (list, dict)):
-        for one in value.values() if isinstance(value, dict) else value:
-            yield from _strings(one)
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _strings(item)
 
 
 def test_every_text_of_the_language_is_filled() -> None:
     assert filled_fields() == text_fields()
-    assert {"CommandSpec.notes", "TypeSpec.differs", "AddressSpec.title", "GoldenFrame.note"} <= filled_fields()
+    assert {"CommandSpec.notes", "TypeSpec.differs", "AddressSpec.title", "GoldenFrameSpec.note"} <= filled_fields()
 
 
 @pytest.mark.parametrize("text", sampled(HOSTILE, 3))
-def test_a_text_is_only_text(text: str, harmless: Files, shown: str, tmp_path: Path) -> None:
+def test_a_hostile_text_changes_only_texts(text: str, harmless: Files, shown: str, tmp_path: Path) -> None:
     """In generated files, on pages and in a terminal."""
     hostile = made([text], tmp_path, ("en",))
     assert _shown(tmp_path) == shown.replace(HARMLESS, " ".join(text.split()))
@@ -129,11 +129,13 @@ def _same_html(hostile: str, harmless: str) -> bool:
     """The same page around data of the same shape."""
     if 'id="data">' not in harmless:
         return _equal(hostile, harmless)
-    (page, data, rest), (other, other_data, other_rest) = (
+    (page, data, rest), (harmless_page, harmless_data, harmless_rest) = (
         (start, *end.split("</script>", 1))
         for start, _, end in (t.partition('id="data">') for t in (hostile, harmless))
     )
-    return (page, rest) == (other, other_rest) and _blank(json.loads(data)) == _blank(json.loads(other_data))
+    return (page, rest) == (harmless_page, harmless_rest) and _blank(json.loads(data)) == _blank(
+        json.loads(harmless_data)
+    )
 
 
 def _any_page(hostile: str, harmless: str) -> bool:
@@ -194,9 +196,9 @@ def _same_json(hostile: str, harmless: str) -> bool:
 def _blank(value: object) -> object:
     """The structure of a value, with its numbers and names, without the texts."""
     if isinstance(value, dict):
-        return {name: _blank(one) for name, one in value.items()}
+        return {name: _blank(item) for name, item in value.items()}
     if isinstance(value, list):
-        return [_blank(one) for one in value]
+        return [_blank(item) for item in value]
     return "" if isinstance(value, str) else value
 
 
@@ -262,8 +264,11 @@ def _same_pages(hostile: Files, harmless: Files, text: str) -> bool:
     common = {*pages[0]} & {*pages[1]}
     sources = ["\n\n".join([*(block for block in blocks if block not in common), LAST]) for blocks in pages]
     for renderer in (_by_site, _by_every_extension, _by_commonmark):
-        one, other = (_page(renderer(source)) for source in sources)
-        if one.elements != other.elements or one.text.split() != other.text.replace(HARMLESS, shown).split():
+        page, harmless_page = (_page(renderer(source)) for source in sources)
+        if (
+            page.elements != harmless_page.elements
+            or page.text.split() != harmless_page.text.replace(HARMLESS, shown).split()
+        ):
             return False
     return True
 
@@ -333,7 +338,7 @@ class _Page(html.parser.HTMLParser):
 
 
 @each_compiler
-def test_compilers_make_the_same_of_it(compiler: Compiler, tmp_path: Path) -> None:
+def test_compiled_code_does_not_depend_on_hostile_texts(compiler: Compiler, tmp_path: Path) -> None:
     """All hostile texts at once, from another one on in each turn, so that they meet different places."""
     objects = [_object([HARMLESS], compiler, tmp_path / "harmless")]
     objects += [_object(HOSTILE[n:] + HOSTILE[:n], compiler, tmp_path / str(n)) for n in (0, 31)]
@@ -359,11 +364,11 @@ def _shown(folder: Path) -> str:
 
 
 @pytest.mark.parametrize("text", REFUSED, ids=ascii)
-def test_a_text_that_cannot_be_seen_is_refused(text: str, tmp_path: Path) -> None:
+def test_invisible_texts_are_rejected(text: str, tmp_path: Path) -> None:
     """As it is and as an escape, in the text, in a comment, and in a key."""
     plain, escaped = f'"{text}"', '"' + "".join(f"\\U{ord(c):08X}" for c in text) + '"'
     places = ("title: X\n" + SPEC, SPEC.replace("notes: []", "X: []"))
-    specs = [place.replace("X", one) for place in places for one in (plain, escaped)]
+    specs = [place.replace("X", spelling) for place in places for spelling in (plain, escaped)]
     for spec in (*specs, f"{SPEC}# {text}\n"):
         (tmp_path / "x.yaml").write_bytes(spec.encode("utf-8"))
         with pytest.raises(SpecError) as refused:

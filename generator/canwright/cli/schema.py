@@ -8,7 +8,7 @@ from ..document.builder import MAX_VALUES
 from ..document.document import MAX_BYTES
 from ..language.edition import EditionSpec, schema_text
 from ..language.golden_frames import GoldenFramesSpec
-from ..resolve.limits import MAX_COMMANDS, MAX_FIELDS
+from ..resolve.report import MAX_COMMANDS, MAX_FIELDS
 from ..rules.too_large import MAX_COMBINATIONS, MAX_SIZE
 from .terminal import print_data
 

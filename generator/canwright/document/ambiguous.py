@@ -6,6 +6,8 @@ import re
 from fractions import Fraction
 
 _LONG = re.compile(r"-?[1-9][0-9]{31,}|0x[0-9A-Fa-f]{17,}")
+MAX_DECIMALS = 30
+_LONG_DECIMAL = re.compile(rf"-?(?:0|[1-9][0-9]*)\.([0-9]{{{MAX_DECIMALS + 1},}})")
 _AMBIGUOUS = re.compile(
     r"""(?aix) (?: yes|no|on|off | true|false | ~|null | [-+]?\.(?:inf|nan) | [-+]?0[obx][0-9a-f_]+
     | [-+]?_*\d[\d_]*(?:\.[\d_]*)?(?:e[-+]?\d+)? | [-+]?\.[\d_]+(?:e[-+]?\d+)?
@@ -19,6 +21,9 @@ def ambiguity(text: str) -> tuple[str, str, str] | None:
     if _LONG.fullmatch(text):
         message = f"this number has {len(text)} characters, too many"
         return "value", message, "a whole number has at most 31 digits, or 16 hexadecimal ones"
+    if long := _LONG_DECIMAL.fullmatch(text):
+        message = f"this number has {len(long[1])} decimals, more than the maximum of {MAX_DECIMALS}"
+        return "value", message, "write fewer, or an exact quotient, for example 33/2048"
     if not _AMBIGUOUS.fullmatch(text):
         return None
     short = text if len(text) <= 40 else f"{text[:40]}…"
@@ -63,7 +68,15 @@ def _decimal(number: Fraction) -> str:
     return ""
 
 
-def missing_value_hint(key: str, line: str) -> str:
+def missing_value(key: str, line: str) -> tuple[str, str]:
+    """The message and the hint for a key without a value on a line, by the usual causes."""
+    if re.fullmatch(rf"\s*- +{re.escape(key)}:\s*(?:#.*)?", line):
+        hint = f"for names with keys, write a mapping without dashes: `{key}:`, with its keys indented below it"
+        return f"this is an item of a list, and `{key}` has no value", hint
+    return "there is no value here", _missing_value_hint(key, line)
+
+
+def _missing_value_hint(key: str, line: str) -> str:
     """What to write, by the usual causes of a key without a value."""
     after = line.partition(f"{key}:")[2].lstrip()
     if "=" in key:

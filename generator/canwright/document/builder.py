@@ -33,20 +33,15 @@ class Issue(NamedTuple):
     """The mark of another item that the issue is about, and what it is."""
 
 
-class BuiltData(NamedTuple):
-    """The data of a text, its issues, and the paths of unreadable values; `data` is None if reading stopped."""
-
-    data: Data | None
-    issues: list[Issue]
-    unreadable: set[DocumentPath]
-
-
 class _StopReadingError(Exception):
     """Reading stopped after the last issue."""
 
 
-def build(source: Source, hidden: list[tuple[Mark, str]]) -> BuiltData:
-    """The data of the one YAML document in a text; `hidden` are the invisible characters that `source` masks."""
+def build(source: Source, hidden: list[tuple[Mark, str]]) -> tuple[Data, list[Issue]]:
+    """The data of the one YAML document in a text, and its issues; with issues, the data is incomplete.
+
+    `hidden` are the invisible characters that `source` masks.
+    """
     return _Builder(source, hidden).build()
 
 
@@ -61,19 +56,17 @@ class _Builder:
         self._source = source
         self._hidden = hidden
         self._issues: list[Issue] = []
-        self._unreadable: set[DocumentPath] = set()
         self._values = 0
         self._plain: dict[str, Scalar] = {}
         self._names: dict[str, str] = {}
         self._event: Any = None
         self._next: Callable[[], Any]
 
-    def build(self) -> BuiltData:
+    def build(self) -> tuple[Data, list[Issue]]:
         try:
-            data = self._build()
+            return self._build(), self._issues
         except _StopReadingError:
-            data = None
-        return BuiltData(data, self._issues, self._unreadable)
+            return {}, self._issues
 
     def _build(self) -> Data:
         for mark, character in self._hidden:
@@ -99,11 +92,9 @@ class _Builder:
             self._report("yaml", "a second document starts here", "a file contains one; remove the `---`")
         return data
 
-    def _report(self, rule: str, message: str, hint: str = "", unreadable: DocumentPath | None = None) -> None:
-        """Reports an issue at the current event; the value at the path `unreadable` is ignored for it."""
+    def _report(self, rule: str, message: str, hint: str = "") -> None:
+        """Reports an issue at the current event."""
         self._add(Mark.of(self._event), rule, message, hint)
-        if unreadable is not None:
-            self._unreadable.add(unreadable)
 
     def _add(self, mark: Mark, rule: str, message: str, hint: str, related: tuple[Mark, str] | None = None) -> None:
         if len(self._issues) == MAX_ISSUES:
@@ -133,10 +124,8 @@ class _Builder:
         """Reports a key without a value, at the key."""
         mark = self._source.marks.keys.get(path) if path else None
         line = self._source.lines[mark.line - 1] if mark else ""
-        hint = ambiguous.missing_value_hint(str(path[-1]) if path else "", line)
-        self._add(mark or Mark.of(self._event), "yaml", "there is no value here", hint)
-        if path is not None:
-            self._unreadable.add(path)
+        message, hint = ambiguous.missing_value(str(path[-1]) if path else "", line)
+        self._add(mark or Mark.of(self._event), "yaml", message, hint)
 
     def _value(self, path: DocumentPath | None, depth: int) -> Data:
         """The value that starts with the current event."""
@@ -144,13 +133,12 @@ class _Builder:
         is_scalar = isinstance(event, yaml.ScalarEvent)
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
             hint = "name a type or a layout and refer to it"
-            unreadable = path if isinstance(event, yaml.AliasEvent) else None
-            self._report("yaml-alias", "anchors and aliases are not supported", hint, unreadable)
+            self._report("yaml-alias", "anchors and aliases are not supported", hint)
         if isinstance(event, yaml.AliasEvent):
             return ""
         if event.tag is not None:
             hint = "a spec is plain data; remove the tag"
-            self._report("yaml-tag", f"the tag `{event.tag}` is not supported", hint, path if is_scalar else None)
+            self._report("yaml-tag", f"the tag `{event.tag}` is not supported", hint)
         if depth > MAX_DEPTH:
             hint = "check brackets and indentation"
             self._stop(Mark.of(event), "yaml-depth", f"this is nested deeper than {MAX_DEPTH} levels", hint)
@@ -177,10 +165,10 @@ class _Builder:
             is_plain = isinstance(event, yaml.ScalarEvent) and not (event.style or event.anchor or event.tag)
             name = names.get(event.value) if is_plain else None
             if name is None:
-                name = self._name(path, depth)
+                name = self._name(depth)
             is_first = name is not None and name not in entries
             if name is not None and not is_first:
-                self._report_duplicate(path, name)
+                self._report_duplicate(path, name, entries)
             event = self._event = next_event()
             is_plain = isinstance(event, yaml.ScalarEvent) and not (event.style or event.anchor or event.tag)
             value: Data | None = known.get(event.value) if is_plain else None
@@ -198,15 +186,13 @@ class _Builder:
             text = f"the file has more than {MAX_VALUES} values"
             self._stop(Mark.of(self._event), "file-size", text, "split the protocol, or list fewer values")
 
-    def _name(self, path: DocumentPath | None, depth: int) -> str | None:
+    def _name(self, depth: int) -> str | None:
         """A key; None after an issue if it is not a name."""
         event, issues_before = self._event, len(self._issues)
         self._check_name(depth)
         written = getattr(event, "value", "")
         name = name_of(event)
         if name is None or len(self._issues) > issues_before or self._is_masked(written):
-            if path is not None:
-                self._unreadable.add((*path, written))
             return None
         if not event.style:
             self._names[written] = name
@@ -223,14 +209,19 @@ class _Builder:
         elif isinstance(self._scalar(None), bool):
             self._report("ambiguous-scalar", f"the key `{event.value}` is not a name", "put it in quotes")
 
-    def _report_duplicate(self, path: DocumentPath | None, name: str) -> None:
-        if path is not None:
-            duplicate: DocumentPath = (*path, name)
-            first = self._source.marks.keys[duplicate]
-            message = f"the key `{name}` is already on line {first.line}"
-            related = first, f"the first `{name}`"
-            self._add(Mark.of(self._event), "duplicate-key", message, "remove or rename one", related)
-            self._unreadable.add(duplicate)
+    def _report_duplicate(self, path: DocumentPath | None, name: str, entries: dict[str, Data]) -> None:
+        """Reports a second `name`. After a mapping, the cause may be that the mapping is indented too far."""
+        if path is None:
+            return
+        keys, values = self._source.marks.keys, self._source.marks.values
+        duplicate: DocumentPath = (*path, name)
+        first = keys[duplicate]
+        mappings = ((key, (*path, key)) for key in reversed(entries) if isinstance(entries[key], dict) and key != name)
+        blocks = ((key, keys[at].line) for key, at in mappings if first.line < keys[at].line < values[at].line)
+        indented = next((f"; or is `{key}` on line {line} indented too far?" for key, line in blocks), "")
+        message = f"the key `{name}` is already on line {first.line}"
+        related = first, f"the first `{name}`"
+        self._add(Mark.of(self._event), "duplicate-key", message, f"remove or rename one{indented}", related)
 
     def _is_masked(self, text: str) -> bool:
         """Whether a text contains the mask of an invisible character."""
@@ -242,18 +233,15 @@ class _Builder:
         hidden = unicode_safety.unseen(text)
         for character in hidden:
             self._report_hidden(Mark.of(event), character)
-        is_unreadable = bool(hidden) or self._is_masked(text)
-        if is_unreadable and path is not None:
-            self._unreadable.add(path)
         if event.style:
             return text
         value = plain(text)
-        if value is not None and not is_unreadable:
+        if value is not None and not hidden and not self._is_masked(text):
             self._plain[text] = value
         elif text == "":
             self._report_missing_value(path)
         elif value is None and (ambiguity := ambiguous.ambiguity(text)):
             rule, message, hint = ambiguity
             is_name = path is None and len(text) <= 40
-            self._report(rule, message, f'for a name write "{text}" in quotes' if is_name else hint, path)
+            self._report(rule, message, f'for a name write "{text}" in quotes' if is_name else hint)
         return text if value is None else value

@@ -34,8 +34,7 @@ _BYTE_ORDER_MARKS = {
 class Document:
     """One YAML file: its data, and the position of each key and value. `name` is the name of the file in findings.
 
-    `findings` are those about YAML; `unreadable` are the paths of the values that are ignored for them.
-    Raises SpecError if the text is not YAML.
+    Raises SpecError with all findings if the text is not YAML, or YAML that is unsafe or ambiguous.
     """
 
     def __init__(self, name: str, text: str) -> None:
@@ -44,12 +43,11 @@ class Document:
         masked = unicode_safety.covered(written)
         self._source = Source(masked)
         places = unicode_safety.places(written) if masked != written else ()
-        built = build(self._source, [(Mark(line, column, 1), character) for line, column, character in places])
-        self.unreadable = built.unreadable
-        self.findings = [self._finding(issue) for issue in built.issues]
-        if built.data is None:
-            raise SpecError(self.findings)
-        self.data: Data = built.data
+        hidden = [(Mark(line, column, 1), character) for line, column, character in places]
+        self.data: Data
+        self.data, issues = build(self._source, hidden)
+        if issues:
+            raise SpecError(map(self._finding, issues))
 
     def __contains__(self, path: object) -> bool:
         return path in self._source.marks.values

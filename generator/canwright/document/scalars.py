@@ -17,7 +17,7 @@ MERGE = "<<"
 """The key that merges another mapping into this one in YAML 1.1."""
 
 _INTEGER = re.compile(r"-?(?:0|[1-9][0-9]{0,30})|0x[0-9A-Fa-f]{1,16}")
-_DECIMAL = re.compile(r"-?(?:0|[1-9][0-9]{0,30})\.[0-9]{1,30}")
+_DECIMAL = re.compile(rf"-?(?:0|[1-9][0-9]{{0,30}})\.[0-9]{{1,{ambiguous.MAX_DECIMALS}}}")
 
 
 def plain(text: str) -> Scalar | None:

@@ -29,8 +29,6 @@ class TomlDocument(Document):
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
-        self.findings = []
-        self.unreadable = set()
         self._source = _TomlSource(unicode_safety.covered(text.replace("\r\n", "\n")))
         try:
             self.data = tomllib.loads(self._source.text, parse_float=Decimal)

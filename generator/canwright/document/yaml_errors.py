@@ -80,11 +80,11 @@ def _space(error: _SyntaxError) -> _Correction | None:
 
 def _wide(error: _SyntaxError) -> _Correction | None:
     """A full-width colon, comma or bracket instead of the ASCII one."""
-    found = re.search("[：，｛｝［］]", error.content[: error.column])
-    if found is None:
+    wide = re.search("[：，｛｝［］]", error.content[: error.column])
+    if wide is None:
         return None
-    plain = dict(zip("：，｛｝［］", ":,{}[]", strict=True))[found[0]]
-    return _Correction(error.line, found.start(), f"did you mean `{plain}`? otherwise put the text in quotes")
+    plain = dict(zip("：，｛｝［］", ":,{}[]", strict=True))[wide[0]]
+    return _Correction(error.line, wide.start(), f"did you mean `{plain}`? otherwise put the text in quotes")
 
 
 def _quote(error: _SyntaxError) -> _Correction | None:
@@ -129,10 +129,10 @@ def _colon(error: _SyntaxError) -> _Correction | None:
 def _missing_colon(line: str) -> str:
     if line.lstrip().startswith(("//", "/*", "--", ";")):
         return "a comment starts with `#`"
-    found = re.fullmatch(r"\s*(?:- )?([A-Za-z_][A-Za-z0-9_]*)(?:\s*[:=]\s*|\s+|$)([^:{]*)", line)
-    if found is None:
+    parts = re.fullmatch(r"\s*(?:- )?([A-Za-z_][A-Za-z0-9_]*)(?:\s*[:=]\s*|\s+|$)([^:{]*)", line)
+    if parts is None:
         return "is the colon after the key missing, or the space after the colon?"
-    return f"write a colon and a space after a key: `{f'{found[1]}: {found[2]}'.strip()}`"
+    return f"write a colon and a space after a key: `{f'{parts[1]}: {parts[2]}'.strip()}`"
 
 
 def _bracket(error: _SyntaxError) -> _Correction | None:

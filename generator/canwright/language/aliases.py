@@ -51,15 +51,15 @@ _NUMBERS: Sequence[Row] = (
     (rf"(?:raw|x) *\* *{_N}", r"\1"),
     (r"([+-]?[0-9]+),([0-9]+)", r"\1.\2"),
     (r"/ *([0-9.]+)", r"1/\1"),
-    (r"2 ?(?:\*\*|\^) ?\(?-([0-9]{1,2})\)?", lambda found: f"1/{2 ** int(found[1])}"),
+    (r"2 ?(?:\*\*|\^) ?\(?-([0-9]{1,2})\)?", lambda match: f"1/{2 ** int(match[1])}"),
     (rf"{_Q} *\* *{_PARAMETER}", r"\1*\2"),
     (rf"{_PARAMETER} *\* *{_N}", r"\2*\1"),
     (rf"{_N} *\* *{_PARAMETER} */ *{_N}", r"\1/\3*\2"),
     (rf"{_PARAMETER} */ *{_N}", r"1/\2*\1"),
-    (".*", lambda found: number_notation(found[0])),
+    (".*", lambda match: number_notation(match[0])),
 )
 _POSITIONS: Sequence[Row] = (
-    (r"([0-9]{1,3})\|[0-9]{1,2}@([01])[+-]", lambda found: _dbc_start(int(found[1]), found[2] == "0")),
+    (r"([0-9]{1,3})\|[0-9]{1,2}@([01])[+-]", lambda match: _dbc_start(int(match[1]), match[2] == "0")),
     (r"(?:can_?)?id[ ._]*\[?([0-9]{1,2})\]?", r"id.\1"),
     (r"(?:can_?)?id[ ._]*\[?[0-9]{1,2} *[:-] *([0-9]{1,2})\]?", r"id.\1"),
     (r"(?:byte|data|b)?[ _]*\[?([0-9])\]?(?: *(?:\.\.|-) *[0-9])?", r"\1"),
@@ -141,6 +141,15 @@ def truth(written: object) -> str:
     return "true" if word in _TRUE else "false" if word in _FALSE else ""
 
 
+def raw_integer(path: DocumentPath) -> str:
+    """A hint for a value in place of a raw integer of a golden frame."""
+    return (
+        "`raw` has the integer in the frame; write a value in its unit, or a name, into `values`"
+        if "raw" in path
+        else ""
+    )
+
+
 def limit(written: int, path: DocumentPath) -> str:
     """A hint for a number above its maximum: the bit of a mask, or kbit/s for bit/s."""
     if "flags" in path and written > 0 and written.bit_count() == 1:
@@ -184,7 +193,12 @@ def names_first(written: Mapping[str, object]) -> str:
 
 def named(written: object) -> str:
     """A hint for a list of mappings with names: the names as keys."""
-    first = written[0] if isinstance(written, list) and written else None
+    items = written if isinstance(written, list) else []
+    if items and all(isinstance(item, dict) and len(item) == 1 for item in items):
+        return (
+            f"write a mapping without dashes: {flow({name: value for item in items for name, value in item.items()})}"
+        )
+    first = items[0] if items else None
     key = next((k for k in ("name", "id", "title") if isinstance(first, dict) and isinstance(first.get(k), str)), None)
     if key is None or not isinstance(first, dict):
         return ""

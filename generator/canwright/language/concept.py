@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import functools
 import typing
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
+
+from ..diagnostics.diagnostic import DocumentPath
 
 JsonSchema = dict[str, Any]
 
@@ -41,6 +43,8 @@ class Notation:
     schema: JsonSchema
     any_scalar: bool = False
     """Whether `parse` takes the scalar itself, `true` and `false` included, instead of its text."""
+    names: Callable[[Any], Iterable[str | None]] = lambda value: ()
+    """The names in a parsed value."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,18 +54,53 @@ class Choose:
     which: Callable[[Mapping[str, object]], int]
 
 
+@dataclass(frozen=True, eq=False)
+class Defines:
+    """A name of a definition of a kind, such as a type; with `of`, a part of the definition of another kind."""
+
+    kind: str
+    of: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Ref:
+    """A name of a definition of a kind, or a notation with such names; `words` have a meaning of their own."""
+
+    kind: str
+    of: str = ""
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Translated:
+    """A text in every language of the file; `written` are its forms in the file."""
+
+    written: Any
+
+
+class Problem(NamedTuple):
+    """A contradiction between the keys of a concept: its path below the concept, what is wrong, what to write."""
+
+    path: tuple[str, ...]
+    rule: str
+    message: str
+    hint: str
+    key: bool = True
+    """Whether the finding is at a key, not at its value."""
+
+
 class Concept:
     """A mapping of the language with fixed keys: a frozen dataclass with keyword arguments."""
 
     called: ClassVar[str] = ""
     """The name of the concept in a message about one of its keys in another concept."""
     example: ClassVar[Mapping[str, Any]] = {}
-    """A valid mapping. Its values replace missing or invalid required ones, so that checks can continue."""
+    """A valid mapping, for hints."""
     advice: ClassVar[Mapping[str, str]] = {}
     """Hints for certain unknown keys."""
     cases: ClassVar[str] = ""
     """The attribute that contains all keys without a declaration."""
-    other: ClassVar[tuple[str, str, str]] = ("", "", "")
+    other_file: ClassVar[tuple[str, str, str]] = ("", "", "")
     """A key that identifies a file of another kind, the message and the hint."""
     schema_extra: ClassVar[JsonSchema] = {}
     """Conditions on several keys in the JSON Schema."""
@@ -70,6 +109,10 @@ class Concept:
     def __init_subclass__(cls) -> None:
         if "called" in vars(cls):
             Concept.all.append(cls)
+
+    def problems(self, name: str) -> Iterable[Problem]:
+        """Contradictions between keys; `name` is the key of this concept in the mapping that contains it."""
+        return ()
 
 
 @dataclass(frozen=True)
@@ -114,4 +157,18 @@ def keys(concept: type[Concept]) -> Mapping[str, DeclaredKey]:
 
 def metadata(annotation: Any, kind: type[T]) -> T | None:
     """The last metadata of a class in an annotation."""
-    return next((one for one in reversed(getattr(annotation, "__metadata__", ())) if isinstance(one, kind)), None)
+    return next((item for item in reversed(getattr(annotation, "__metadata__", ())) if isinstance(item, kind)), None)
+
+
+def parts(value: object, path: DocumentPath = ()) -> Iterator[tuple[DocumentPath, object]]:
+    """A decoded value and all values in it, with their paths."""
+    yield path, value
+    items: Iterable[tuple[str | int, object]] = ()
+    if dataclasses.is_dataclass(value):
+        items = ((key.name, getattr(value, key.name)) for key in dataclasses.fields(value))
+    elif isinstance(value, Mapping):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    for step, part in items:
+        yield from parts(part, (*path, step))

@@ -1,17 +1,20 @@
 """The concepts of a spec with descriptions of all keys, and the JSON Schema generated from them."""
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
 from ..model.layout import MAX_DATA_BYTES
+from ..model.message import Direction
 from ..model.metadata import Level
 from ..model.types import Order
-from .concept import Concept as Concept, Doc, JsonSchema, Limits, keys as keys
+from .concept import Concept as Concept, Defines, Doc, JsonSchema, Limits, Problem, Ref, keys as keys
 from .forms import ConceptForm
 from .messages import (
-    EMPTY_RAW as EMPTY_RAW,
+    ENTRY as ENTRY,
     Code as Code,
+    CommandName,
     CommandSpec as CommandSpec,
     EntrySpec as EntrySpec,
     Fields as Fields,
@@ -21,8 +24,10 @@ from .messages import (
     Selector as Selector,
     TableSpec as TableSpec,
 )
+from .notation import IdExpression
 from .scalar_types import (
     EditionName,
+    EditionText as EditionText,
     IdText,
     Language as Language,
     Name as Name,
@@ -37,6 +42,7 @@ from .suggestions import DATE
 from .types import (
     DeprecatedSpec as DeprecatedSpec,
     Description as Description,
+    EffectName,
     FlagSpec as FlagSpec,
     MemberSpec as MemberSpec,
     OffsetBy as OffsetBy,
@@ -67,6 +73,30 @@ class AddressSpec(Description):
     extended: Annotated[bool, Doc("True for 29-bit ids.")] = False
     manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
+    def id_of(self, direction: Direction) -> IdExpression:
+        """The id of one direction."""
+        written = (self.request if direction is Direction.REQUEST else self.reply) or self.id
+        if written is None:
+            raise ValueError("no id")
+        return written
+
+    def problems(self, name: str) -> Iterable[Problem]:
+        request, reply = self.request or self.id, self.reply or self.id
+        if request is None or reply is None:
+            missing = "id" if request is reply else "id of requests" if request is None else "id of replies"
+            yield Problem((), "missing-key", f"`{name}` has no {missing}", "write `id`, or `request` and `reply`")
+            return
+        with_node = request.node_step is not None or reply.node_step is not None
+        if self.id is not None and (self.request or self.reply):
+            text = "`id` is for both directions, but one has its own id"
+            yield Problem(("id",), "address-id", text, "keep `id`, or `request` and `reply`")
+        elif self.nodes is not None and not with_node:
+            hint = f"write the id with `node`, for example 0x{request.base:X} + node, or omit `nodes`"
+            yield Problem(("nodes",), "address-id", "no id depends on `node`, so `nodes` has no effect", hint)
+        elif self.nodes is None and with_node:
+            text = "the id depends on `node`, but `nodes` is missing"
+            yield Problem((), "missing-key", text, "write, for example, nodes: 1..32")
+
 
 @dataclass(frozen=True, kw_only=True)
 class ModeSpec(Description):
@@ -94,9 +124,9 @@ class BusSpec(Concept):
     ] = 8
     max_nodes: Annotated[int | None, Limits(ge=1), Doc("Maximum number of nodes on one bus.")] = None
     reply_within_ms: Annotated[Rational | None, Doc("Maximum time from request to reply.")] = None
-    modes: Annotated[dict[Name, ModeSpec], Doc("Modes of the bus; the first is the default.")] = field(
-        default_factory=dict
-    )
+    modes: Annotated[
+        dict[Annotated[Name, Defines("mode")], ModeSpec], Doc("Modes of the bus; the first is the default.")
+    ] = field(default_factory=dict)
     manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
 
@@ -111,7 +141,7 @@ class NumberRange(Concept):
     max: Annotated[Rational | None, Doc("Maximum value.")] = None
 
 
-Choice = int | ValueName
+Choice = Annotated[int | ValueName, Defines("value", of="parameter")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,7 +153,7 @@ class ParameterSpec(Description):
     schema_extra: ClassVar[JsonSchema] = {"oneOf": [{"required": ["values"]}, {"required": ["number"]}]}
 
     values: Annotated[
-        list[Choice] | dict[ValueName, Description] | None,
+        list[Choice] | dict[Annotated[ValueName, Defines("value", of="parameter")], Description] | None,
         Limits(min_length=1, max_length=256),
         Doc(
             "The values of a choice: a list of numbers or names, or names with titles.",
@@ -131,6 +161,13 @@ class ParameterSpec(Description):
         ),
     ] = None
     number: Annotated[NumberRange | None, Doc("A number, with its limits.")] = None
+
+    def problems(self, name: str) -> Iterable[Problem]:
+        if (self.values is None) == (self.number is None):
+            both = self.values is not None
+            text = f"`{name}` has both `values` and `number`" if both else f"`{name}` has neither `values` nor `number`"
+            hint = "keep one" if both else "write values: [A, B] for a choice, or number: {} for a number"
+            yield Problem((), "parameter-kind", text, hint)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,10 +196,10 @@ class StateSpec(Description):
     called = "a state"
     example = {"title": "Off", "entered_by": ["switch_off"], "prevents": ["moves"]}
 
-    entered_by: Annotated[list[Name], Doc("Commands after which the node is in this state.")] = field(
+    entered_by: Annotated[list[CommandName], Doc("Commands after which the node is in this state.")] = field(
         default_factory=list
     )
-    prevents: Annotated[list[Name], Doc("Effects that commands do not have in this state.")] = field(
+    prevents: Annotated[list[EffectName], Doc("Effects that commands do not have in this state.")] = field(
         default_factory=list
     )
 
@@ -175,11 +212,15 @@ class ErratumSpec(Concept):
     example = {"id": "unit_of_power", "where": ["types.power"], "manual": "3", "printed": "…", "used": "…", "why": "…"}
 
     id: Annotated[Name, Doc("A name, unique in the edition.")]
-    where: Annotated[list[str], Limits(min_length=1), Doc("The affected parts of this file, as dotted paths.")]
+    where: Annotated[
+        list[Annotated[str, Ref("path")]],
+        Limits(min_length=1),
+        Doc("The affected parts of this file, as dotted paths."),
+    ]
     manual: Annotated[Section, Doc("Section of the manual.")]
-    printed: Annotated[Text, Doc("The statement of the manual.")]
-    used: Annotated[Text, Doc("The statement of this spec.")]
-    why: Annotated[Text, Doc("The reason for the difference.")]
+    printed: Annotated[EditionText, Doc("The statement of the manual.")]
+    used: Annotated[EditionText, Doc("The statement of this spec.")]
+    why: Annotated[EditionText, Doc("The reason for the difference.")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,7 +239,7 @@ class EditionSpec(Description):
         ("frames", "refused", "exchanges", "sources"),
         "write golden frames into a separate file, EDITION.frames.yaml beside EDITION.yaml",
     )
-    other = (
+    other_file = (
         "frames",
         "these are golden frames, not a spec",
         "name the spec beside this file; canwright loads both",
@@ -215,29 +256,39 @@ class EditionSpec(Description):
     languages: Annotated[list[Language], Limits(min_length=1), Doc("Languages of every text.")] = field(
         default_factory=lambda: ["en"]
     )
-    manual: Annotated[Text | None, Doc("Title of the manual.")] = None
+    manual: Annotated[EditionText, Doc("Title of the manual.")] = field(default_factory=dict)
     byte_order: Annotated[Order, Doc("Order of bytes, unless a type has its own.")] = Order.LITTLE
     bus: Annotated[BusSpec, Doc("The settings that host and nodes have in common.")] = BusSpec()
     addresses: Annotated[
-        dict[Name, AddressSpec],
+        dict[Annotated[Name, Defines("address")], AddressSpec],
         Limits(min_length=1, max_length=256),
         Doc("Addresses, by name; the first is the default."),
     ]
     selector: Annotated[Selector | None, Doc("The bits that identify a command.")] = None
-    parameters: Annotated[dict[Name, ParameterSpec], Limits(max_length=256), Doc("Parameters, by name.")] = field(
+    parameters: Annotated[
+        dict[Annotated[Name, Defines("parameter")], ParameterSpec], Limits(max_length=256), Doc("Parameters, by name.")
+    ] = field(default_factory=dict)
+    settings: Annotated[dict[Annotated[Name, Defines("setting")], SettingSpec], Doc("Settings, by name.")] = field(
         default_factory=dict
     )
-    settings: Annotated[dict[Name, SettingSpec], Doc("Settings, by name.")] = field(default_factory=dict)
-    effects: Annotated[dict[Name, EffectSpec], Doc("Effects, by name.")] = field(default_factory=dict)
-    states: Annotated[dict[Name, StateSpec], Doc("States, by name; the first is that after power-up.")] = field(
+    effects: Annotated[dict[Annotated[Name, Defines("effect")], EffectSpec], Doc("Effects, by name.")] = field(
         default_factory=dict
     )
-    types: Annotated[dict[Name, TypeSpec], Doc("Types, by name.")] = field(default_factory=dict)
-    layouts: Annotated[dict[Name, LayoutSpec], Doc("Layouts shared by several messages, by name.")] = field(
+    states: Annotated[
+        dict[Annotated[Name, Defines("state")], StateSpec], Doc("States, by name; the first is that after power-up.")
+    ] = field(default_factory=dict)
+    types: Annotated[dict[Annotated[Name, Defines("type")], TypeSpec], Doc("Types, by name.")] = field(
         default_factory=dict
     )
-    tables: Annotated[dict[Name, TableSpec], Doc("Tables, by name.")] = field(default_factory=dict)
-    commands: Annotated[dict[Name, CommandSpec], Limits(min_length=1), Doc("Commands, by name.")]
+    layouts: Annotated[
+        dict[Annotated[Name, Defines("layout")], LayoutSpec], Doc("Layouts shared by several messages, by name.")
+    ] = field(default_factory=dict)
+    tables: Annotated[dict[Annotated[Name, Defines("table")], TableSpec], Doc("Tables, by name.")] = field(
+        default_factory=dict
+    )
+    commands: Annotated[
+        dict[Annotated[Name, Defines("command")], CommandSpec], Limits(min_length=1), Doc("Commands, by name.")
+    ]
     errata: Annotated[list[ErratumSpec], Doc("Errata, in the order of the manual.")] = field(default_factory=list)
 
 

@@ -2,52 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from decimal import Decimal
-from typing import Any
 
 from ..diagnostics.diagnostic import MAX_FINDINGS, Diagnostic, DocumentPath, with_number_of_others
 from ..document.document import Document
+from .concept import Defines, Ref
+from .names import Definition, Names, Reference
 
 
 class Findings:
-    """The findings about a document; `invalid` are the paths of omitted values."""
+    """The findings about a document, and the names in it; `languages` are those of its texts, if they are known."""
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, languages: Sequence[str]) -> None:
         self._document = document
-        self._listed = list(document.findings)
-        self.invalid = set(document.unreadable)
-        self._most = len(self._listed) + MAX_FINDINGS
-        self._more = 0
+        self._languages = languages
+        self._unlisted: set[str] = set()
+        """Languages of texts that are not in `languages`."""
+        self._listed: list[Diagnostic] = []
+        self.number = 0
+        """The number of findings so far."""
+        self.names = Names()
 
     @property
     def is_full(self) -> bool:
         """Whether further findings are only counted."""
-        return len(self._listed) >= self._most
+        return len(self._listed) >= MAX_FINDINGS
 
     @property
     def findings(self) -> list[Diagnostic]:
         """The findings so far; the last one states how many more there are."""
-        return with_number_of_others(self._listed, self._more)
+        return with_number_of_others(self._listed, self.number - len(self._listed))
 
-    def finding(
-        self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False, about: str = ""
-    ) -> None:
-        """Adds a finding at a path; `about` is a missing key of the mapping at this path."""
-        self.invalid.add((*path, about) if about else path)
-        if self.is_full:
-            self._more += 1
-        else:
+    def finding(self, path: DocumentPath, rule: str, message: str, hint: str = "", *, key: bool = False) -> None:
+        """Adds a finding at a path."""
+        self.number += 1
+        if not self.is_full:
             message = message[:1].lower() + message[1:]
             self._listed.append(self._document.finding(path, rule, message, hint, key=key))
 
-    def is_unreadable(self, path: DocumentPath) -> bool:
-        """Whether the value at a path already has a finding about its YAML."""
-        return path in self._document.unreadable
+    def add_name(self, role: Defines | Ref, name: str, path: DocumentPath, owner: str, key: bool) -> None:
+        """Adds a name that is defined or referred to at a path."""
+        owner = owner if role.of else ""
+        if isinstance(role, Defines):
+            self.names.definitions.append(Definition(path, role.kind, name, owner))
+        elif name not in role.words:
+            self.names.references.append(Reference(path, role.kind, name, owner, key, role.words))
 
-    def has_unreadable_key(self, path: DocumentPath, data: Mapping[str, Any]) -> bool:
-        """Whether the mapping at a path has an unreadable key, which is not in its data."""
-        return any(one[:-1] == path and one and one[-1] not in data for one in self._document.unreadable)
+    def no_text(self) -> dict[str, str]:
+        """The text in every language for a key that is omitted."""
+        return dict.fromkeys(self._languages, "")
+
+    def translated(self, path: DocumentPath, written: str | Mapping[str, str]) -> dict[str, str]:
+        """A text in every language; a plain text is that of the only language."""
+        if isinstance(written, str):
+            if len(self._languages) > 1:
+                texts = ", ".join(f"{language}: …" for language in self._languages)
+                text = "this text is in one language only"
+                self.finding(path, "missing-language", text, f"write {{{texts}}}")
+            return dict.fromkeys(self._languages, written)
+        for language in self._languages:
+            if language not in written:
+                hint = f"add {language}: …, or remove `{language}` from `languages`"
+                self.finding(path, "missing-language", f"this text has no `{language}`", hint)
+        for language in written.keys() - {*self._languages, *self._unlisted} if self._languages else ():
+            self._unlisted.add(language)
+            hint = f"remove it, or write languages: [{', '.join((*self._languages, language))}]"
+            text = f"`languages` of the edition does not contain `{language}`"
+            self.finding((*path, language), "missing-language", text, hint, key=True)
+        return {language: written.get(language, "") for language in self._languages}
 
     def is_type(self, name: object) -> bool:
         """Whether the document defines a type of this name."""

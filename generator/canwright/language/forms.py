@@ -15,7 +15,20 @@ from typing import Annotated, Any, Literal, NamedTuple, Union
 
 from ..diagnostics.diagnostic import DocumentPath
 from . import aliases, notation, suggestions
-from .concept import Choose, Concept, DeclaredKey, JsonSchema, Limits, Notation, keys, metadata, per_concept
+from .concept import (
+    Choose,
+    Concept,
+    DeclaredKey,
+    Defines,
+    JsonSchema,
+    Limits,
+    Notation,
+    Ref,
+    Translated,
+    keys,
+    metadata,
+    per_concept,
+)
 from .findings import Findings
 
 
@@ -36,9 +49,11 @@ class Location(NamedTuple):
     path: DocumentPath
     key: DeclaredKey | None = None
     is_key: bool = False
+    owner: str = ""
+    """The nearest definition that contains the value, or to which a key around it refers."""
 
     def at(self, step: str | int, key: DeclaredKey | None = None) -> Location:
-        return Location((*self.path, step), key or self.key)
+        return Location((*self.path, step), key or self.key, owner=self.owner)
 
     @property
     def last(self) -> str:
@@ -81,9 +96,10 @@ class Form(ABC):
 
 @dataclass(frozen=True)
 class TextForm(Form):
-    """A text, or a name with a pattern."""
+    """A text, or a name with a pattern and, if it is that of a definition, a role."""
 
     limits: Limits
+    role: Defines | Ref | None = None
 
     def decode(self, report: Findings, data: Any, location: Location) -> Any:
         if not isinstance(data, str):
@@ -97,6 +113,8 @@ class TextForm(Form):
         if limits.pattern is None or re.search(_pattern(limits.pattern), data):
             if limits.pattern == suggestions.DATE and not suggestions.is_day(data):
                 return self._value(report, location, f"`{data}` is not a date", "this month has fewer days")
+            if self.role:
+                report.add_name(self.role, data, location.path, location.owner, location.is_key)
             return data
         if limits.pattern == suggestions.VISIBLE:
             return self._value(report, location, "this text is blank", "write one, or omit the key")
@@ -121,12 +139,15 @@ class IntegerForm(Form):
     """An integer."""
 
     limits: Limits
+    role: Defines | Ref | None = None
 
     def decode(self, report: Findings, data: Any, location: Location) -> Any:
         if not isinstance(data, int) or isinstance(data, bool):
             shown = suggestions.as_yaml(data)
             text = f"`{shown}` is not a whole number" if is_scalar(data) else "expected a whole number here"
-            return self._value(report, location, text, suggestions.integer(data))
+            return self._value(
+                report, location, text, aliases.raw_integer(location.path[:-1]) or suggestions.integer(data)
+            )
         low, high = self.limits.ge, self.limits.le
         if low is not None and data < low:
             shown = report.written(location.path, data)
@@ -135,6 +156,8 @@ class IntegerForm(Form):
             hint = aliases.limit(data, location.path) or self.describe(location)
             shown = report.written(location.path, data)
             return self._value(report, location, f"{shown} exceeds the maximum of {high}", hint)
+        if self.role:
+            report.add_name(self.role, str(data), location.path, location.owner, location.is_key)
         return data
 
     def schema(self, definitions: dict[str, JsonSchema]) -> JsonSchema:
@@ -190,6 +213,7 @@ class NotationForm(Form):
     """A value in a notation."""
 
     notation: Notation
+    role: Ref | None = None
 
     def decode(self, report: Findings, data: Any, location: Location) -> Any:
         takes = isinstance(data, (str, int, Decimal)) and (self.notation.any_scalar or not isinstance(data, bool))
@@ -198,7 +222,11 @@ class NotationForm(Form):
                 raise ValueError(f"expected {self.notation.expected}")
             if len(str(data)) > notation.LONGEST:
                 raise ValueError(f"this has more than {notation.LONGEST} characters; expected {self.notation.expected}")
-            return self.notation.parse(data if self.notation.any_scalar else notation.text_of(data))
+            value = self.notation.parse(data if self.notation.any_scalar else notation.text_of(data))
+            for name in dict.fromkeys(self.notation.names(value)) if self.role else ():
+                if self.role and name is not None:
+                    report.add_name(self.role, name, location.path, location.owner, location.is_key)
+            return value
         except ValueError as error:
             hint = aliases.notation(data, self.notation.parse) if len(str(data)) <= notation.LONGEST else ""
             hint = (
@@ -232,9 +260,7 @@ class ListForm(Form):
             return self._type(report, location, f"expected a list here, not {kind_of(data)}", hint)
         if not _has_valid_size(self, report, data, location, self.limits):
             return INVALID
-        items = ((location.at(i), one) for i, one in enumerate(data))
-        decoded = [self.item.decode(report, one, at) for at, one in items if not report.is_unreadable(at.path)]
-        return [one for one in decoded if one is not INVALID]
+        return [self.item.decode(report, item, location.at(i)) for i, item in enumerate(data)]
 
     def schema(self, definitions: dict[str, JsonSchema]) -> JsonSchema:
         return {"type": "array", "items": self.item.schema(definitions), **_limits(self.limits, "Items")}
@@ -258,19 +284,15 @@ class MapForm(Form):
         if self._is_reversed(data):
             text = "names and values are reversed here"
             return self._value(report, location, text, f"write {aliases.names_first(data)}")
-        if report.has_unreadable_key(location.path, data) and not data:
-            return INVALID
         if not _has_valid_size(self, report, data, location, self.limits):
             return INVALID
         decoded = {}
+        owns = getattr(self.name, "role", None) is not None
         for name, value in data.items():
             here = location.at(name)
-            if not report.is_unreadable(here.path):
-                decoded_name = self.name.decode(report, name, Location(here.path, location.key, is_key=True))
-                decoded_value = self.value.decode(report, value, here)
-                if decoded_name is not INVALID and decoded_value is not INVALID:
-                    decoded[decoded_name] = decoded_value
-        return decoded if decoded or not data else INVALID
+            decoded_name = self.name.decode(report, name, here._replace(key=location.key, is_key=True))
+            decoded[decoded_name] = self.value.decode(report, value, here._replace(owner=name) if owns else here)
+        return decoded
 
     def _is_reversed(self, data: dict[str, Any]) -> bool:
         """Whether the keys are numbers and the values are names."""
@@ -305,60 +327,46 @@ class ConceptForm(Form):
             text = "`by` is missing here"
             report.finding(location.path, "missing-key", text, aliases.by(data) or _about(*known["by"]), key=True)
             return INVALID
+        before = report.number
         values: dict[str, Any] = {}
-        suggested = self._report_unknown_keys(report, data, location, values) if not cases else set()
+        suggested = self._report_unknown_keys(report, data, location) if not cases else set()
         for name, (key, form) in known.items():
             if name in data:
-                if not report.is_unreadable((*location.path, name)):
-                    values[name] = form.decode(report, data[name], location.at(name, key))
+                values[name] = form.decode(report, data[name], location.at(name, key))
             elif key.required and name not in suggested:
-                text = f"`{name}` is missing here"
-                report.finding(location.path, "missing-key", text, _about(key, form), key=True, about=name)
+                report.finding(location.path, "missing-key", f"`{name}` is missing here", _about(key, form), key=True)
+            elif isinstance(form, TranslatedForm):
+                values[name] = report.no_text()
         if cases:
-            form = _rest(self.concept)
             rest = {name: value for name, value in data.items() if name not in known}
-            values[cases] = form.decode(report, rest, location)
-        return self._instance(report, {name: value for name, value in values.items() if value is not INVALID})
+            values[cases] = _rest(self.concept).decode(report, rest, location._replace(owner=str(data["by"])))
+        if report.number > before:
+            return INVALID
+        instance = self.concept(**values)
+        for problem in instance.problems(location.last):
+            path = (*location.path, *problem.path)
+            report.finding(path, problem.rule, problem.message, problem.hint, key=problem.key)
+        return instance
 
-    def _report_unknown_keys(
-        self, report: Findings, data: dict[str, Any], location: Location, values: dict[str, Any]
-    ) -> set[str]:
-        """Reports unknown keys, and decodes misspelled ones into `values`; returns the keys that the hints suggest."""
+    def _report_unknown_keys(self, report: Findings, data: dict[str, Any], location: Location) -> set[str]:
+        """Reports unknown keys, and findings in misspelled ones; returns the keys that the hints suggest."""
         known = declared(self.concept)
-        suggested = set(known) if report.has_unreadable_key(location.path, data) else set()
+        suggested: set[str] = set()
         for name, value in data.items():
             if name in known:
                 continue
-            here = location.at(name)
-            if report.is_unreadable(here.path):
-                suggested |= {key for key in known if name.startswith(key)}
-                continue
+            path, text = (*location.path, name), f"unknown key `{name}`"
             if report.is_full:  # hints take long, and are not shown
-                report.invalid.add(here.path)
+                report.finding(path, "unknown-key", text)
                 continue
             corrected = suggestions.corrected_key(name, known, data)
             hint = suggestions.unknown_key(self.concept, name, value, data)
-            report.finding(here.path, "unknown-key", f"unknown key `{name}`", hint, key=True)
-            before = len(report.invalid)
-            if corrected and corrected not in values:
+            report.finding(path, "unknown-key", text, hint, key=True)
+            if corrected and corrected not in suggested:
                 key, form = known[corrected]
-                values[corrected] = form.decode(report, value, location.at(name, key))
-            likely = {corrected} if corrected else set(suggestions.likely_keys(self.concept, name, value, data))
-            suggested |= likely
-            if not corrected or len(report.invalid) > before:
-                report.invalid |= {(*location.path, key) for key in likely}
+                form.decode(report, value, location.at(name, key))
+            suggested |= {corrected} if corrected else set(suggestions.likely_keys(self.concept, name, value, data))
         return suggested
-
-    def _instance(self, report: Findings, values: dict[str, Any]) -> Any:
-        """The concept; values of its example replace required values that are missing or invalid."""
-        for name, (key, form) in declared(self.concept).items():
-            if key.required and name not in values:
-                if name not in self.concept.example:
-                    return INVALID
-                example = self.concept.example[name]
-                is_empty = example in ({}, [])
-                values[name] = example if is_empty else form.decode(report, example, Location(("", name), key))
-        return self.concept(**values) if not self.concept.cases or self.concept.cases in values else INVALID
 
     def schema(self, definitions: dict[str, JsonSchema]) -> JsonSchema:
         if self.concept.__name__ not in definitions:
@@ -420,17 +428,39 @@ class UnionForm(Form):
         return {"anyOf" if overlap else "oneOf": forms}
 
 
-def form_of(annotation: Any, limits: Limits | None = None, choose: Choose | None = None) -> Form:
+@dataclass(frozen=True)
+class TranslatedForm(Form):
+    """A text in every language of the file."""
+
+    written: Form
+
+    def decode(self, report: Findings, data: Any, location: Location) -> Any:
+        before = report.number
+        written = self.written.decode(report, data, location)
+        return INVALID if report.number > before else report.translated(location.path, written)
+
+    def schema(self, definitions: dict[str, JsonSchema]) -> JsonSchema:
+        return self.written.schema(definitions)
+
+
+def form_of(
+    annotation: Any,
+    limits: Limits | None = None,
+    choose: Choose | None = None,
+    role: Defines | Ref | None = None,
+) -> Form:
     """The form of a type annotation."""
     if typing.get_origin(annotation) is Annotated:
-        written = metadata(annotation, Notation)
-        if written:
-            return NotationForm(written)
+        role = metadata(annotation, Defines) or metadata(annotation, Ref) or role
+        if written := metadata(annotation, Notation):
+            return NotationForm(written, role if isinstance(role, Ref) else None)
+        if translated := metadata(annotation, Translated):
+            return TranslatedForm(form_of(translated.written))
         inner = metadata(annotation, Limits) or limits
-        return form_of(typing.get_args(annotation)[0], inner, metadata(annotation, Choose) or choose)
+        return form_of(typing.get_args(annotation)[0], inner, metadata(annotation, Choose) or choose, role)
     limits, origin, arguments = limits or Limits(), typing.get_origin(annotation), typing.get_args(annotation)
     if origin in (Union, types.UnionType):
-        forms = [form_of(part, limits, choose) for part in arguments if part is not type(None)]
+        forms = [form_of(part, limits, choose, role) for part in arguments if part is not type(None)]
         return forms[0] if len(forms) == 1 else _either(forms, choose)
     if origin is list:
         return ListForm(form_of(arguments[0]), limits)
@@ -439,16 +469,16 @@ def form_of(annotation: Any, limits: Limits | None = None, choose: Choose | None
     if origin is Literal:
         return ChoiceForm({word: word for word in arguments})
     if issubclass(annotation, Enum):
-        return ChoiceForm({one.value: one for one in annotation})
+        return ChoiceForm({member.value: member for member in annotation})
     if issubclass(annotation, Concept):
         return ConceptForm(annotation)
-    return {str: TextForm(limits), int: IntegerForm(limits), bool: BooleanForm()}[annotation]
+    return {str: TextForm(limits, role), int: IntegerForm(limits, role), bool: BooleanForm()}[annotation]
 
 
 def _either(forms: list[Form], choose: Choose | None) -> UnionForm:
     nested = [form for form in forms if isinstance(form, UnionForm)]
     flat = [form for form in forms if not isinstance(form, UnionForm)]
-    flat += [one for form in nested for one in (*form.scalars, *form.lists, *form.mappings)]
+    flat += [part for form in nested for part in (*form.scalars, *form.lists, *form.mappings)]
     mappings = [form for form in flat if isinstance(form, (MapForm, ConceptForm))]
     lists = [form for form in flat if isinstance(form, ListForm)]
     scalars = [form for form in flat if not isinstance(form, (MapForm, ConceptForm, ListForm))]
@@ -487,14 +517,14 @@ def _about(key: DeclaredKey, form: Form | None = None) -> str:
 
 
 def _limits(limits: Limits, of: str) -> JsonSchema:
-    found = {f"min{of}": limits.min_length, f"max{of}": limits.max_length, "pattern": limits.pattern}
-    return {key: limit for key, limit in found.items() if limit is not None}
+    named = {f"min{of}": limits.min_length, f"max{of}": limits.max_length, "pattern": limits.pattern}
+    return {key: limit for key, limit in named.items() if limit is not None}
 
 
 def _of_key(key: DeclaredKey, form: Form, definitions: dict[str, JsonSchema]) -> JsonSchema:
     default = key.default.value if isinstance(key.default, Enum) else key.default
     examples = {"examples": list(key.doc.examples)} if key.doc.examples else {}
-    plain = isinstance(default, (str, int, list, dict)) and not key.required
+    plain = isinstance(default, (str, int, list, dict)) and not key.required and not isinstance(form, TranslatedForm)
     return {
         **form.schema(definitions),
         "description": key.doc.description,

@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 from ..model.message import Direction
 from ..model.refusal import Refusal
 from . import notation
-from .concept import Choose, Concept, Doc, Limits, Notation
+from .concept import Choose, Concept, Defines, Doc, Limits, Notation, Ref
 from .scalar_types import Name, Text
 
 Data = Annotated[
@@ -43,7 +43,7 @@ ParameterValue = Annotated[int | str, Notation(_parameter_value, "a number or a 
 class SourcedSpec(Concept):
     """The source of an entry, and what is known about the node."""
 
-    source: Annotated[Name, Doc("A name of `sources`.")]
+    source: Annotated[Name, Ref("source"), Doc("A name of `sources`.")]
     manual: Annotated[str, Doc("Section of the source.", examples=("2.5",))] = ""
     note: Annotated[
         Text | None, Doc("A remark for readers of this entry, in each language; a plain text is in English.")
@@ -140,7 +140,7 @@ class GoldenFramesSpec(Concept):
     """The golden frames of one edition."""
 
     example = {"canwright": 1, "family": "lamp", "edition": "v1", "sources": {}, "frames": []}
-    other = (
+    other_file = (
         "commands",
         "this is a spec, not its golden frames",
         "write golden frames into a separate file, EDITION.frames.yaml beside EDITION.yaml",
@@ -150,7 +150,7 @@ class GoldenFramesSpec(Concept):
     family: Annotated[Name, Doc("Family of the edition.")]
     edition: Annotated[str, Doc("Name of the edition.")]
     sources: Annotated[
-        dict[Name, Text],
+        dict[Annotated[Name, Defines("source")], Text],
         Doc("Sources of the frames, by name.", examples=({"manual": "Examples of the manual."},)),
     ]
     frames: Annotated[list[GoldenFrameSpec], Doc("Frames and their meaning.")]

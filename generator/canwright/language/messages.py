@@ -1,14 +1,18 @@
 """Frames in the language: fields, layouts, messages, tables and commands."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
-from ..model.layout import MAX_DATA_BYTES
-from ..model.types import Encoding, Order
-from .concept import Choose, Concept, Doc, JsonSchema, Limits, keys
-from .scalar_types import Byte, CodeFormat, Indices, Name, Nodes, Only, Rational, Raw, Section, Start, Text
-from .types import Deprecated, Description, RenamedFrom
+from ..model.layout import MAX_DATA_BYTES, Space
+from ..model.types import Order
+from .concept import Choose, Concept, Doc, JsonSchema, Limits, Problem, Ref, keys
+from .scalar_types import Byte, CodeFormat, EditionText, Indices, Name, Nodes, Only, Rational, Raw, Section, Start
+from .types import Deprecated, Description, EffectName, RenamedFrom
+
+AddressName = Annotated[Name, Ref("address")]
+CommandName = Annotated[Name, Ref("command")]
+SettingName = Annotated[Name, Ref("setting")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +34,7 @@ class FieldSpec(Description):
     ]
     renamed_from: RenamedFrom = None
     deprecated: Deprecated = None
-    type: Annotated[Name | None, Doc("A type of this edition.")] = None
+    type: Annotated[Annotated[Name, Ref("type")] | None, Doc("A type of this edition.")] = None
     raw: Annotated[Raw | None, Doc("Format of a plain number, instead of a type.")] = None
     byte_order: Annotated[Order | None, Doc("Byte order of a plain number, if not that of the edition.")] = None
     array: Annotated[Indices | None, Doc("Indices of an array of adjacent elements.", examples=("1..4",))] = None
@@ -49,16 +53,33 @@ class FieldSpec(Description):
     ] = None
     manual: Annotated[Section | None, Doc("Section of the manual, if not that of the command.")] = None
 
-
-EMPTY_RAW: tuple[Encoding, int] = (Encoding.UNSIGNED, 1)
-"""The format for a field without one, so that its other keys can be checked."""
+    def problems(self, name: str) -> Iterable[Problem]:
+        if (self.type is None) == (self.raw is None):
+            both = self.type is not None
+            text = f"`{name}` has both `type` and `raw`" if both else f"`{name}` has neither `type` nor `raw`"
+            hint = "write, for example, raw: u8 for a plain number"
+            hint = "keep `type` for a type, or `raw` for a plain number" if both else hint
+            yield Problem((), "field-type", text, hint)
+        if self.type is not None and self.byte_order is not None:
+            hint = "move `byte_order` into the type, or write `raw` instead of `type`"
+            yield Problem(("byte_order",), "field-type", "the type defines the byte order", hint, key=False)
+        elif self.byte_order is not None and self.at.space is Space.ID:
+            text = "`byte_order` has no effect on a field in the id"
+            yield Problem(("byte_order",), "no-effect", text, "remove it; in the id, `at` is the least significant bit")
+        roles = [key for key in ("constant", "reserved", "holds") if getattr(self, key) is not None]
+        if len(roles) > 1:
+            hint = "keep `constant` if receivers check the value, or `reserved` if they ignore it"
+            if "holds" in roles:
+                hint = f"omit `{roles[0]}` if the value depends on the node; otherwise omit `holds`"
+            text = f"`{name}` has both `{roles[0]}` and `{roles[1]}`"
+            yield Problem((roles[1],), "field-type", text, hint)
 
 
 Fields = Annotated[dict[Name, FieldSpec], Limits(max_length=1000)]
 
 
-LayoutOrName = Name | Fields
-"""A shared layout's name, or fields."""
+ENTRY = "entry"
+"""The word for the layout of the table entry, instead of the name of a layout."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,11 +105,11 @@ class MessageSpec(Concept):
     schema_extra: ClassVar[JsonSchema] = {"dependentSchemas": {"of": {"propertyNames": {"enum": ["of", "from_each"]}}}}
 
     layout: Annotated[
-        LayoutOrName | None,
+        Annotated[Name, Ref("layout", words=(ENTRY,))] | Fields | None,
         Doc("Fields, the name of a shared layout, or `entry` for the fields of the table entry."),
     ] = None
     fields: Annotated[Fields | None, Doc("Further fields, in addition to those of `layout`.")] = None
-    of: Annotated[Name | None, Doc("The command with this reply.")] = None
+    of: Annotated[CommandName | None, Doc("The command with this reply.")] = None
     from_each: Annotated[
         Nodes | None, Doc("The nodes that reply, one frame each, in this order.", examples=("1..4",))
     ] = None
@@ -103,7 +124,7 @@ class MessageSpec(Concept):
         ),
     ] = None
     accept: Annotated[list[Byte] | None, Limits(max_length=256), Doc("Further codes that a receiver accepts.")] = None
-    address: Annotated[Name | None, Doc("Address, if not that of the command.")] = None
+    address: Annotated[AddressName | None, Doc("Address, if not that of the command.")] = None
     dlc: Annotated[
         int | None, Limits(ge=0, le=MAX_DATA_BYTES), Doc("Number of data bytes, if not that of the bus.")
     ] = None
@@ -116,7 +137,10 @@ def _message_kind(value: Mapping[str, object]) -> int:
     return int(bool(set(value) & set(keys(MessageSpec))) and not names_fields)
 
 
-MessageOrName = Annotated[Name | Fields | MessageSpec, Choose(_message_kind)]
+Request = Annotated[Annotated[Name, Ref("layout", words=(ENTRY, "none"))] | Fields | MessageSpec, Choose(_message_kind)]
+Reply = Annotated[
+    Annotated[Name, Ref("layout", words=(ENTRY, "echo", "none"))] | Fields | MessageSpec, Choose(_message_kind)
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,13 +172,13 @@ class EntrySpec(Description):
         Annotated[list[Byte], Limits(min_length=1)] | Byte,
         Doc("Value of the index; a list, possibly shorter, if the index is a list."),
     ]
-    layout: Annotated[LayoutOrName, Doc("Fields, or the name of a shared layout.")]
+    layout: Annotated[Annotated[Name, Ref("layout")] | Fields, Doc("Fields, or the name of a shared layout.")]
     renamed_from: RenamedFrom = None
     kind: Annotated[
         Name | None, Doc("Kind of entry, a name that you choose, if the codes of a command depend on it.")
     ] = None
     commands: Annotated[
-        list[Name] | None,
+        list[CommandName] | None,
         Limits(min_length=1),
         Doc(
             "The commands with this entry, if not all commands of the table; for example, of a read-only entry.",
@@ -167,8 +191,8 @@ class EntrySpec(Description):
         Doc("Number of data bytes of messages with this layout, if not that of other entries."),
     ] = None
     only: Only = None
-    effects: Annotated[list[Name], Doc("Effects of writing this entry, in addition to those of the command.")] = field(
-        default_factory=list
+    effects: Annotated[list[EffectName], Doc("Effects of writing this entry, in addition to those of the command.")] = (
+        field(default_factory=list)
     )
     manual: Annotated[Section | None, Doc("Section of the manual, if not that of the command.")] = None
 
@@ -219,9 +243,12 @@ class CommandSpec(Description):
             examples=("read_param",),
         ),
     ] = None
-    address: Annotated[Name | None, Doc("Address, if not the first.")] = None
-    mode: Annotated[Name | None, Doc("Bus mode, if not the first.")] = None
-    table: Annotated[Name | None, Doc("Table; the command then has one form for each entry, `COMMAND_ENTRY`.")] = None
+    address: Annotated[AddressName | None, Doc("Address, if not the first.")] = None
+    mode: Annotated[Annotated[Name, Ref("mode")] | None, Doc("Bus mode, if not the first.")] = None
+    table: Annotated[
+        Annotated[Name, Ref("table")] | None,
+        Doc("Table; the command then has one form for each entry, `COMMAND_ENTRY`."),
+    ] = None
     manual: Annotated[Section | None, Doc("Section of the manual, in quotes.", examples=("2.10",))] = None
     only: Only = None
     reply_within_ms: Annotated[
@@ -229,22 +256,70 @@ class CommandSpec(Description):
     ] = None
     implemented: Annotated[bool, Doc("False if the manual states that it is not implemented.")] = True
     request: Annotated[
-        MessageOrName | None,
+        Request | None,
         Doc(
             "Fields, the name of a shared layout, `entry` (the fields of the table entry), or `none` for a frame that "
             "nodes send without a request. Without this key, the request has no fields."
         ),
     ] = None
     reply: Annotated[
-        MessageOrName | None,
+        Reply | None,
         Doc(
             "Fields, the name of a shared layout, `echo` (the reply repeats the request), `entry` (the fields of the "
             "table entry) or `none`."
         ),
     ] = None
-    effects: Annotated[list[Name], Doc("Side effects; names of `effects`.")] = field(default_factory=list)
-    limited_by: Annotated[list[Name], Doc("Settings that limit it.")] = field(default_factory=list)
-    not_limited_by: Annotated[list[Name], Doc("Settings that do not limit it, contrary to expectation.")] = field(
-        default_factory=list
+    effects: Annotated[list[EffectName], Doc("Side effects; names of `effects`.")] = field(default_factory=list)
+    limited_by: Annotated[list[SettingName], Doc("Settings that limit it.")] = field(default_factory=list)
+    not_limited_by: Annotated[list[SettingName], Doc("Settings that do not limit it, contrary to expectation.")] = (
+        field(default_factory=list)
     )
-    notes: Annotated[list[Text], Doc("Further information for users.")] = field(default_factory=list)
+    notes: Annotated[list[EditionText], Doc("Further information for users.")] = field(default_factory=list)
+
+    def problems(self, name: str) -> Iterable[Problem]:
+        if self.reply is None:
+            hint = "write fields, the name of a layout, `echo`, or `none`"
+            yield Problem((), "missing-reply", f"`{name}` has no `reply`", hint)
+        elif self.request == self.reply == "none":
+            hint = "omit `request` if the request has only a code, or define the reply"
+            text = f"`{name}` has neither a request nor a reply"
+            yield Problem(("request",), "missing-reply", text, hint, key=False)
+        elif self.request == "none" and self.reply == "echo":
+            text = f"`{name}` has no request to repeat"
+            yield Problem(("reply",), "echo-of-nothing", text, "define the reply, or write `none`", key=False)
+        if isinstance(self.request, MessageSpec):
+            yield from _without_effect("request", self.request, REPLY_KEYS, "a request", "remove it")
+        if isinstance(self.reply, MessageSpec) and self.reply.of is not None:
+            hint = "remove it, or remove `of` and define the reply here"
+            further = set(keys(MessageSpec)) - REPLY_KEYS
+            yield from _without_effect("reply", self.reply, further, "the reply of another command", hint)
+        if self.table is None:
+            yield from self._entries_of_nothing(name)
+
+    def _entries_of_nothing(self, name: str) -> Iterator[Problem]:
+        """Findings about the keys that need the entry of a table."""
+        if isinstance(self.code, dict):
+            text = f"`{name}` has no table, so its code cannot depend on an entry"
+            hint = "write one code, or add the `table` of the command"
+            yield Problem(("code",), "entry-of-nothing", text, hint, key=False)
+        for key, message in (("request", self.request), ("reply", self.reply)):
+            layout = message.layout if isinstance(message, MessageSpec) else message
+            if layout == ENTRY:
+                text = f"`{name}` has no table, so `entry` is unknown"
+                yield Problem((key,), "entry-of-nothing", text, "add the `table` of the command", key=False)
+            if isinstance(message, MessageSpec) and isinstance(message.code, dict):
+                text = f"`{name}` has no table, so its code cannot depend on an entry"
+                hint = "write one code, or add the `table` of the command"
+                yield Problem((key, "code"), "entry-of-nothing", text, hint, key=False)
+
+
+REPLY_KEYS = frozenset(("of", "from_each"))
+"""Keys of replies only; a reply with `of` has no others."""
+
+
+def _without_effect(
+    key: str, written: MessageSpec, names: Collection[str], concept: str, hint: str
+) -> Iterator[Problem]:
+    for name in sorted(names):
+        if getattr(written, name) is not None:
+            yield Problem((key, name), "no-effect", f"`{name}` has no effect on {concept}", hint)

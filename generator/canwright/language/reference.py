@@ -66,7 +66,7 @@ def explained(word: str) -> Iterator[str]:
     for _, key in own:
         if key not in shown:
             shown.add(key)
-            names = ", ".join(f"`{other.name}`" for other, same in own if same == key)
+            names = ", ".join(f"`{concept.name}`" for concept, same in own if same == key)
             yield from _lines(f"{word} of {names}", key)
 
 
@@ -124,7 +124,7 @@ def _references(schema: Any) -> Iterator[str]:
 def _keys(schema: JsonSchema, known: JsonSchema) -> Iterator[KeyReference]:
     for name, of in schema["properties"].items():
         examples = next(_examples(of), ())
-        example = next((one for one in examples if isinstance(one, dict)), None)
+        example = next((item for item in examples if isinstance(item, dict)), None)
         shown = aliases.flow(example) if isinstance(example, dict) else ", ".join(map(aliases.flow, examples))
         default = of.get("default")
         yield KeyReference(

@@ -1,18 +1,23 @@
 """Types of scalars: names, texts, and notations with their JSON Schemas."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from ..model.types import Encoding, Range
 from . import notation
-from .concept import Doc, JsonSchema, Limits, Notation
+from .concept import Doc, JsonSchema, Limits, Notation, Ref, Translated
 from .notation import At, IdExpression
 from .suggestions import VISIBLE
 
 
-def _written(parse: Callable[[str], Any], example: str, schema: JsonSchema) -> Notation:
-    return Notation(parse, f"a number or a short text here, for example {example}", schema)
+def _written(
+    parse: Callable[[str], Any],
+    example: str,
+    schema: JsonSchema,
+    names: Callable[[Any], Iterable[str | None]] = lambda value: (),
+) -> Notation:
+    return Notation(parse, f"a number or a short text here, for example {example}", schema, names=names)
 
 
 def _number_or(pattern: str, *examples: str | int | float) -> JsonSchema:
@@ -36,11 +41,19 @@ Multiple = Annotated[
         notation.multiple,
         "0.01, 1/64 or 2/65535*size",
         _number_or(notation.MULTIPLE_PATTERN, 0.01, "1/64", "16.5/2048", "2/65535*size"),
+        lambda multiple: [multiple.parameter],
     ),
+    Ref("parameter"),
 ]
 Span = Annotated[
     Range,
-    _written(notation.span, "-850..850", _text_of(notation.RANGE_PATTERN, "-850..850", "0..100*size-1", "-size..size")),
+    _written(
+        notation.span,
+        "-850..850",
+        _text_of(notation.RANGE_PATTERN, "-850..850", "0..100*size-1", "-size..size"),
+        lambda span: [span.low.parameter, span.high.parameter],
+    ),
+    Ref("parameter"),
 ]
 Nodes = Annotated[range, _written(notation.nodes, "1..32", _text_of(notation.NODES_PATTERN, "1..32"))]
 Indices = Annotated[range, _written(notation.indices, "1..4", _text_of(notation.NODES_PATTERN, "1..4"))]
@@ -64,12 +77,18 @@ Byte = Annotated[int, Limits(ge=0)]
 Section = Annotated[str, Limits(min_length=1, max_length=80)]
 Line = Annotated[str, Limits(min_length=1, max_length=2000, pattern=VISIBLE)]
 Language = Literal["en", "zh"]
-Text = Annotated[
-    Line | dict[Language, Line],
+Text = Line | dict[Language, Line]
+"""A text as it is written."""
+EditionText = Annotated[
+    dict[str, str],
+    Translated(Text),
     Doc("A text in each language of the edition, or a plain text if the edition has one language."),
 ]
+"""A text in every language of the edition; empty without one."""
+ParameterName = Annotated[Name, Ref("parameter")]
 Only = Annotated[
-    dict[Name, Annotated[list[ValueName], Limits(min_length=1)]] | None,
+    dict[ParameterName, Annotated[list[Annotated[ValueName, Ref("value", of="parameter")]], Limits(min_length=1)]]
+    | None,
     Doc(
         "Parameter to the values for which this exists; without it, this always exists.",
         examples=({"model": ["A", "B"]},),

@@ -151,11 +151,11 @@ def unknown_key(concept: type[Concept], written: str, value: object, present: Ma
     if format_key and written.lower() in _SYNONYMS["raw"]:
         several = ", or write `array: 1..4` for several values" if "array" in known else ""
         return f"remove it, because `{format_key}` defines the width and the sign{several}"
-    owners = _owners(written, known)
+    key, owners = _owners(written, known)
     if owners:
-        return f"`{written}` belongs to {' or '.join(owners[:3])}" + (
-            _REMEDIES.get(owners[0], "") if len(owners) == 1 else ""
-        )
+        meant = f"`{written}`" if key == written else f"did you mean `{key}`? It"
+        remedy = _REMEDIES.get(owners[0], "") if len(owners) == 1 else ""
+        return f"{meant} belongs to {' or '.join(owners[:3])}{remedy}"
     return _listed(sorted(known))
 
 
@@ -177,11 +177,11 @@ def _is_field(value: object) -> bool:
     return isinstance(value, dict) and "at" in value
 
 
-def _owners(written: str, known: Collection[str]) -> list[str]:
-    """The concepts that have a key, or a synonym of it."""
+def _owners(written: str, known: Collection[str]) -> tuple[str, list[str]]:
+    """A key, or another key of which it is a synonym, and the concepts that have it."""
     names = [written, *(name for name, words in _SYNONYMS.items() if written.lower() in words)]
-    owners = ([one.called for one in Concept.all if name in keys(one)] for name in names if name not in known)
-    return next((called for called in owners if called), [])
+    owners = ((name, [c.called for c in Concept.all if name in keys(c)]) for name in names if name not in known)
+    return next(((name, called) for name, called in owners if called), ("", []))
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -270,8 +270,8 @@ def integer(written: object) -> str:
 def word(written: str, known: Iterable[str]) -> str:
     """The most likely of several words; all of them without a likely one."""
     words, lower = list(known), written.lower()
-    contained = next((one for one in words if one in lower), None)
-    synonym = next((one for one in words if lower.replace("_", "-") in _WORDS.get(one, ())), None)
+    contained = next((candidate for candidate in words if candidate in lower), None)
+    synonym = next((candidate for candidate in words if lower.replace("_", "-") in _WORDS.get(candidate, ())), None)
     listed = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else "".join(words)
     return synonym or near(lower, words) or contained or listed
 
@@ -281,8 +281,10 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
     if written.strip().lower() in ("", "-", "none", "raw", "1", "n/a", "no unit", "unitless"):
         return "omit `unit` for a plain number"
     spellings = {spelling.casefold(): u for u in units.values() for spelling in (u.symbol, u.title["en"], u.dbc)}
-    spellings |= {other: units[name] for name, others in _UNIT_SPELLINGS.items() if name in units for other in others}
-    spellings |= {f"{one}s": u for one, u in spellings.items() if f"{one}s" not in spellings}
+    spellings |= {
+        spelling: units[name] for name, several in _UNIT_SPELLINGS.items() if name in units for spelling in several
+    }
+    spellings |= {f"{spelling}s": u for spelling, u in spellings.items() if f"{spelling}s" not in spellings}
     word = written.strip().casefold().replace("meter", "metre")
     likely = units.get(written) or spellings.get(word) or units.get(_COUNT_WORDS.sub("count", word))
     if likely:
@@ -300,7 +302,7 @@ def layout(written: str, known: Sequence[str], commands: Collection[str], types:
         return f"`{written}` is a type: write a field, {{{written}: {{at: 0, type: {written}}}}}"
     if written.lower() in ("remote", *REMOTE):
         return "write {remote: true} for a remote frame"
-    word = next((one for one in known if written.lower() in _SYNONYMS.get(one, ())), None)
+    word = next((candidate for candidate in known if written.lower() in _SYNONYMS.get(candidate, ())), None)
     likely = word or near(written, known)
     return f"did you mean `{likely}`?" if likely else f"{nearest(written, known)}, or fields".removeprefix(", or ")
 

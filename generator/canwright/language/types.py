@@ -1,20 +1,23 @@
 """Types of the language: conversions of raw bits to values."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
-from ..model.types import Order
-from .concept import Concept, Doc, JsonSchema, Limits
-from .scalar_types import EditionName, Multiple, Name, Raw, Span, Text
+from ..model.types import Encoding, Order
+from .concept import Concept, Doc, JsonSchema, Limits, Problem, Ref
+from .scalar_types import EditionName, EditionText, Multiple, Name, ParameterName, Raw, Span
 
 
 @dataclass(frozen=True, kw_only=True)
 class Description(Concept):
     """A title and a text."""
 
-    title: Annotated[Text | None, Doc("A few words, used as a heading.")] = None
-    about: Annotated[Text | None, Doc("One or two sentences for users.")] = None
+    title: Annotated[EditionText, Doc("A few words, used as a heading.")] = field(default_factory=dict)
+    about: Annotated[EditionText, Doc("One or two sentences for users.")] = field(default_factory=dict)
 
+
+EffectName = Annotated[Name, Ref("effect")]
 
 RenamedFrom = Annotated[
     Name | None,
@@ -49,6 +52,7 @@ Deprecated = Annotated[
 ]
 
 
+ParameterValueName = Annotated[str, Ref("value", of="parameter")]
 CaseMultiple = Literal["none"] | Multiple
 CaseSpan = Literal["none"] | Span
 
@@ -59,8 +63,8 @@ class ScaleBy(Concept):
 
     cases: ClassVar[str] = "by_value"
 
-    by: Annotated[Name, Doc("The parameter; its values are the other keys.")]
-    by_value: dict[str, CaseMultiple]
+    by: Annotated[ParameterName, Doc("The parameter; its values are the other keys.")]
+    by_value: dict[ParameterValueName, CaseMultiple]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,8 +73,8 @@ class OffsetBy(Concept):
 
     cases: ClassVar[str] = "by_value"
 
-    by: Annotated[Name, Doc("The parameter; its values are the other keys.")]
-    by_value: dict[str, CaseMultiple]
+    by: Annotated[ParameterName, Doc("The parameter; its values are the other keys.")]
+    by_value: dict[ParameterValueName, CaseMultiple]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,8 +83,8 @@ class RangeBy(Concept):
 
     cases: ClassVar[str] = "by_value"
 
-    by: Annotated[Name, Doc("The parameter; its values are the other keys.")]
-    by_value: dict[str, CaseSpan]
+    by: Annotated[ParameterName, Doc("The parameter; its values are the other keys.")]
+    by_value: dict[ParameterValueName, CaseSpan]
 
 
 Scale = Literal["none"] | Multiple | ScaleBy
@@ -94,7 +98,7 @@ class MemberSpec(Description):
 
     value: Annotated[int, Doc("The raw value with this name.")]
     without_effects: Annotated[
-        list[Name], Doc("Effects that a command does not have if its request contains this value.")
+        list[EffectName], Doc("Effects that a command does not have if its request contains this value.")
     ] = field(default_factory=list)
     renamed_from: RenamedFrom = None
     deprecated: Deprecated = None
@@ -126,7 +130,7 @@ class TypeSpec(Description):
 
     raw: Annotated[Raw, Doc("Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64.")]
     byte_order: Annotated[Order | None, Doc("Overrides the edition's byte order.")] = None
-    unit: Annotated[str | None, Doc("A unit of units.yaml; omitted for a plain number.")] = None
+    unit: Annotated[Annotated[str, Ref("unit")] | None, Doc("A unit of units.yaml; omitted for a plain number.")] = None
     scale: Annotated[
         Scale | None,
         Doc(
@@ -165,4 +169,22 @@ class TypeSpec(Description):
             ),
         ),
     ] = None
-    differs: Annotated[Text | None, Doc("The reason why this scale or unit differs from that of similar types.")] = None
+    differs: Annotated[EditionText, Doc("The reason why this scale or unit differs from that of similar types.")] = (
+        field(default_factory=dict)
+    )
+
+    def problems(self, name: str) -> Iterable[Problem]:
+        if self.raw_range is not None and self.range is not None:
+            yield Problem(("range",), "two-ranges", "there are both `range` and `raw_range`", "keep one", key=False)
+        if self.raw_range is not None and self.raw[0] is Encoding.FLOAT:
+            text = "`raw_range` is in raw integers, but this is a float"
+            yield Problem(("raw_range",), "two-ranges", text, "write `range`")
+        if self.scale != "none":
+            return
+        for key in ("offset", "plausible"):
+            if getattr(self, key) is not None:
+                text = f"`{key}` is in the unit, but there is no scale"
+                yield Problem((key,), "two-ranges", text, "remove it, or write a scale")
+        if self.range is not None:
+            text = "`range` is in the unit, but there is no scale"
+            yield Problem(("range",), "two-ranges", text, "write `raw_range` in raw integers")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated
 
 from ..compare import CHANGES, Category, Change, Impact
-from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, nearest
+from ..diagnostics.diagnostic import Diagnostic, Severity, nearest
 from ..document.toml import read_toml
 from ..language.concept import Concept, Doc, Limits, Notation
 from ..language.decoder import decode
@@ -151,7 +151,4 @@ def configuration_file() -> Path | None:
 def read_configuration(file: Path) -> Configuration:
     """The configuration in a file. Raises SpecError with all findings, and OSError."""
     document = read_toml(file)
-    decoded = decode(document, Configuration)
-    if decoded.findings or decoded.value is None:
-        raise SpecError(decoded.findings)
-    return decoded.value
+    return decode(document, Configuration).value

@@ -1,4 +1,4 @@
-"""Loader of a spec file and its golden frames: read, decode, resolve, check."""
+"""Loader of a spec file and its golden frames, phase by phase; each phase reports all that it finds, then the run ends."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document.document import Document, read_document
 from ..language.decoder import decode
 from ..language.edition import EditionSpec
+from ..language.references import check_references
 from ..resolve.edition import resolve
-from ..resolve.golden_frames import resolve_golden_frames
 from ..rules.checker import check
 from ..rules.rule import CheckInput
 from ..targets.base import EditionInput
 from ..targets.registry import targets
 from ..templating.resources import SYNONYMS, UNITS
-from .golden_file import GoldenFile, read_golden_file
+from .golden_file import read_golden_file
 
 FRAMES_SUFFIX = ".frames.yaml"
 _NO_SPECS = (UNITS.name, SYNONYMS.name)
@@ -37,37 +37,18 @@ class Loaded:
 def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
     """The edition in `file`, with the golden frames beside it, unless `golden` is False.
 
-    `name` is the name of the file in findings; by default its path. Raises SpecError with all findings if one of them
-    is an error, and OSError.
+    `name` is the name of the file in findings; by default its path. Raises OSError, and SpecError with all findings of
+    the first phase with an error: YAML, keys and values, references, edition, golden frames, rules.
     """
-    frames = frames_file(file)
-    golden_file = read_golden_file(frames) if golden and frames.is_file() else GoldenFile()
-    try:
-        return _load(file, name, golden_file)
-    except SpecError as error:
-        raise SpecError([*error.diagnostics, *golden_file.findings]) from None
-
-
-def _load(file: Path, name: str | None, golden_file: GoldenFile) -> Loaded:
     document, content = read_document(file, name)
     decoded = decode(document, EditionSpec)
-    if decoded.value is None:
-        raise SpecError(decoded.findings)
-    spec = decoded.value
-    digest = hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
-    try:
-        edition, unresolved = resolve(document, spec, digest, decoded.invalid)
-    except SpecError as error:
-        raise SpecError([*decoded.findings, *error.diagnostics]) from None
-    names = {"family": edition.family, "edition": edition.name}
-    others = golden_file.other_edition({key: text for key, text in names.items() if (key,) not in decoded.invalid})
-    errors = [*decoded.findings, *unresolved.findings, *golden_file.findings, *others]
-    golden = None if golden_file.golden is None else resolve_golden_frames(edition, golden_file.golden)
-    subject = CheckInput(edition, spec, golden)
-    errors, warnings = check(subject, document, golden_file.document, errors, decoded.invalid, unresolved)
-    if errors:
-        raise SpecError([*errors, *warnings])
-    return Loaded(EditionInput(edition, golden), document, tuple(sorted(warnings, key=lambda d: d.place)))
+    check_references(document, decoded.names)
+    edition = resolve(document, decoded.value, hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest())
+    frames = frames_file(file)
+    golden_file = read_golden_file(frames, edition) if golden and frames.is_file() else None
+    golden_frames, frames_document = golden_file or (None, None)
+    warnings = check(CheckInput(edition, decoded.value, golden_frames), document, frames_document)
+    return Loaded(EditionInput(edition, golden_frames), document, tuple(sorted(warnings, key=lambda d: d.place)))
 
 
 def specification(file: Path) -> EditionInput:
@@ -78,10 +59,9 @@ def specification(file: Path) -> EditionInput:
 def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     """The editions of `files`, sorted by family and name. Raises SpecError with the findings of all files."""
     results = [_load_or_findings(file) for file in files]
-    if not all(isinstance(one, Loaded) for one in results):
-        raise SpecError(f for one in results for f in (one.warnings if isinstance(one, Loaded) else one))
-    result = [one for one in results if isinstance(one, Loaded)]
-    result.sort(key=lambda one: (one.specification.edition.family, one.specification.edition.name))
+    if not all(isinstance(result, Loaded) for result in results):
+        raise SpecError(f for result in results for f in (result.warnings if isinstance(result, Loaded) else result))
+    loaded = sorted((result for result in results if isinstance(result, Loaded)), key=_name)
     findings = [
         later.document.finding(
             ("edition",),
@@ -89,21 +69,21 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
             f"{earlier.document.name} describes {later.specification.edition.family} {later.specification.edition.name}, too",
             "rename one of the editions",
         )
-        for earlier, later in itertools.pairwise(result)
+        for earlier, later in itertools.pairwise(loaded)
         if _name(earlier) == _name(later)
     ]
     if findings:
         raise SpecError(findings)
-    editions = [one.specification.edition for one in result]
+    editions = [item.specification.edition for item in loaded]
     clashes = (clash for target in targets() for clash in target.collisions(editions))
-    documents = {one.specification.edition: one.document for one in result}
+    documents = {item.specification.edition: item.document for item in loaded}
     findings = [
         documents[edition].finding(("edition",), "name-collision", text, "rename this edition")
         for edition, text in clashes
     ]
     if findings:
         raise SpecError(findings)
-    return result
+    return loaded
 
 
 def _load_or_findings(file: Path) -> Loaded | Sequence[Diagnostic]:
@@ -114,8 +94,8 @@ def _load_or_findings(file: Path) -> Loaded | Sequence[Diagnostic]:
         return error.diagnostics
 
 
-def _name(one: Loaded) -> tuple[str, str]:
-    return one.specification.edition.family, one.specification.edition.name
+def _name(item: Loaded) -> tuple[str, str]:
+    return item.specification.edition.family, item.specification.edition.name
 
 
 def frames_file(file: Path) -> Path:

@@ -1,5 +1,5 @@
-"""Decoded spec to model: references, parameters, reply forms, bit positions.
+"""Decoded spec to model: parameters, types, layouts, reply forms, bit positions.
 
-Belongs here: the construction of an edition, with checks of references and of keys that exclude each other.
+Belongs here: the construction of an edition from a spec in which every name is defined.
 Imports `diagnostics`, `document`, `templating`, `model` and `language`.
 """

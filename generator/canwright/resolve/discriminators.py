@@ -41,9 +41,11 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
                 selected = _selected(message) if own else frozenset()
                 subsets = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
                 competing = (keys for keys in subsets if keys != selected or keys not in by_length)
-                others = [constants for keys in competing for constants in constants_of.get(keys, ())]
+                competitors = [constants for keys in competing for constants in constants_of.get(keys, ())]
                 names = (
-                    f.name for at, f in own.items() if any(_fixed_value(o.get(at)) != f.role.sent_raw for o in others)
+                    f.name
+                    for at, f in own.items()
+                    if any(_fixed_value(o.get(at)) != f.role.sent_raw for o in competitors)
                 )
                 deciding[message.name] = frozenset(names)
     for command in commands:
@@ -151,8 +153,8 @@ def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
         by_sending = [(m.keys[0].value, m) for _, m in own]
         by_accepting = [(value, m) for _, m in own for value in m.accepted_codes]
         for value, message in by_right + by_sending + by_accepting:
-            first, *others = message.keys
-            rest = tuple((k.segments, k.value) for k in others)
+            first, *further = message.keys
+            rest = tuple((k.segments, k.value) for k in further)
             length = None if message.remote else message.dlc
             place = (message.id, message.remote, length, first.space, first.segments, rest, value)
             if place not in taken:

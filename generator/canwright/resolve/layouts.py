@@ -7,7 +7,7 @@ import functools
 from collections.abc import Mapping, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language import aliases, edition as schema
+from ..language import edition as schema
 from ..language.notation import At, frame_bits
 from ..model.layout import (
     ConstantRole,
@@ -23,7 +23,8 @@ from ..model.layout import (
     Variant,
 )
 from ..model.types import Order, Parameter, Text, Type
-from .context import Context
+from .report import Limited, Report
+from .titles import implied_title, titled
 from .types import bare_type, deprecation
 
 
@@ -32,47 +33,44 @@ class LayoutResolver:
 
     def __init__(
         self,
-        context: Context,
-        order: Order,
+        report: Report,
+        spec: schema.EditionSpec,
         parameters: Mapping[str, Parameter],
         types: Mapping[str, Type],
     ) -> None:
-        self._context = context
-        self._order = order
+        self._report = report
+        self._order = spec.byte_order
+        self._languages: Sequence[str] = spec.languages
         self._parameters = parameters
         self._types = types
+        self._counted: set[DocumentPath] = set()
         self.bare_types: dict[str, Type] = {}
 
     def only(self, path: DocumentPath, written: Mapping[str, Sequence[str]] | None) -> dict[str, tuple[str, ...]]:
-        """A condition on parameters, with findings for invalid names."""
-        for name, values in (written or {}).items():
-            parameter = self._context.find((*path, "only", name), "parameter", name, self._parameters, key=True)
-            if parameter and not parameter.values and not self._context.is_invalid(("parameters", name)):
+        """A condition on parameters, with a finding for one that is not a choice."""
+        for name in written or {}:
+            if not self._parameters[name].is_choice:
                 text = f"`only` requires a choice, but `{name}` is a number"
-                self._context.report(
-                    (*path, "only", name), "parameter-kind", text, "use a parameter with `values`", key=True
-                )
-            known = {value.name: value for value in parameter.values} if parameter else {}
-            for i, value in enumerate(values if known else ()):
-                self._context.find((*path, "only", name, i), f"value of `{name}`:", value, known)
+                hint = "use a parameter with `values`"
+                self._report.finding((*path, "only", name), "parameter-kind", text, hint, key=True)
         return {name: tuple(values) for name, values in (written or {}).items()}
 
     def shared(self, path: DocumentPath, name: str, written: schema.LayoutSpec, fields_at: DocumentPath) -> Layout:
         """A shared layout; `fields_at` is the path of its fields."""
-        title = self._context.title(path, written.title, name)
-        about = self._context.text((*path, "about"), written.about)
-        return self._layout(path, fields_at, name, written.fields, title, about, written.manual or "", True)
+        title = titled(written.title, name)
+        return self._layout(path, fields_at, name, written.fields, title, written.about, written.manual or "", True)
 
     def own(self, path: DocumentPath, name: str, fields: schema.Fields, title: Text, manual: str) -> Layout:
         """The layout of one message."""
-        return self._layout(path, path, name, fields, title, self._context.text(path, None), manual, False)
+        about = dict.fromkeys(self._languages, "")
+        return self._layout(path, path, name, fields, title, about, manual, False)
 
     def joined(self, path: DocumentPath, name: str, layout: Layout, more: schema.Fields) -> Layout:
         """The layout of one message: the fields of another layout, and `more` fields at `path`."""
         own = self._layout(path, path, name, more, layout.title, layout.about, layout.manual, False)
         if None not in (own.parameter, layout.parameter) and own.parameter != layout.parameter:
             text = f"these fields depend on {own.parameter}, those of `{layout.name}` on {layout.parameter}"
-            self._context.report(path, "two-parameters", text, "define a separate layout for the command")
+            self._report.finding(path, "two-parameters", text, "define a separate layout for the command")
         fields, parameter = (*own.fields, *layout.fields), own.parameter or layout.parameter
         return dataclasses.replace(own, fields=fields, parameter=parameter, variants=self._variants(fields, parameter))
 
@@ -87,14 +85,11 @@ class LayoutResolver:
         manual: str,
         shared: bool,
     ) -> Layout:
-        all_fields = [self._field((*fields_at, n), n, f, manual) for n, f in fields.items()]
-        resolved = tuple(
-            f for f in all_fields if not any(self._context.is_invalid((*f.path, k)) for k in ("at", "only"))
-        )
-        conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {} if p in self._parameters)
+        resolved = tuple(self._field((*fields_at, n), n, f, manual) for n, f in fields.items())
+        conditions = dict.fromkeys(p for f in fields.values() for p in f.only or {})
         if len(conditions) > 1:
             names = ", ".join(conditions)
-            self._context.report(
+            self._report.finding(
                 path,
                 "two-parameters",
                 f"the fields of this layout depend on {names}; one parameter is allowed",
@@ -115,7 +110,7 @@ class LayoutResolver:
         )
 
     def _variants(self, fields: tuple[Field, ...], parameter: str | None) -> tuple[Variant, ...]:
-        if parameter is None or parameter not in self._parameters:
+        if parameter is None:
             return (Variant(values=(), fields=fields),)
         groups: dict[tuple[str, ...], tuple[list[str], tuple[Field, ...]]] = {}
         for value in self._parameters[parameter].values:
@@ -127,6 +122,9 @@ class LayoutResolver:
     def _field(self, path: DocumentPath, name: str, written: schema.FieldSpec, manual: str) -> Field:
         type_ = self._type(path, written)
         start, count = written.at, len(written.array) if written.array else 1
+        if path not in self._counted:
+            self._counted.add(path)
+            self._report.count(Limited.FIELDS, count, path)
         bits = frame_bits(start, type_.width * count, type_.order)
         elements = []
         for i in range(count):
@@ -138,10 +136,8 @@ class LayoutResolver:
                     segments_of(bits[first : first + type_.width], start.space),
                 )
             )
-        of_type = type_.title if type_.title != self._context.title(path, None, type_.name) else {}
-        title = of_type if written.title is None else self._context.text((*path, "title"), written.title)
-        if not any(title.values()):
-            title = self._context.title(path, None, name)
+        of_type = type_.title if type_.title != implied_title(type_.name, self._languages) else dict[str, str]()
+        title = titled(written.title if any(written.title.values()) or not any(of_type.values()) else of_type, name)
         return Field(
             name=name,
             renamed_from=written.renamed_from,
@@ -151,58 +147,20 @@ class LayoutResolver:
             elements=tuple(elements),
             is_array=written.array is not None,
             only=tuple(v for values in self.only(path, written.only).values() for v in values),
-            role=self._role(path, written),
+            role=_role(written),
             title=title,
-            about=self._context.text((*path, "about"), written.about),
+            about=written.about,
             manual=written.manual or manual,
             path=path,
         )
 
-    def _role(self, path: DocumentPath, written: schema.FieldSpec) -> FieldRole:
-        """The role of a field. A field without a valid format is a value, because its constant cannot be checked."""
-        roles = [key for key in ("constant", "reserved", "holds") if getattr(written, key) is not None]
-        if len(roles) > 1:
-            hint = "keep `constant` if receivers check the value, or `reserved` if they ignore it"
-            if "holds" in roles:
-                hint = f"omit `{roles[0]}` if the value depends on the node; otherwise omit `holds`"
-            text = f"`{path[-1]}` has both `{roles[0]}` and `{roles[1]}`"
-            self._context.report((*path, roles[1]), "field-type", text, hint, key=True)
-        if written.holds is not None:
-            return NodeRole()
-        if written.raw is None and written.type not in self._types:
-            return ValueRole()
-        if written.constant is not None:
-            return ConstantRole(written.constant)
-        return ValueRole() if written.reserved is None else ReservedRole(written.reserved)
-
     def _type(self, path: DocumentPath, written: schema.FieldSpec) -> Type:
-        if (written.type is None) == (written.raw is None):
-            both = written.type is not None
-            text = f"`{path[-1]}` has both `type` and `raw`" if both else f"`{path[-1]}` has neither `type` nor `raw`"
-            hint = (
-                "keep `type` for a type, or `raw` for a plain number"
-                if both
-                else "write, for example, raw: u8 for a plain number"
-            )
-            self._context.report(path, "field-type", text, hint, key=True)
-        if written.type is not None and written.byte_order is not None:
-            hint = "move `byte_order` into the type, or write `raw` instead of `type`"
-            self._context.report((*path, "byte_order"), "field-type", "the type defines the byte order", hint)
-        elif written.byte_order is not None and written.at.space is Space.ID:
-            text = "`byte_order` has no effect on a field in the id"
-            hint = "remove it; in the id, `at` is the least significant bit"
-            self._context.report((*path, "byte_order"), "no-effect", text, hint, key=True)
-        if written.raw is not None:
-            bare = bare_type(self._context, written.raw, written.byte_order or self._order, path)
-            if bare.order is not self._order:
-                bare = dataclasses.replace(bare, name=f"{bare.name}_{bare.order.value}")
-            return self.bare_types.setdefault(bare.name, bare)
-        if written.type is None:
-            return bare_type(self._context, schema.EMPTY_RAW, self._order, path)
-        raw = aliases.raw_format(written.type)
-        hint = f"write `raw: {raw}`" if raw and written.type not in self._types else ""
-        type_ = self._context.find((*path, "type"), "type", written.type, self._types, hint)
-        return type_ or bare_type(self._context, schema.EMPTY_RAW, self._order, path)
+        if written.raw is None:
+            return self._types[written.type or ""]
+        bare = bare_type(written.raw, written.byte_order or self._order, self._languages, path)
+        if bare.order is not self._order:
+            bare = dataclasses.replace(bare, name=f"{bare.name}_{bare.order.value}")
+        return self.bare_types.setdefault(bare.name, bare)
 
 
 def segments_at(start: At, width: int, order: Order) -> tuple[Segment, ...]:
@@ -220,3 +178,11 @@ def segments_of(bits: tuple[int, ...], space: Space) -> tuple[Segment, ...]:
     starts = [raw for raw, bit in enumerate(bits) if raw == 0 or bit != bits[raw - 1] + 1 or bit % 8 == 0]
     ends = [*starts[1:], len(bits)]
     return tuple(Segment(bits[raw] // 8, bits[raw] % 8, end - raw, raw) for raw, end in zip(starts, ends, strict=True))
+
+
+def _role(written: schema.FieldSpec) -> FieldRole:
+    if written.holds is not None:
+        return NodeRole()
+    if written.constant is not None:
+        return ConstantRole(written.constant)
+    return ValueRole() if written.reserved is None else ReservedRole(written.reserved)

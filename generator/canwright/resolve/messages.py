@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
-from ..diagnostics.diagnostic import DocumentPath
-from ..language import edition as schema, suggestions
+from ..diagnostics.diagnostic import DocumentPath, nearest
+from ..language import edition as schema
 from ..model.layout import Layout
 from ..model.message import (
     Address,
@@ -21,15 +21,10 @@ from ..model.message import (
     SharedReply,
 )
 from .command_forms import CommandForm
-from .context import Context
 from .layouts import LayoutResolver, segments_at
+from .report import Limited, Report
+from .titles import titled
 
-ENTRY = "entry"
-"""The word for the layout of the table entry, instead of the name of a layout."""
-LAYOUT_WORDS = (ENTRY, "echo", "none")
-"""Words that are valid instead of the name of a layout."""
-REPLY_KEYS = frozenset(("of", "from_each"))
-"""Keys of replies only; a reply with `of` has no others."""
 LONGEST_CHAIN = 20
 """The maximum length of a chain of commands that use the reply of the next one."""
 
@@ -39,12 +34,12 @@ class MessageResolver:
 
     def __init__(
         self,
-        context: Context,
+        report: Report,
         spec: schema.EditionSpec,
         layouts: LayoutResolver,
         addresses: Mapping[str, Address],
     ) -> None:
-        self._context = context
+        self._report = report
         self._spec = spec
         self._resolver = layouts
         self._addresses = addresses
@@ -70,18 +65,15 @@ class MessageResolver:
         name = self._spec.commands[command].table
         if name is None:
             return [CommandForm(command, None, None, ())]
-        table = self._context.find(("commands", command, "table"), "table", name, self._tables) or {}
-        written = self._spec.tables[name].entries if table else {}
-        with_command = (
-            entry for entry in table.values() if command in (written[entry.entry or ""].commands or (command,))
-        )
-        return [dataclasses.replace(entry, command=command) for entry in with_command]
+        return [
+            dataclasses.replace(form, command=command)
+            for entry, form in self._tables[name].items()
+            if command in (self._spec.tables[name].entries[entry].commands or (command,))
+        ]
 
     def address_of(self, command: str) -> str:
         """The address of a command."""
-        name = self._spec.commands[command].address or next(iter(self._addresses))
-        self._context.find(("commands", command, "address"), "address", name, self._addresses)
-        return name
+        return self._spec.commands[command].address or next(iter(self._addresses))
 
     def of(self, form: CommandForm) -> tuple[Message | None, tuple[Reply, ...]]:
         """Request and replies of a command."""
@@ -96,78 +88,49 @@ class MessageResolver:
         written = self._spec.commands[form.command]
         echo = written.reply == "echo"
         request = None
-        if isinstance(written.request, schema.MessageSpec):
-            at: DocumentPath = ("commands", form.command, "request")
-            self._without_effect(at, written.request, REPLY_KEYS, "a request", "remove it")
         if written.request != "none":
             name = form.name if echo else f"{form.name}_request"
             request = self._message(form, Direction.REQUEST, name, written.request or {})
         return request, self._replies(form, request)
 
     def _replies(self, form: CommandForm, request: Message | None) -> tuple[Reply, ...]:
-        command = form.command
-        path: DocumentPath = ("commands", command, "reply")
-        written = self._spec.commands[command].reply
-        if written is None:
-            hint = "write fields, the name of a layout, `echo`, or `none`"
-            self._context.report(path[:-1], "missing-reply", f"`{command}` has no `reply`", hint, key=True)
+        path: DocumentPath = ("commands", form.command, "reply")
+        written = self._spec.commands[form.command].reply
+        if written is None or written == "none":
             return ()
-        if written == "none":
-            if request is None and self._spec.commands[command].request == "none":
-                text = f"`{command}` has neither a request nor a reply"
-                hint = "omit `request` if the request has only a code, or define the reply"
-                self._context.report((*path[:-1], "request"), "missing-reply", text, hint)
-            return ()
-        if written == "echo":
-            return self._echo(form, request)
+        if written == "echo" and request is not None:
+            reply = self._message(form, Direction.REPLY, form.name, {})
+            return (EchoReply(message=dataclasses.replace(reply, layout=request.layout, dlc=request.dlc)),)
         if isinstance(written, schema.MessageSpec) and written.of is not None:
             return self._other(path, form, written, written.of)
         message = self._message(form, Direction.REPLY, f"{form.name}_reply", written)
-        reply = SharedReply if message.layout.shared else OwnReply
-        from_each = tuple(written.from_each or ()) if isinstance(written, schema.MessageSpec) else ()
-        return (reply(message=message, from_each=from_each),)
+        form_of_reply = SharedReply if message.layout.shared else OwnReply
+        from_each = self._from_each(path, written) if isinstance(written, schema.MessageSpec) else ()
+        return (form_of_reply(message=message, from_each=from_each),)
 
-    def _echo(self, form: CommandForm, request: Message | None) -> tuple[Reply, ...]:
-        if request is None:
-            path: DocumentPath = ("commands", form.command, "reply")
-            self._context.report(
-                path,
-                "echo-of-nothing",
-                f"`{form.command}` has no request to repeat",
-                "define the reply, or write `none`",
-            )
-            return ()
-        reply = self._message(form, Direction.REPLY, form.name, {})
-        return (EchoReply(message=dataclasses.replace(reply, layout=request.layout, dlc=request.dlc)),)
-
-    def _without_effect(
-        self, path: DocumentPath, written: schema.MessageSpec, keys: Collection[str], concept: str, hint: str
-    ) -> None:
-        for key in (key for key in sorted(keys) if getattr(written, key) is not None):
-            self._context.report((*path, key), "no-effect", f"`{key}` has no effect on {concept}", hint, key=True)
+    def _from_each(self, path: DocumentPath, written: schema.MessageSpec) -> tuple[int, ...]:
+        """The nodes that reply."""
+        nodes = written.from_each or range(0)
+        self._report.count(Limited.REPLIES, len(nodes), (*path, "from_each"))
+        return tuple(nodes)
 
     def _other(self, path: DocumentPath, form: CommandForm, written: schema.MessageSpec, of: str) -> tuple[Reply, ...]:
-        others = set(schema.keys(schema.MessageSpec)) - REPLY_KEYS
-        hint = "remove it, or remove `of` and define the reply here"
-        self._without_effect(path, written, others, "the reply of another command", hint)
-        hint = f"`{of}` is a layout: write reply: {of}" if of in self._shared else ""
-        if self._context.find((*path, "of"), "command", of, self._spec.commands, hint) is None:
-            return ()
         if of in self._pending:
             in_turn = of != self._pending[-1]
             text = f"`{of}` uses the reply of this command" if in_turn else "this command refers to its own reply"
             hint = "define the reply of one of them" if in_turn else "define the reply"
-            self._context.report((*path, "of"), "circular-reference", text, hint)
+            self._report.finding((*path, "of"), "circular-reference", text, hint)
             return ()
         if len(self._pending) > LONGEST_CHAIN:
             text = f"more than {LONGEST_CHAIN} commands in a chain use the reply of the next one"
-            self._context.report((*path, "of"), "circular-reference", text, "write the command that defines the reply")
+            self._report.finding((*path, "of"), "circular-reference", text, "write the command that defines the reply")
             return ()
-        other = self._other_form((*path, "of"), form, of)
-        if other is None:
+        other_form = self._other_form((*path, "of"), form, of)
+        if other_form is None:
             return ()
-        from_each = tuple(written.from_each or ())
-        return tuple(OtherReply(message=r.message, from_each=from_each, of=other.name) for r in self.of(other)[1])
+        from_each = self._from_each(path, written)
+        replies = self.of(other_form)[1]
+        return tuple(OtherReply(message=r.message, from_each=from_each, of=other_form.name) for r in replies)
 
     def _other_form(self, path: DocumentPath, form: CommandForm, of: str) -> CommandForm | None:
         """The form of the command `of` with the reply: if it has a table, the form of the same entry."""
@@ -176,17 +139,15 @@ class MessageResolver:
             return CommandForm(of, None, None, ())
         if table != self._spec.commands[form.command].table:
             hint = f"write `table: {table}` in this command, too, or write the name of a layout"
-            self._context.report(path, "reply-of-table", f"`{of}` has a separate reply for each table entry", hint)
+            self._report.finding(path, "reply-of-table", f"`{of}` has a separate reply for each table entry", hint)
             return None
-        if table not in self._tables:
-            return None
-        found = next((other for other in self.forms(of) if other.entry == form.entry), None)
-        if found is None:
+        same_entry = next((same for same in self.forms(of) if same.entry == form.entry), None)
+        if same_entry is None:
             at: DocumentPath = ("tables", table, "entries", form.entry or "", "commands")
             hint = f"add `{of}` to its `commands`, or define the reply of `{form.command}`"
             text = f"`{form.command}` uses the reply of `{of}`, which has no `{form.entry}`"
-            self._context.report(at, "reply-of-table", text, hint)
-        return found
+            self._report.finding(at, "reply-of-table", text, hint)
+        return same_entry
 
     def _message(
         self,
@@ -198,30 +159,18 @@ class MessageResolver:
         command = form.command
         path: DocumentPath = ("commands", command, direction.value)
         spec = written if isinstance(written, schema.MessageSpec) else schema.MessageSpec(layout=written)
-        address = self._addresses.get(spec.address or self.address_of(command))
-        if spec.address is not None:
-            self._context.find((*path, "address"), "address", spec.address, self._addresses)
-        address = address or next(iter(self._addresses.values()))
-        layout = None
-        if spec.layout == ENTRY and form.layout is not None:
+        address = self._addresses[spec.address or self.address_of(command)]
+        if spec.layout == schema.ENTRY and form.layout is not None:
             layout = form.layout
-        elif spec.layout == ENTRY:
-            hint = "add the `table` of the command"
-            self._context.report(path, "entry-of-nothing", f"`{command}` has no table, so `entry` is unknown", hint)
         elif isinstance(spec.layout, str):
-            hint = ""
-            if spec.layout not in self._shared and not self._context.is_full:
-                known = (*self._shared, *LAYOUT_WORDS)
-                hint = suggestions.layout(spec.layout, known, self._spec.commands, self._spec.types)
-            layout = self._context.find(path, "layout", spec.layout, self._shared, hint)
-        if layout is None:
-            fields = spec.layout if isinstance(spec.layout, dict) else {}
+            layout = self._shared[spec.layout]
+        else:
             at = (*path, "layout") if isinstance(written, schema.MessageSpec) else path
-            layout = self._own(at, layout_name, fields, command)
+            layout = self._own(at, layout_name, spec.layout or {}, command)
         if spec.fields:
             layout = self._resolver.joined((*path, "fields"), layout_name, layout, spec.fields)
-        of_entry = form.dlc if spec.layout == ENTRY else None
-        code = self.code_of(form) if spec.code is None else self._code((*path, "code"), form, spec.code)
+        of_entry = form.dlc if spec.layout == schema.ENTRY else None
+        code = self.code_of(form) if spec.code is None else self._code(form, spec.code)
         keys = self._keys(command, code, address.name, direction)
         for i, further in enumerate(spec.accept or ()):
             for key in keys:
@@ -247,44 +196,35 @@ class MessageResolver:
 
     def code_of(self, form: CommandForm) -> int | None:
         """The code of a command, or its code for the kind of an entry."""
-        return self._code(("commands", form.command, "code"), form, self._spec.commands[form.command].code)
+        return self._code(form, self._spec.commands[form.command].code)
 
-    def _code(self, path: DocumentPath, form: CommandForm, written: schema.Code | None) -> int | None:
+    def _code(self, form: CommandForm, written: schema.Code | None) -> int | None:
         if not isinstance(written, dict):
             return written
-        if form.entry is None:
-            text = f"`{form.command}` has no table, so its code cannot depend on an entry"
-            self._context.report(path, "entry-of-nothing", text, "write one code, or add the `table` of the command")
-            return None
+        at: DocumentPath = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry or "")
         if form.kind is None:
-            at: DocumentPath = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry)
             text = f"`{form.entry}` has no `kind`, but the code of `{form.command}` depends on it"
-            self._context.report(at, "missing-key", text, f"write kind: {' or '.join(written)}", key=True)
-            return None
-        at = ("tables", self._spec.commands[form.command].table or "", "entries", form.entry, "kind")
-        return self._context.find(at, f"code of `{form.command}` for the kind", form.kind, written)
+            self._report.finding(at, "missing-key", text, f"write kind: {' or '.join(written)}", key=True)
+        elif form.kind not in written:
+            text = f"there is no code of `{form.command}` for the kind `{form.kind}`"
+            self._report.finding((*at, "kind"), "unknown-reference", text, nearest(form.kind, written))
+        return written.get(form.kind or "")
 
     def _own(self, path: DocumentPath, name: str, fields: schema.Fields, command: str) -> Layout:
         written = self._spec.commands[command]
-        title = self._context.title(("commands", command), written.title, name)
-        return self._resolver.own(path, name, fields, title, written.manual or "")
+        return self._resolver.own(path, name, fields, titled(written.title, name), written.manual or "")
 
     def _keys(self, command: str, code: int | None, address: str, direction: Direction) -> tuple[Key, ...]:
         if code is None:
             return ()
         path: DocumentPath = ("commands", command, "code")
         here = self._spec.addresses[address]
-        named = self._spec.commands[command].address
-        if named is not None and named not in self._spec.addresses:
-            return ()
         of_reply = here.reply_selector if direction is Direction.REPLY else None
         selector = of_reply or here.selector or self._spec.selector
         if selector is None:
             if not self._lacks_selector:
                 text = "there is a code, but no `selector` for its position"
-                self._context.report(
-                    path, "no-selector", text, "write, for example, selector: {at: 0, raw: u8}", about=("selector",)
-                )
+                self._report.finding(path, "no-selector", text, "write, for example, selector: {at: 0, raw: u8}")
             self._lacks_selector = True
             return ()
         return (self._key("code", KeyRole.CODE, selector, code, path),)
@@ -306,21 +246,23 @@ class MessageResolver:
     def _fits(self, value: int, width: int, path: DocumentPath) -> None:
         if value >= 1 << width:
             text = f"0x{value:X} exceeds 0x{(1 << width) - 1:X}, the maximum of the {width}-bit selector"
-            self._context.report(path, "code-width", text, "check the value, and `raw` of the selector")
+            self._report.finding(path, "code-width", text, "check the value, and `raw` of the selector")
 
     def _entries(self, table: str, written: schema.TableSpec) -> dict[str, CommandForm]:
         selectors = written.index if isinstance(written.index, list) else [written.index]
+        of_table = [command for command, spec in self._spec.commands.items() if spec.table == table]
         entries = {}
         for name, entry in written.entries.items():
             path: DocumentPath = ("tables", table, "entries", name)
-            of_table = {n: c for n, c in self._spec.commands.items() if self._may_have(n, c, table)}
             for i, command in enumerate(entry.commands or ()):
-                self._context.find((*path, "commands", i), f"command of the table `{table}`:", command, of_table)
+                if command not in of_table:
+                    text = f"`{command}` is not a command of the table `{table}`"
+                    self._report.finding((*path, "commands", i), "unknown-reference", text, nearest(command, of_table))
             layout = self._entry_layout(path, f"{table}_{name}", written, entry)
             values = entry.index if isinstance(entry.index, list) else [entry.index]
             if len(values) > len(selectors):
                 text = f"`{name}` has {len(values)} index values, but the table has {len(selectors)}"
-                self._context.report(
+                self._report.finding(
                     (*path, "index"), "too-many-values", text, "write the `index` of the table as a list"
                 )
             places = ((*path, "index", i) if isinstance(entry.index, list) else (*path, "index") for i in range(9))
@@ -328,26 +270,12 @@ class MessageResolver:
                 self._key("index" if i == 0 else f"index_{i + 1}", KeyRole.INDEX, selector, value, place)
                 for i, (selector, value, place) in enumerate(zip(selectors, values, places, strict=False))
             )
-            entries[name] = CommandForm(
-                "",
-                name,
-                layout,
-                tuple(keys),
-                entry.kind,
-                entry.dlc,
-            )
+            entries[name] = CommandForm("", name, layout, tuple(keys), entry.kind, entry.dlc)
         return entries
 
-    def _may_have(self, name: str, command: schema.CommandSpec, table: str) -> bool:
-        """Whether a command has a table, or an unknown one."""
-        unknown = command.table is not None and command.table not in self._spec.tables
-        return command.table == table or unknown
-
-    def _entry_layout(
-        self, path: DocumentPath, name: str, table: schema.TableSpec, entry: schema.EntrySpec
-    ) -> Layout | None:
+    def _entry_layout(self, path: DocumentPath, name: str, table: schema.TableSpec, entry: schema.EntrySpec) -> Layout:
         if isinstance(entry.layout, str):
-            return self._context.find((*path, "layout"), "layout", entry.layout, self._shared)
+            return self._shared[entry.layout]
         manual = entry.manual or table.manual
         written = schema.LayoutSpec(title=entry.title, about=entry.about, fields=entry.layout, manual=manual)
         return self._resolver.shared(path, name, written, (*path, "layout"))

@@ -2,54 +2,36 @@
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..document.document import Document, read_document
-from ..language import edition as schema, suggestions
+from ..language import edition as schema
 from ..language.notation import Multiple
+from ..language.units import read_units
 from ..model.deprecation import Deprecation
-from ..model.types import IDENTITY, Bound, ByParameter, Encoding, Linear, Member, Order, Parameter, Range, Type, Unit
-from ..templating import resources
-from .context import Context
+from ..model.types import IDENTITY, Bound, ByParameter, Encoding, Linear, Member, Order, Parameter, Range, Type
+from .report import Report
+from .titles import implied_title, titled
 
 T = TypeVar("T")
 
 
-@functools.cache
-def read_units() -> tuple[Document, dict[str, Unit]]:
-    """The units of units.yaml, with their document."""
-    document, _ = read_document(resources.UNITS)
-    if not isinstance(document.data, dict):
-        raise TypeError(f"{document.name} is not a mapping of units")
-    units = {
-        name: Unit(name=name, symbol=e["symbol"], dbc=e["dbc"], quantity=e["quantity"], title=e["title"])
-        for name, e in document.data.items()
-    }
-    return document, units
-
-
-def resolve_types(
-    context: Context, spec: schema.EditionSpec, units: Mapping[str, Unit], parameters: Mapping[str, Parameter]
-) -> dict[str, Type]:
+def resolve_types(report: Report, spec: schema.EditionSpec, parameters: Mapping[str, Parameter]) -> dict[str, Type]:
     return {
-        name: _TypeResolver(context, spec.byte_order, units, parameters, spec.effects, ("types", name)).resolve(
-            name, written
-        )
+        name: _TypeResolver(report, spec, parameters, ("types", name)).resolve(name, written)
         for name, written in spec.types.items()
     }
 
 
-def bare_type(context: Context, raw: tuple[Encoding, int], order: Order, path: DocumentPath) -> Type:
+def bare_type(raw: tuple[Encoding, int], order: Order, languages: Sequence[str], path: DocumentPath) -> Type:
     """The type of a field with only a raw format: a number without scale, unit or range."""
     encoding, width = raw
     letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[encoding]
-    empty = context.text(path, None)
+    empty = dict.fromkeys(languages, "")
     always = ByParameter.always
     return Type(
         name=f"{letter}{width}",
@@ -75,11 +57,9 @@ def deprecation(written: schema.DeprecatedSpec | None) -> Deprecation | None:
 
 @dataclass
 class _TypeResolver:
-    context: Context
-    order: Order
-    units: Mapping[str, Unit]
+    report: Report
+    edition: schema.EditionSpec
     parameters: Mapping[str, Parameter]
-    effects: Mapping[str, schema.EffectSpec]
     path: DocumentPath
 
     def resolve(self, name: str, spec: schema.TypeSpec) -> Type:
@@ -89,27 +69,20 @@ class _TypeResolver:
             name=name,
             width=width,
             encoding=encoding,
-            order=spec.byte_order or self.order,
-            unit=self._unit(spec.unit),
+            order=spec.byte_order or self.edition.byte_order,
+            unit=read_units()[1][spec.unit] if spec.unit is not None else None,
             linear=linear,
             raw_range=self._raw_range(spec, linear),
-            enum=tuple(self._member(("enum", n), n, m) for n, m in (spec.enum or {}).items()),
-            flags=tuple(self._member(("flags", n), n, f) for n, f in (spec.flags or {}).items()),
+            enum=tuple(self._member(*member) for member in (spec.enum or {}).items()),
+            flags=tuple(self._member(*flag) for flag in (spec.flags or {}).items()),
             plausible=self._plausible(spec, linear),
-            title=self.context.title(self.path, spec.title, name),
-            about=self.context.text((*self.path, "about"), spec.about),
-            differs=self.context.text((*self.path, "differs"), spec.differs),
+            title=titled(spec.title, name),
+            about=spec.about,
+            differs=spec.differs,
             path=self.path,
         )
 
-    def _unit(self, name: str | None) -> Unit | None:
-        if name is not None and name not in self.units:
-            text, hint = f"there is no unit `{name}`", suggestions.unit(name, self.units)
-            self.context.report((*self.path, "unit"), "unknown-reference", text, hint)
-        return self.units.get(name or "")
-
-    def _member(self, at: DocumentPath, name: str, written: int | schema.MemberSpec | schema.FlagSpec) -> Member:
-        path = (*self.path, *at)
+    def _member(self, name: str, written: int | schema.MemberSpec | schema.FlagSpec) -> Member:
         if isinstance(written, int):
             return Member(
                 name=name,
@@ -117,33 +90,27 @@ class _TypeResolver:
                 deprecated=None,
                 value=written,
                 without_effects=(),
-                title=self.context.title(path, None, name),
-                about=self.context.text(path, None),
+                title=implied_title(name, self.edition.languages),
+                about=dict.fromkeys(self.edition.languages, ""),
             )
-        value = written.value if isinstance(written, schema.MemberSpec) else written.bit
-        title = self.context.title(path, written.title, name)
+        value, exempt = (
+            (written.bit, []) if isinstance(written, schema.FlagSpec) else (written.value, written.without_effects)
+        )
         return Member(
             name=name,
             renamed_from=written.renamed_from,
             deprecated=deprecation(written.deprecated),
             value=value,
-            without_effects=self._without_effects(path, written),
-            title=title,
-            about=self.context.text((*path, "about"), written.about),
+            without_effects=tuple(exempt),
+            title=titled(written.title, name),
+            about=written.about,
         )
-
-    def _without_effects(self, path: DocumentPath, written: schema.MemberSpec | schema.FlagSpec) -> tuple[str, ...]:
-        names = written.without_effects if isinstance(written, schema.MemberSpec) else []
-        found = (
-            self.context.find((*path, "without_effects", i), "effect", n, self.effects) for i, n in enumerate(names)
-        )
-        return tuple(name for name, effect in zip(names, found, strict=True) if effect is not None)
 
     def _linear(self, spec: schema.TypeSpec) -> ByParameter[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)
         offset = self._multiples("offset", 0 if spec.offset is None else spec.offset)
         if scale.parameter and offset.parameter not in (None, scale.parameter):
-            self.context.report(
+            self.report.finding(
                 (*self.path, "offset"),
                 "two-parameters",
                 "scale and offset depend on two parameters",
@@ -166,7 +133,7 @@ class _TypeResolver:
         if offset.value and offset.parameter != scale.parameter:
             text = "scale and offset are not multiples of one parameter"
             by = scale.parameter or offset.parameter
-            self.context.report((*self.path, "offset"), "two-parameters", text, f"write both as NUMBER*{by}")
+            self.report.finding((*self.path, "offset"), "two-parameters", text, f"write both as NUMBER*{by}")
             return None
         return Linear(scale.value, offset.value, scale.parameter, scale.text)
 
@@ -183,76 +150,51 @@ class _TypeResolver:
         return ByParameter.always(_number(written) if isinstance(written, int) else _none_or(written))
 
     def _need_number(self, at: DocumentPath, name: str | None) -> None:
-        """Reports a factor that is not a known number parameter."""
+        """Reports a factor that is not a number parameter."""
         if name is None:
             return
-        factor = self.context.find((*self.path, *at), "parameter", name, self.parameters)
-        if factor is not None and factor.is_choice and not self.context.is_invalid(("parameters", factor.name)):
+        if self.parameters[name].is_choice:
             text = f"`{name}` is a choice among values, not a `number`, so it cannot be a factor"
-            self.context.report((*self.path, *at), "parameter-kind", text, f"write {{by: {name}, …}} with its values")
+            self.report.finding((*self.path, *at), "parameter-kind", text, f"write {{by: {name}, …}} with its values")
 
     def _cases(self, key: str, parameter_name: str, written: Mapping[str, Literal["none"] | T]) -> dict[str, T | None]:
         """One entry for each value of a parameter, in the order of the parameter."""
         path = (*self.path, key)
-        parameter = self.context.find((*path, "by"), "parameter", parameter_name, self.parameters)
-        if parameter is None:
-            return {}
-        if not parameter.is_choice and self.context.is_invalid(("parameters", parameter_name)):
-            return {}
+        parameter = self.parameters[parameter_name]
         if not parameter.is_choice:
             text = f"`{parameter_name}` has no `values`, so `{key}` cannot depend on them"
-            self.context.report(
+            self.report.finding(
                 (*path, "by"),
                 "parameter-kind",
                 text,
                 f"use a parameter with `values`, or write a multiple, for example 2*{parameter_name}",
             )
             return {}
-        known = {value.name: value for value in parameter.values}
-        for name in written:
-            self.context.find((*path, name), f"value of `{parameter_name}`:", name, known, key=True)
-        missing = [name for name in known if name not in written]
-        if len(missing) > len(set(written) - set(known)):
+        missing = [value.name for value in parameter.values if value.name not in written]
+        if missing:
             hint = "add them; write `none` if the manual states no value"
             text = f"`{key}` has no value for {', '.join(missing)}"
-            self.context.report(path, "incomplete-choice", text, hint, key=True)
-        return {name: _none_or(written[name]) for name in known if name in written}
+            self.report.finding(path, "incomplete-choice", text, hint, key=True)
+        return {value.name: _none_or(written[value.name]) for value in parameter.values if value.name in written}
 
     def _raw_range(self, spec: schema.TypeSpec, linear: ByParameter[Linear]) -> ByParameter[Range]:
-        if spec.raw_range is not None and spec.range is not None:
-            self.context.report(
-                (*self.path, "range"), "two-ranges", "there are both `range` and `raw_range`", "keep one"
-            )
-        if spec.raw_range is not None and spec.raw[0] is Encoding.FLOAT:
-            text = "`raw_range` is in raw integers, but this is a float"
-            self.context.report((*self.path, "raw_range"), "two-ranges", text, "write `range`", key=True)
-        for key in ("offset", "plausible") if spec.scale == "none" else ():
-            if getattr(spec, key) is not None:
-                text = f"`{key}` is in the unit, but there is no scale"
-                self.context.report((*self.path, key), "two-ranges", text, "remove it, or write a scale", key=True)
         raw = self._spans("raw_range", spec.raw_range)
         times = any(line.times for _, line in linear.distinct() if line is not None)
         if times and spec.raw[0] is Encoding.FLOAT:
             text = "the scale of a float cannot be a multiple of a parameter"
-            self.context.report((*self.path, "scale"), "parameter-kind", text, "omit `scale`, or write a number")
+            self.report.finding((*self.path, "scale"), "parameter-kind", text, "omit `scale`, or write a number")
         if times and any(not limits.is_constant for _, limits in raw.distinct() if limits is not None):
             text = "both scale and raw range depend on number parameters"
             hint = "write `raw_range` in integers, or `range` in multiples of the parameter of the scale"
-            self.context.report((*self.path, "raw_range"), "two-parameters", text, hint)
+            self.report.finding((*self.path, "raw_range"), "two-parameters", text, hint)
             return ByParameter.always(None)
         if spec.range is None:
-            return raw
-        if spec.scale == "none":
-            text = "`range` is in the unit, but there is no scale"
-            self.context.report(
-                (*self.path, "range"), "two-ranges", text, "write `raw_range` in raw integers", key=True
-            )
             return raw
         span = self._spans("range", spec.range)
         if spec.raw[0] is Encoding.FLOAT:
             return span
         if linear.parameter is not None and span.parameter not in (None, linear.parameter):
-            self.context.report(
+            self.report.finding(
                 (*self.path, "range"),
                 "two-parameters",
                 "scale and range depend on two parameters",
@@ -279,10 +221,10 @@ class _TypeResolver:
         if any(end.constant or end.parameter not in (None, line.times) for end in ends):
             text = f"the scale is a multiple of `{line.times}`, but this range is not"
             hint = f"write, for example, -{line.times}..{line.times}, or write `raw_range`"
-            self.context.report((*self.path, "range"), "two-parameters", text, hint)
+            self.report.finding((*self.path, "range"), "two-parameters", text, hint)
         elif limits.low.coefficient > limits.high.coefficient:
             text = "the range is empty: its low end is above its high end"
-            self.context.report((*self.path, "range"), "value", text, f"check both ends; `{line.times}` is positive")
+            self.report.finding((*self.path, "range"), "value", text, f"check both ends; `{line.times}` is positive")
         else:
             return True
         return False
@@ -293,7 +235,7 @@ class _TypeResolver:
         if plausible is None or (plausible.is_constant and not times):
             return plausible
         text = "`plausible` depends on a number parameter, which is not in any frame"
-        self.context.report(
+        self.report.finding(
             (*self.path, "plausible"), "parameter-kind", text, "write numbers and a constant scale, or remove it"
         )
         return None

@@ -8,7 +8,7 @@ incorrect and a correct example in `examples/`. Imports `diagnostics`, `document
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import Severity
-from ..resolve.limits import MAX_COMMANDS, MAX_FIELDS
+from ..resolve.report import MAX_COMMANDS, MAX_FIELDS
 from . import (
     ambiguous_message,
     beyond_frame,
@@ -92,13 +92,11 @@ RULES: tuple[Rule, ...] = (
         "duplicate-code",
         "No two commands of one address have the same code.",
         duplicate_code.check,
-        phase=Phase.CODES,
     ),
     Rule(
         "duplicate-name",
         "The names of commands, layouts and errata are unique.",
         duplicate_name.check,
-        phase=Phase.CODES,
     ),
     Rule(
         "ambiguous-message",
@@ -127,7 +125,6 @@ RULES: tuple[Rule, ...] = (
         "name-collision",
         "Different items have different names in every target, such as C, which compares 63 characters, or Python.",
         name_collision.check,
-        phase=Phase.CODES,
     ),
     Rule(
         "frame-contradiction",

@@ -38,21 +38,21 @@ def _findings(subject: CheckInput) -> Findings:
     for direction in Direction:
         messages = {m.command: m for m in edition.messages(direction)}
         groups = {name: edition.command(name).spec_name for name in messages}
-        others: dict[str, set[str]] = {}
+        partners: dict[str, set[str]] = {}
         first = dict(zip(reversed(groups.values()), reversed(messages.values()), strict=True))
-        for one, other in islice(_ambiguous(edition, direction), MAX_PAIRS):
-            pair = groups[one.command], groups[other.command]
+        for later, earlier in islice(_ambiguous(edition, direction), MAX_PAIRS):
+            pair = groups[later.command], groups[earlier.command]
             if without_code.isdisjoint(pair):
                 for group, its in (pair, pair[::-1]):
-                    others.setdefault(group, set()).add(its)
+                    partners.setdefault(group, set()).add(its)
         order = {group: place for place, group in enumerate(reversed(first))}
-        while others:
-            most = max(others, key=lambda group: (len(others[group]), order[group]))
-            found = others.pop(most)
-            for group in found - {most}:
-                others[group].discard(most)
-            others = {group: left for group, left in others.items() if left}
-            names = sorted(found, key=order.__getitem__)
+        while partners:
+            most = max(partners, key=lambda group: (len(partners[group]), order[group]))
+            confused = partners.pop(most)
+            for group in confused - {most}:
+                partners[group].discard(most)
+            partners = {group: left for group, left in partners.items() if left}
+            names = sorted(confused, key=order.__getitem__)
             yield _finding(
                 first[most],
                 [first[name] for name in names],
@@ -80,10 +80,10 @@ def _ambiguous(edition: Edition, direction: Direction) -> Iterator[tuple[Message
     """Every pair of different messages that one frame can be. Commands that repeat a code have findings already."""
     unique = {command.name for command in without_duplicates(edition.commands)}
     frames = [_frames(message) for message in edition.messages(direction) if message.command in unique]
-    for i, j in bit_patterns.pairs([_known(one) for one in frames]):
-        one, other = frames[i], frames[j]
-        if one.message.layout is not other.message.layout and _same_frame(one, other):
-            yield one.message, other.message
+    for i, j in bit_patterns.pairs([_known(later) for later in frames]):
+        later, earlier = frames[i], frames[j]
+        if later.message.layout is not earlier.message.layout and _same_frame(later, earlier):
+            yield later.message, earlier.message
 
 
 def _frames(message: Message) -> _Frames:
@@ -95,22 +95,26 @@ def _frames(message: Message) -> _Frames:
 def _without_explicit_request(spec: EditionSpec, direction: Direction, commands: Sequence[str]) -> str:
     """The first command with a reply but without a code and `request`; its request may not exist. Empty without one."""
     written = {name: spec.commands[name] for name in commands if direction is Direction.REQUEST}
-    bare = (name for name, one in written.items() if one.code is None and one.request is None and one.reply != "none")
+    bare = (
+        name
+        for name, command in written.items()
+        if command.code is None and command.request is None and command.reply != "none"
+    )
     return next(bare, "")
 
 
-def _finding(message: Message, others: Sequence[Message], implicit: str) -> Finding:
-    shown = others[:SHOWN]
-    more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
-    names = ", ".join(f"`{other.command}`" for other in shown) + more
-    those = "that" if len(others) == 1 else "those"
+def _finding(message: Message, partners: Sequence[Message], implicit: str) -> Finding:
+    shown = partners[:SHOWN]
+    more = f" and {len(partners) - SHOWN} more" if len(partners) > SHOWN else ""
+    names = ", ".join(f"`{partner.command}`" for partner in shown) + more
+    those = "that" if len(partners) == 1 else "those"
     text = f"this {message.direction.value} cannot be distinguished from {those} of {names}, but their fields differ"
     hint = "give it a different code, id, dlc or constant, or use one layout for both"
     if implicit:
         hint = f"if nodes send `{implicit}` without a request, write `request: none` there; else {hint}"
     related = tuple(
-        RelatedItem((*other.path, "code"), f"the {message.direction.value} of `{other.command}`", key=True)
-        for other in shown
+        RelatedItem((*partner.path, "code"), f"the {message.direction.value} of `{partner.command}`", key=True)
+        for partner in shown
     )
     return Finding((*message.path, "code"), text, hint, key=True, related=related)
 
@@ -129,17 +133,21 @@ def _known(frames: _Frames) -> bit_patterns.Known:
     return bit_patterns.Known(mask, value)
 
 
-def _same_frame(one: _Frames, other: _Frames) -> bool:
-    message, its = one.message, other.message
-    if (message.id.extended, message.remote) != (its.id.extended, its.remote):
+def _same_frame(first: _Frames, second: _Frames) -> bool:
+    message, second_message = first.message, second.message
+    if (message.id.extended, message.remote) != (second_message.id.extended, second_message.remote):
         return False
-    if (message.id, one.fixed) == (its.id, other.fixed) and message.dlc != its.dlc and not message.remote:
+    if (
+        (message.id, first.fixed) == (second_message.id, second.fixed)
+        and message.dlc != second_message.dlc
+        and not message.remote
+    ):
         return False
-    if any(other.fixed.get(bit, value) != value for bit, value in one.fixed.items()):
+    if any(second.fixed.get(bit, value) != value for bit, value in first.fixed.items()):
         return False
-    if _is_remainder(one, other) or _is_remainder(other, one):
+    if _is_remainder(first, second) or _is_remainder(second, first):
         return False
-    return can_ids.meet(one.ids, other.ids, one.free_bits | other.free_bits) is not None
+    return can_ids.meet(first.ids, second.ids, first.free_bits | second.free_bits) is not None
 
 
 def _fixed(message: Message) -> Bits:
@@ -152,7 +160,7 @@ def _fixed(message: Message) -> Bits:
     }
 
 
-def _is_remainder(one: _Frames, other: _Frames) -> bool:
+def _is_remainder(first: _Frames, second: _Frames) -> bool:
     """Whether a message is every frame except the other: it has fields at the additional keys of the other."""
-    mine, others = one.fixed.keys(), other.fixed.keys()
-    return mine < others and not one.fields.isdisjoint(others - mine)
+    own, further = first.fixed.keys(), second.fixed.keys()
+    return own < further and not first.fields.isdisjoint(further - own)

@@ -90,6 +90,6 @@ def _forbidding(type_: Type, raw: int) -> Range | None:
     """A raw range without the raw integer, if it is out of range under all parameters; else None."""
     if type_.encoding is Encoding.FLOAT:
         return None
-    limits = [one for _, one in type_.raw_range.distinct()]
-    beyond = (one and one.is_constant and not one.low.constant <= raw <= one.high.constant for one in limits)
+    limits = [limit for _, limit in type_.raw_range.distinct()]
+    beyond = (limit and limit.is_constant and not limit.low.constant <= raw <= limit.high.constant for limit in limits)
     return limits[0] if limits and all(beyond) else None

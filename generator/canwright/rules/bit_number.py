@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator, Mapping
-
-from ..diagnostics.diagnostic import DocumentPath
+from ..language.concept import parts
 from ..language.edition import EditionSpec, FieldSpec, Selector
 from ..model.layout import Space
 from ..model.types import Order
@@ -13,7 +10,9 @@ from .rule import CheckInput, Finding, Findings
 
 
 def check(subject: CheckInput) -> Findings:
-    for path, part in _positioned(subject.spec, ()):
+    for path, part in parts(subject.spec):
+        if not isinstance(part, FieldSpec | Selector):
+            continue
         width, order = _format(subject.spec, part)
         if width < 8 and order is Order.BIG and part.at.space is Space.DATA and part.at.bit is None:
             name = f"`{path[-1]}`" if isinstance(part, FieldSpec) else "this selector"
@@ -21,26 +20,12 @@ def check(subject: CheckInput) -> Findings:
             yield Finding((*path, "at"), text, _hint(part, width))
 
 
-def _positioned(part: object, path: DocumentPath) -> Iterator[tuple[DocumentPath, FieldSpec | Selector]]:
-    """All fields and selectors of a spec, as they are written, with their paths."""
-    if isinstance(part, FieldSpec | Selector):
-        yield path, part
-    elif dataclasses.is_dataclass(part):
-        for key in dataclasses.fields(part):
-            yield from _positioned(getattr(part, key.name), (*path, key.name))
-    elif isinstance(part, Mapping):
-        for name, inner in part.items():
-            yield from _positioned(inner, (*path, name))
-    elif isinstance(part, list | tuple):
-        for i, inner in enumerate(part):
-            yield from _positioned(inner, (*path, i))
-
-
 def _format(spec: EditionSpec, part: FieldSpec | Selector) -> tuple[int, Order]:
-    """Width and byte order; a field without a known type has the width of one that is not checked."""
-    written = spec.types.get(part.type or "") if isinstance(part, FieldSpec) and part.raw is None else part
-    raw = written.raw if written else None
-    return raw[1] if raw else 8, (written and written.byte_order) or spec.byte_order
+    """Width and byte order."""
+    if isinstance(part, FieldSpec) and part.type is not None:
+        type_ = spec.types[part.type]
+        return type_.raw[1], type_.byte_order or spec.byte_order
+    return part.raw[1] if part.raw else 8, part.byte_order or spec.byte_order
 
 
 def _hint(part: FieldSpec | Selector, width: int) -> str:

@@ -32,10 +32,12 @@ def pairs(known: Sequence[Known]) -> Iterator[tuple[int, int]]:
     earlier: dict[tuple[int, int, int], list[int]] = defaultdict(list)
     steps = 0
     for index, (mask, value) in enumerate(known):
-        agreeing = [match for other in masks for match in earlier.get((other, mask, value & other), ())]
+        agreeing = [
+            match for earlier_mask in masks for match in earlier.get((earlier_mask, mask, value & earlier_mask), ())
+        ]
         steps += len(masks) + len(agreeing)
         if steps > MAX_STEPS:
             raise TooManyPairsError
         yield from ((index, match) for match in sorted(agreeing))
-        for other in masks:
-            earlier[mask, other, value & other].append(index)
+        for earlier_mask in masks:
+            earlier[mask, earlier_mask, value & earlier_mask].append(index)

@@ -43,17 +43,17 @@ def known(ids: range, free: int = 0) -> Known:
     return Known(mask, ids[0] & mask)
 
 
-def meet(one: range, other: range, free: int = 0) -> int | None:
+def meet(left: range, right: range, free: int = 0) -> int | None:
     """The lowest id that two ranges share, without the `free` bits; None without one."""
     if free:
-        ids = {id_ & ~free for id_ in islice(one, ENUMERATED)}
-        shared = ids & {id_ & ~free for id_ in islice(other, ENUMERATED)}
+        ids = {id_ & ~free for id_ in islice(left, ENUMERATED)}
+        shared = ids & {id_ & ~free for id_ in islice(right, ENUMERATED)}
         return min(shared, default=None)
-    between, common = other.start - one.start, gcd(one.step, other.step)
+    between, common = right.start - left.start, gcd(left.step, right.step)
     if between % common:
         return None
-    turns = other.step // common
-    first = one.start + between // common * pow(one.step // common, -1, turns) % turns * one.step
-    every = one.step * turns
-    first += max(0, -((first - other.start) // every)) * every
-    return first if first in one and first in other else None
+    turns = right.step // common
+    first = left.start + between // common * pow(left.step // common, -1, turns) % turns * left.step
+    every = left.step * turns
+    first += max(0, -((first - right.start) // every)) * every
+    return first if first in left and first in right else None

@@ -27,14 +27,14 @@ def check(subject: CheckInput) -> Findings:
 
 
 def _deprecations(subject: CheckInput) -> Iterator[tuple[DocumentPath, Deprecation]]:
-    edition, found = subject.edition, dict[DocumentPath, Deprecation | None]()
-    found |= {command.path: command.deprecated for command in edition.commands}
+    edition, by_path = subject.edition, dict[DocumentPath, Deprecation | None]()
+    by_path |= {command.path: command.deprecated for command in edition.commands}
     for message in edition.all_messages():
-        found |= {field.path: field.deprecated for field in message.layout.fields}
+        by_path |= {field.path: field.deprecated for field in message.layout.fields}
     for type_ in edition.types:
-        found |= {(*type_.path, "enum", member.name): member.deprecated for member in type_.enum}
-        found |= {(*type_.path, "flags", flag.name): flag.deprecated for flag in type_.flags}
-    return (((*path, "deprecated"), one) for path, one in found.items() if one is not None)
+        by_path |= {(*type_.path, "enum", member.name): member.deprecated for member in type_.enum}
+        by_path |= {(*type_.path, "flags", flag.name): flag.deprecated for flag in type_.flags}
+    return (((*path, "deprecated"), deprecation) for path, deprecation in by_path.items() if deprecation is not None)
 
 
 def _exists(date: str) -> bool:

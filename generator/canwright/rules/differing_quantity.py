@@ -10,13 +10,12 @@ from .rule import CheckInput, Finding, Findings
 def check(subject: CheckInput) -> Findings:
     first: dict[str, Type] = {}
     for type_ in subject.edition.types:
-        written = subject.spec.types.get(type_.name)
-        if type_.unit is None or type_.enum or type_.flags or written is None or written.differs is not None:
+        if type_.unit is None or type_.enum or type_.flags or any(type_.differs.values()):
             continue
         first_type = first.setdefault(type_.unit.quantity, type_)
         if (first_type.unit, first_type.linear) != (type_.unit, type_.linear):
-            one, other = _resolution(type_), _resolution(first_type)
-            text = f"`{type_.name}` has a resolution of {one}, but `{first_type.name}` of {other}"
+            own, expected = _resolution(type_), _resolution(first_type)
+            text = f"`{type_.name}` has a resolution of {own}, but `{first_type.name}` of {expected}"
             yield Finding(
                 type_.path,
                 text,

@@ -23,17 +23,17 @@ def check(subject: CheckInput) -> Findings:
 
 
 def _exchange(decoder: Decoder, entry: Exchange) -> Iterator[EntryProblem]:
-    found = check_reply(decoder, _frame(entry.request), _frame(entry.reply))
-    says = found.reason if isinstance(found, Rejection) else None
+    answer = check_reply(decoder, _frame(entry.request), _frame(entry.reply))
+    says = answer.reason if isinstance(answer, Rejection) else None
     if says is entry.says:
         return
     at: DocumentPath = ("says",) if entry.says else ("reply",)
-    if isinstance(found, Rejection):
-        what = "this is not the reply" if found.reason is Refusal.NOT_ANSWER else "the request is rejected"
-        hint = f"write `says: {found.reason.value}`, or check the spec"
-        yield at, f"according to the spec, {what}: {found.text}", hint
+    if isinstance(answer, Rejection):
+        what = "this is not the reply" if answer.reason is Refusal.NOT_ANSWER else "the request is rejected"
+        hint = f"write `says: {answer.reason.value}`, or check the spec"
+        yield at, f"according to the spec, {what}: {answer.text}", hint
     else:
-        text = f"according to the spec, this is the reply: {named(found.message, found.node)}"
+        text = f"according to the spec, this is the reply: {named(answer.message, answer.node)}"
         yield at, text, "remove `says`, or check the spec"
 
 

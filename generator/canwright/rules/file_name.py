@@ -17,8 +17,8 @@ def check(subject: CheckInput) -> Findings:
         yield from _if_device(path, name, f"{name}_command", key=True)
 
 
-def _if_device(path: DocumentPath, name: str, other: str, *, key: bool = False) -> Findings:
+def _if_device(path: DocumentPath, name: str, valid: str, *, key: bool = False) -> Findings:
     device = name.partition(".")[0].lower()
     if device in DEVICES:
         text = f"files with the name `{name}` cannot exist in Windows, where `{device}` is a device"
-        yield Finding(path, text, f"choose another name, for example {other}", key=key)
+        yield Finding(path, text, f"choose another name, for example {valid}", key=key)

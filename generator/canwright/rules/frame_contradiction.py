@@ -60,12 +60,13 @@ class _FrameChecker:
             (("data",), f"the constant `{f.name}` is not {f.role.sent_raw}", "check `data`")
             for f in wrong_constants(variant.fields, can)
         ]
-        found = raws(variant, can)
+        in_data = raws(variant, can)
         fields = {f.name: f for f in variant.fields}
-        if not is_expected and (direction is Direction.REQUEST or not _has_same_fields(alone, encoder, can, found)):
+        if not is_expected and (direction is Direction.REQUEST or not _has_same_fields(alone, encoder, can, in_data)):
             text = f"rejected: {alone.text}" if isinstance(alone, Rejection) else named(alone.message, alone.node)
             return [(("data",), f"without its request, this frame is {text}", "check the codes in the spec")]
-        problems = [*wrong, *_raws(frame, fields, found), *_values(frame, fields, found, encoder.assignment)]
+        assignment = encoder.assignment
+        problems = [*wrong, *_raws(frame, fields, in_data, assignment), *_values(frame, fields, in_data, assignment)]
         return problems or ([] if frame.decode_only else list(_encoded(encoder, message, fields, frame, can)))
 
     def _length(self, message: Message) -> RelatedItem:
@@ -82,10 +83,10 @@ class _FrameChecker:
 
     def _unknown(self, command: str, direction: Direction) -> EntryProblem:
         """The problem of a frame whose command is unknown, or has no message of this direction."""
-        other = next(one for one in Direction if one is not direction)
-        if command in self._messages[other]:
+        opposite = next(candidate for candidate in Direction if candidate is not direction)
+        if command in self._messages[opposite]:
             text = f"`{command}` has no {direction.value}"
-            return (direction.value,), text, f"write `{other.value}: {command}`, or remove it"
+            return (direction.value,), text, f"write `{opposite.value}: {command}`, or remove it"
         hint = nearest(command, self._messages[direction]) or "remove it"
         return (direction.value,), f"there is no command `{command}`", hint
 
@@ -96,10 +97,12 @@ def _messages(edition: Edition, direction: Direction) -> dict[str, Message]:
     return {name: message for name, message in both if message is not None}
 
 
-def _has_same_fields(alone: Identified | Rejection, encoder: Encoder, can: CanFrame, found: Mapping[str, Raw]) -> bool:
+def _has_same_fields(
+    alone: Identified | Rejection, encoder: Encoder, can: CanFrame, in_data: Mapping[str, Raw]
+) -> bool:
     """Whether a frame has the same fields if it is identified as another message."""
     variant = alone.message.layout.variant(encoder.assignment) if isinstance(alone, Identified) else None
-    return variant is not None and raws(variant, can) == found
+    return variant is not None and raws(variant, can) == in_data
 
 
 def _encoded(
@@ -119,7 +122,7 @@ def _encoded(
     if can.remote and can.data:
         yield ("data",), "a remote frame has no data", 'data: ""'
     elif sent.data != can.data:
-        at = next(i for i, (one, other) in enumerate(zip(sent.data, can.data, strict=True)) if one != other)
+        at = next(i for i, (encoded, listed) in enumerate(zip(sent.data, can.data, strict=True)) if encoded != listed)
         text = f"DATA[{at}] is 0x{can.data[at]:02X}, but an encoder writes 0x{sent.data[at]:02X}"
         yield ("data",), text, _CHECK_LAYOUT
 
@@ -133,13 +136,16 @@ def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem
     if wrong is None:
         node = node_in_id(message, can)
         if node is None and frame.node is not None:
-            return ("node",), f"the id 0x{frame.id:X} has no node", "remove `node`"
+            return ("node",), f"the id 0x{frame.id:X} has no node", _WITHOUT_NODE
         if node != frame.node:
             return ("node",), f"the id 0x{frame.id:X} belongs to node {node}", f"check `id`, or write `node: {node}`"
         return None
     if wrong.part in ("extended", "remote"):
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
+        if frame.node is not None and message.id.nodes is None:
+            fixed = f": the id of all its frames is 0x{message.id.base:X}" if _has_whole_id(message) else ""
+            return ("node",), f"the address `{message.address}` has no node{fixed}", _WITHOUT_NODE
         from_hex = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
         is_decimal = difference(message, can._replace(id=from_hex)) is None
         hint = f"did you mean 0x{from_hex:X}?" if is_decimal else _id_of(message, frame)
@@ -147,6 +153,15 @@ def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem
     if wrong.part == "length":
         return ("data",), wrong.text, f"write {message.dlc} bytes, or change `dlc`"
     return ("data",), wrong.text, "check `data` and the code in the spec"
+
+
+_WITHOUT_NODE = "remove `node`, or write the id of the address with `node` in the spec"
+
+
+def _has_whole_id(message: Message) -> bool:
+    """Whether the address alone decides the id: there are no fields or keys in it."""
+    spaces = {field.space for field in message.layout.fields} | {key.space for key in message.keys}
+    return Space.ID not in spaces
 
 
 def _id_of(message: Message, frame: GoldenFrame) -> str:
@@ -158,50 +173,69 @@ def _id_of(message: Message, frame: GoldenFrame) -> str:
     return f"the id of node {node} is 0x{can_ids.of_message(message)[nodes.index(node)]:X}; {hint}"
 
 
-def _raws(frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> list[EntryProblem]:
-    unknown = [name for name in frame.raw if name not in found]
+def _raws(
+    frame: GoldenFrame, fields: Mapping[str, Field], in_data: Mapping[str, Raw], assignment: Assignment
+) -> list[EntryProblem]:
+    unknown = [name for name in frame.raw if name not in in_data]
     if unknown:
-        return [(("raw", name, KEY), *_no_field(name, fields, found)) for name in unknown]
-    missing = [name for name in found if name not in frame.raw]
+        return [(("raw", name, KEY), *_no_field(name, fields, in_data)) for name in unknown]
+    missing = [name for name in in_data if name not in frame.raw]
     if missing:
         names = ", ".join(f"`{name}`" for name in missing)
         return [(("raw",), f"`raw` lacks {names}", "write the raw integer of every field; `values` may have fewer")]
     return [
-        (
-            ("raw", name),
-            f"`{name}` is {raw} in `data`",
-            f"check `data` and the layout in the spec{_where(fields[name])}",
-        )
-        for name, raw in found.items()
+        (("raw", name), f"`{name}` is {raw} in `data`", _raw_hint(fields[name], raw, frame.raw[name], assignment))
+        for name, raw in in_data.items()
         if raw != frame.raw[name]
     ]
 
 
+def _raw_hint(field: Field, raw: Raw, wanted: Raw, assignment: Assignment) -> str:
+    """The hint for a raw integer that differs from that in the data."""
+    if _is_swapped(raw, wanted, field.type.width):
+        return f"the other byte order gives {wanted}: check `data`, and `byte_order` in the spec"
+    if field_value(field, raw, assignment) == wanted:
+        return f"{wanted} is its value{_unit(field)}; `raw` is an integer, and `values` has the value"
+    return f"check `data` and the layout in the spec{_where(field)}"
+
+
+def _unit(field: Field) -> str:
+    return f" in {field.type.unit.symbol}" if field.type.unit else ""
+
+
+def _is_swapped(raw: Raw, wanted: Raw, width: int) -> bool:
+    """Whether two raw integers have the same bytes in opposite order."""
+    if isinstance(raw, list) or isinstance(wanted, list) or width % 8 or width == 8:
+        return False
+    mask = (1 << width) - 1
+    return int.from_bytes((raw & mask).to_bytes(width // 8, "little"), "big") == wanted & mask
+
+
 def _values(
-    frame: GoldenFrame, fields: Mapping[str, Field], found: Mapping[str, Raw], assignment: Assignment
+    frame: GoldenFrame, fields: Mapping[str, Field], in_data: Mapping[str, Raw], assignment: Assignment
 ) -> list[EntryProblem]:
     problems: list[EntryProblem] = []
     for name, wanted in frame.values.items():
-        if name not in fields or name not in found:
-            problems.append((("values", name, KEY), *_no_field(name, fields, found)))
+        if name not in fields or name not in in_data:
+            problems.append((("values", name, KEY), *_no_field(name, fields, in_data)))
             continue
-        if name in frame.raw and frame.raw[name] != found[name]:
+        if name in frame.raw and frame.raw[name] != in_data[name]:
             continue  # already reported: the value follows from the raw integer
-        value = field_value(fields[name], found[name], assignment)
+        value = field_value(fields[name], in_data[name], assignment)
         if not _same(wanted, value):
-            problems.append((("values", name), *_other_value(fields[name], value, assignment)))
+            problems.append((("values", name), *_other_value(fields[name], wanted == in_data[name], value, assignment)))
     return problems
 
 
-def _no_field(name: str, fields: Mapping[str, Field], found: Mapping[str, Raw]) -> tuple[str, str]:
+def _no_field(name: str, fields: Mapping[str, Field], in_data: Mapping[str, Raw]) -> tuple[str, str]:
     """The text and hint for a name that is not a field with a value."""
     if name in fields:
         return f"`{name}` is a constant", "remove it; golden frames list only fields with a value"
-    return f"there is no field `{name}`", nearest(name, found) or "remove it"
+    return f"there is no field `{name}`", nearest(name, in_data) or "remove it"
 
 
-def _other_value(field: Field, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:
-    """The text and hint for a value that differs from that of the spec."""
+def _other_value(field: Field, is_raw: bool, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:
+    """The text and hint for a value that differs from that of the spec; it may be the raw integer."""
     type_, none = field.type, (None, [None] * len(field.elements))
     missing = [name for name in (type_.linear.parameter, *type_.times) if name and name not in assignment]
     if value in none and missing:
@@ -209,15 +243,22 @@ def _other_value(field: Field, value: Value | list[Value], assignment: Assignmen
         return text, f"add parameters: {{{missing[0]}: …}}"
     by = "names" if type_.enum or type_.flags else "scale"
     hint = f"check the value and the type in the spec{_where(field)}"
+    if is_raw:
+        hint = f"this is the raw integer; `values` has the value{_unit(field)}"
     return f"`{field.name}` is {_shown(value)} according to the {by} in the spec", hint
 
 
 def _where(field: Field) -> str:
     """A note on the bits of a big-endian field narrower than a byte, whose `at` is the highest; else empty."""
-    one = field.elements[0].segments
-    if field.space is not Space.DATA or field.type.order is not Order.BIG or len(one) > 1 or one[0].width == 8:
+    segments = field.elements[0].segments
+    if (
+        field.space is not Space.DATA
+        or field.type.order is not Order.BIG
+        or len(segments) > 1
+        or segments[0].width == 8
+    ):
         return ""
-    return f"; it is in {formatting.place(field.space, one)}, since `at` is the highest bit of a big-endian field"
+    return f"; it is in {formatting.place(field.space, segments)}, since `at` is the highest bit of a big-endian field"
 
 
 def _same(wanted: object, value: object) -> bool:

@@ -38,10 +38,10 @@ def _in_id(subject: CheckInput, message: Message) -> Iterator[tuple[str, Documen
 
 def _bits(rule: IdRule) -> int:
     """The bits that are set in some id of a rule."""
-    found = can_ids.of_rule(rule)
-    if len(found) > can_ids.ENUMERATED:
+    ids = can_ids.of_rule(rule)
+    if len(ids) > can_ids.ENUMERATED:
         below = (rule.node_step & -rule.node_step) - 1
-        counted = ((1 << (found[-1] - rule.base).bit_length()) - 1) & ~below
+        counted = ((1 << (ids[-1] - rule.base).bit_length()) - 1) & ~below
         carried = counted << 1 if rule.base & counted else 0
         return rule.base | counted | carried
-    return reduce(lambda bits, id_: bits | id_, found, 0)
+    return reduce(lambda bits, id_: bits | id_, ids, 0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Address, Direction, IdRule, Message
@@ -28,15 +27,15 @@ def _findings(subject: CheckInput) -> Findings:
     edition = subject.edition
     seen: set[tuple[DocumentPath, str]] = set()
     for direction in Direction:
-        for (address, other), shared in sorted(_shared(subject, direction).items()):
-            one, two = edition.addresses[address], edition.addresses[other]
-            path = _path(subject, one, direction)
-            if one.rule(direction) != two.rule(direction) and (path, two.name) not in seen:
-                seen.add((path, two.name))
-                text = f"the {direction.value} id 0x{shared:X} also belongs to `{two.name}`"
-                related = RelatedItem(_path(subject, two, direction), f"the id of `{two.name}`")
+        for (index, earlier), shared in sorted(_shared(subject, direction).items()):
+            address, earlier_address = edition.addresses[index], edition.addresses[earlier]
+            path = _path(subject, address, direction)
+            if address.rule(direction) != earlier_address.rule(direction) and (path, earlier_address.name) not in seen:
+                seen.add((path, earlier_address.name))
+                text = f"the {direction.value} id 0x{shared:X} also belongs to `{earlier_address.name}`"
+                related = RelatedItem(_path(subject, earlier_address, direction), f"the id of `{earlier_address.name}`")
                 yield Finding(path, text, "check `id` and `nodes` of both addresses", related=(related,))
-        if not seen and not subject.partial:
+        if not seen:
             yield from _unreachable(edition, direction)
     yield from _between_directions(subject)
     if not seen:  # ids that collide in one direction usually collide in the other, too
@@ -53,13 +52,15 @@ def _between_directions(subject: CheckInput) -> Findings:
     edition = subject.edition
     for address in edition.addresses:
         rules = address.request, address.reply
-        if rules[0] == rules[1] or (subject.partial and _is_selected_by_id(subject.spec, address.name)):
+        if rules[0] == rules[1]:
             continue
         used = {message.address for message in edition.all_messages()}
         owned = [(direction, its) for direction in Direction for its in _ids(edition, direction, address, used)]
         for i, j in bit_patterns.pairs([can_ids.known(its) for _, its in owned]):
-            (direction, replies), (other, requests) = owned[i], owned[j]
-            shared = can_ids.meet(replies, requests) if direction is not other and replies != requests else None
+            (direction, replies), (other_direction, requests) = owned[i], owned[j]
+            shared = (
+                can_ids.meet(replies, requests) if direction is not other_direction and replies != requests else None
+            )
             if shared is not None:
                 yield _shared_by_directions(subject, address, replies, requests, shared)
                 break
@@ -70,27 +71,34 @@ def _between_addresses(subject: CheckInput) -> Findings:
     edition = subject.edition
     used = {message.address for message in edition.all_messages()}
     owned = [
-        (address, direction, its)
+        (address, direction, ids)
         for address in edition.addresses
-        if not (subject.partial and _is_selected_by_id(subject.spec, address.name))
         for direction in Direction
-        for its in _ids(edition, direction, address, used)
+        for ids in _ids(edition, direction, address, used)
     ]
     seen: set[tuple[str, str]] = set()
-    for i, j in bit_patterns.pairs([can_ids.known(its) for *_, its in owned]):
-        (one, direction, first), (two, other, second) = owned[i], owned[j]
-        rule, its = one.rule(direction), two.rule(other)
-        if direction is other or one is two or (one.name, two.name) in seen or rule.extended != its.extended:
+    for i, j in bit_patterns.pairs([can_ids.known(ids) for *_, ids in owned]):
+        (address, direction, first), (other_address, other_direction, second) = owned[i], owned[j]
+        rule, other_rule = address.rule(direction), other_address.rule(other_direction)
+        if (
+            direction is other_direction
+            or address is other_address
+            or (address.name, other_address.name) in seen
+            or rule.extended != other_rule.extended
+        ):
             continue
-        shared = can_ids.meet(first, second) if None not in (rule.nodes, its.nodes) else None
-        if shared is not None and _owner(rule, first, shared) != _owner(its, second, shared):
-            seen.add((one.name, two.name))
+        shared = can_ids.meet(first, second) if None not in (rule.nodes, other_rule.nodes) else None
+        if shared is not None and _owner(rule, first, shared) != _owner(other_rule, second, shared):
+            seen.add((address.name, other_address.name))
             text = (
                 f"0x{shared:X} is the {direction.value}{_owner(rule, first, shared)} here, "
-                f"and the {other.value}{_owner(its, second, shared)} of `{two.name}`"
+                f"and the {other_direction.value}{_owner(other_rule, second, shared)} of `{other_address.name}`"
             )
-            related = RelatedItem(_path(subject, two, other), f"the {other.value} id of `{two.name}`")
-            path = _path(subject, one, direction)
+            related = RelatedItem(
+                _path(subject, other_address, other_direction),
+                f"the {other_direction.value} id of `{other_address.name}`",
+            )
+            path = _path(subject, address, direction)
             yield Finding(path, text, "check `id` and `nodes` of both addresses", related=(related,))
 
 
@@ -121,7 +129,7 @@ def _span(ids: range) -> str:
 
 
 def _unreachable(edition: Edition, direction: Direction) -> Findings:
-    """Findings about messages owner_text ids another address takes first, without a message of their code."""
+    """Findings about messages whose ids are identified as those of an earlier address, which has no such code."""
     reported: set[tuple[str, str]] = set()
     earlier: list[tuple[int, bit_patterns.Known, Message]] = []
     """For each earlier rule with variable bits of the id: these bits, the known ones, and a message."""
@@ -129,17 +137,17 @@ def _unreachable(edition: Edition, direction: Direction) -> Findings:
         for message in route.messages if earlier else ():
             free = can_ids.free_bits(message)
             own = can_ids.known(can_ids.of_message(message), free)
-            for mask, known, other in earlier:
-                if (message.id.extended, message.remote) != (other.id.extended, other.remote):
+            for mask, known, taker in earlier:
+                if (message.id.extended, message.remote) != (taker.id.extended, taker.remote):
                     continue
-                if (known.value ^ own.value) & known.mask & own.mask or (message.address, other.address) in reported:
+                if (known.value ^ own.value) & known.mask & own.mask or (message.address, taker.address) in reported:
                     continue
-                shared = can_ids.meet(can_ids.of_message(message), can_ids.of_rule(other.id), mask | free)
+                shared = can_ids.meet(can_ids.of_message(message), can_ids.of_rule(taker.id), mask | free)
                 if shared is not None:
-                    reported.add((message.address, other.address))
-                    taken = f"the ids of this {direction.value} are identified as ids of the address `{other.address}`"
+                    reported.add((message.address, taker.address))
+                    taken = f"the ids of this {direction.value} are identified as ids of the address `{taker.address}`"
                     text = f"{taken}, which has no such code"
-                    owner = node_of_id(other.id, shared)
+                    owner = node_of_id(taker.id, shared)
                     owner_text = f"0x{shared:X} is node {owner} there: " if owner is not None else ""
                     hint = f"{owner_text}check `id`, `nodes` and `selector` of both addresses, or give it another code"
                     yield Finding(message.path, text, hint)
@@ -153,25 +161,17 @@ def _shared(subject: CheckInput, direction: Direction) -> dict[tuple[int, int], 
     used = {message.address for message in edition.all_messages()}
     owned = [
         (place, its)
-        for place, one in enumerate(edition.addresses)
-        if not (subject.partial and _is_selected_by_id(subject.spec, one.name))
-        for its in _ids(edition, direction, one, used)
+        for place, address in enumerate(edition.addresses)
+        for its in _ids(edition, direction, address, used)
     ]
-    found: dict[tuple[int, int], int] = {}
+    lowest: dict[tuple[int, int], int] = {}
     for i, j in bit_patterns.pairs([can_ids.known(its) for _, its in owned]):
-        (address, first), (other, second) = owned[i], owned[j]
-        same_format = edition.addresses[address].request.extended == edition.addresses[other].request.extended
-        shared = can_ids.meet(first, second) if address != other and same_format else None
+        (address, first), (earlier, second) = owned[i], owned[j]
+        same_format = edition.addresses[address].request.extended == edition.addresses[earlier].request.extended
+        shared = can_ids.meet(first, second) if address != earlier and same_format else None
         if shared is not None:
-            found.setdefault((address, other), shared)
-    return found
-
-
-def _is_selected_by_id(spec: EditionSpec, address: str) -> bool:
-    """Whether the ids of an address depend on its commands."""
-    written = spec.addresses[address]
-    selectors = (written.selector, written.reply_selector, spec.selector)
-    return any(selector is not None and selector.at.space is Space.ID for selector in selectors)
+            lowest.setdefault((address, earlier), shared)
+    return lowest
 
 
 def _ids(edition: Edition, direction: Direction, address: Address, used: Collection[str]) -> Sequence[range]:

@@ -31,8 +31,8 @@ def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high:
         path: DocumentPath = (*type_.path, key, member.name)
         if member.value in first:
             text = f"`{member.name}` and `{first[member.value]}` are both {member.value}"
-            other = RelatedItem((*type_.path, key, first[member.value]), f"`{first[member.value]}`", key=True)
-            yield Finding(path, text, "give each a different value", related=(other,))
+            related = RelatedItem((*type_.path, key, first[member.value]), f"`{first[member.value]}`", key=True)
+            yield Finding(path, text, "give each a different value", related=(related,))
         elif not low <= member.value <= high:
             what = "bit " if key == "flags" else ""
             text = (

@@ -6,7 +6,7 @@ from .rule import CheckInput, Finding, Findings
 
 
 def check(subject: CheckInput) -> Findings:
-    if subject.spec.manual is None:
+    if not any(subject.spec.manual.values()):
         return
     for name, command in subject.spec.commands.items():
         if command.manual is None:

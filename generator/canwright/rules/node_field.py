@@ -9,9 +9,9 @@ from .rule import CheckInput, Finding, Findings
 
 def check(subject: CheckInput) -> Findings:
     for message in subject.edition.all_messages():
-        found = [f for f in message.layout.fields if isinstance(f.role, NodeRole)]
-        for i, field in enumerate(found):
-            reason = f"`{found[0].name}` already contains the node" if i else _mismatch(field)
+        fields = [f for f in message.layout.fields if isinstance(f.role, NodeRole)]
+        for i, field in enumerate(fields):
+            reason = f"`{fields[0].name}` already contains the node" if i else _mismatch(field)
             if reason:
                 yield Finding(
                     (*field.path, "holds"),

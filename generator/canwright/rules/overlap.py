@@ -37,8 +37,12 @@ def check(subject: CheckInput) -> Findings:
         if parts in compared:
             continue
         compared.add(parts)
-        found = (one for variant in message.layout.variants for one in _some_clashes(subject.spec, message, variant))
-        new = list(itertools.islice((one for one in dict.fromkeys(found) if one not in reported), MAX_OVERLAPS))
+        clashes = (
+            finding for variant in message.layout.variants for finding in _some_clashes(subject.spec, message, variant)
+        )
+        new = list(
+            itertools.islice((finding for finding in dict.fromkeys(clashes) if finding not in reported), MAX_OVERLAPS)
+        )
         reported.update(new)
         if len(new) == MAX_OVERLAPS:
             new[-1] = new[-1]._replace(message=f"{new[-1].message}; further overlaps of this message are not listed")
@@ -52,42 +56,42 @@ def _some_clashes(spec: EditionSpec, message: Message, variant: Variant) -> Find
 def _clashes(spec: EditionSpec, message: Message, variant: Variant) -> Findings:
     taken: dict[Space, dict[int, RelatedItem]] = {space: {} for space in Space}
     for key in message.keys:
-        bits, others = bits_of(key.segments), taken[key.space]
-        clash = next(filter(others.__contains__, bits), None)
+        bits, owners = bits_of(key.segments), taken[key.space]
+        clash = next(filter(owners.__contains__, bits), None)
         if clash is not None and key.role is KeyRole.INDEX:
-            text = f"the table's index shares {_where(key.space, clash)} with {others[clash].item}"
-            yield Finding(_path_of(spec, message, key), text, "move one of them", related=(others[clash],))
-        others.update(dict.fromkeys(bits, _item(spec, message, key)))
+            text = f"the table's index shares {_where(key.space, clash)} with {owners[clash].item}"
+            yield Finding(_path_of(spec, message, key), text, "move one of them", related=(owners[clash],))
+        owners.update(dict.fromkeys(bits, _item(spec, message, key)))
     for field in variant.fields:
-        others = taken[field.space]
+        owners = taken[field.space]
         for element in field.elements:
-            clash = next(filter(others.__contains__, element.bits), None)
-            misplaced = clash is not None and _misplaced(message, variant, field, others[clash])
+            clash = next(filter(owners.__contains__, element.bits), None)
+            misplaced = clash is not None and _misplaced(message, variant, field, owners[clash])
             if clash is not None and misplaced:
                 path, text, hint = misplaced
-                both = (others[clash], RelatedItem((*field.path, "at"), f"`{field.name}`"))
-                yield Finding(path, text, hint, related=tuple(one for one in both if one.path != path))
+                both = (owners[clash], RelatedItem((*field.path, "at"), f"`{field.name}`"))
+                yield Finding(path, text, hint, related=tuple(item for item in both if item.path != path))
             elif clash is not None:
-                hint = WITHOUT_INDEX if others[clash].item == INDEX and message.direction is Direction.REPLY else APART
+                hint = WITHOUT_INDEX if owners[clash].item == INDEX and message.direction is Direction.REPLY else APART
                 if field.type.order is Order.BIG and field.type.width % 8 and field.space is Space.DATA:
                     hint += HIGHEST
-                text = f"`{field.name}` shares {_where(field.space, clash)} with {others[clash].item}"
-                yield Finding((*field.path, "at"), text, hint, related=(others[clash],))
-            others.update(dict.fromkeys(element.bits, RelatedItem((*field.path, "at"), f"`{field.name}`")))
+                text = f"`{field.name}` shares {_where(field.space, clash)} with {owners[clash].item}"
+                yield Finding((*field.path, "at"), text, hint, related=(owners[clash],))
+            owners.update(dict.fromkeys(element.bits, RelatedItem((*field.path, "at"), f"`{field.name}`")))
 
 
 def _misplaced(
-    message: Message, variant: Variant, field: Field, other: RelatedItem
+    message: Message, variant: Variant, field: Field, owner: RelatedItem
 ) -> tuple[DocumentPath, str, str] | None:
     """Path, text and hint for a big-endian field at its lowest byte; None if its bytes would not be free before that."""
-    fields = {(*one.path, "at"): one for one in variant.fields if one.space is Space.DATA}
-    for path in (other.path, (*field.path, "at")):
+    fields = {(*placed.path, "at"): placed for placed in variant.fields if placed.space is Space.DATA}
+    for path in (owner.path, (*field.path, "at")):
         start = highest_byte(fields[path]) if path in fields else None
         if start is not None:
             size = fields[path].type.width // 8
             wanted = set(range(start * 8, (start + size) * 8))
             keys = {bit for key in message.keys if key.space is Space.DATA for bit in bits_of(key.segments)}
-            used = {b for at, one in fields.items() if at != path for e in one.elements for b in e.bits} | keys
+            used = {b for at, placed in fields.items() if at != path for e in placed.elements for b in e.bits} | keys
             if wanted.isdisjoint(used) or wanted.isdisjoint(_lowered(fields, path) | keys):
                 name = fields[path].name
                 last = start + size - 1
@@ -98,14 +102,14 @@ def _misplaced(
 
 def _lowered(fields: Mapping[DocumentPath, Field], path: DocumentPath) -> set[int]:
     """The bits of all other fields if every big-endian one is at its lowest byte, too."""
-    found: set[int] = set()
+    bits: set[int] = set()
     for at, field in fields.items():
         start = highest_byte(field)
         if at != path:
             size = field.type.width // 8
             moved = range(start * 8, (start + size) * 8) if start is not None else ()
-            found.update(moved or (bit for element in field.elements for bit in element.bits))
-    return found
+            bits.update(moved or (bit for element in field.elements for bit in element.bits))
+    return bits
 
 
 def _item(spec: EditionSpec, message: Message, key: Key) -> RelatedItem:

@@ -44,9 +44,6 @@ LOAD_RULES: tuple[Rule, ...] = (
         "two-parameters", "The fields of a layout depend on one parameter, and so do scale, offset and range of a type."
     ),
     Rule("incomplete-choice", "What depends on a parameter is given for each of its values."),
-    Rule("stale-output", "What is generated is what the specs say."),
-    Rule("parameter-kind", "A parameter is a choice among values or a number, and stands where such a one can."),
-    Rule("incomplete-choice", "What depends on a parameter says something for each of its values."),
     Rule("stale-output", "The generated files agree with the specs."),
     Rule("parameter-kind", "A parameter is a choice or a number, and is used only where its kind is allowed."),
 )

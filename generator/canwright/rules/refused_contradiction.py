@@ -40,11 +40,11 @@ class _RejectionChecker:
 
     def _frame(self, entry: RefusedFrame, encoder: Encoder) -> Iterator[EntryProblem]:
         frame = CanFrame(entry.id, entry.data, entry.extended, entry.remote)
-        found = self._decoder.decode(entry.decode, frame, encoder.assignment)
-        if isinstance(found, Rejection):
-            yield from _other_reason(entry.says, found)
+        outcome = self._decoder.decode(entry.decode, frame, encoder.assignment)
+        if isinstance(outcome, Rejection):
+            yield from _other_reason(entry.says, outcome)
         else:
-            text = f"the spec accepts this frame: {described(found)}"
+            text = f"the spec accepts this frame: {described(outcome)}"
             yield ("says",), text, "move it to `frames`, or check the spec"
 
     def _values(self, entry: RefusedValues, encoder: Encoder) -> Iterator[EntryProblem]:
@@ -55,8 +55,8 @@ class _RejectionChecker:
             return
         message = command.message(entry.encode)
         if message is None:
-            other = next(direction for direction in Direction if direction is not entry.encode)
-            hint = f"encode: {other.value}" if command.message(other) else "remove it"
+            opposite = next(direction for direction in Direction if direction is not entry.encode)
+            hint = f"encode: {opposite.value}" if command.message(opposite) else "remove it"
             yield ("encode",), f"`{entry.command}` has no {entry.encode.value}", hint
             return
         problems = list(_entry_problems(encoder, message, entry))
@@ -64,25 +64,29 @@ class _RejectionChecker:
             yield from problems
             return
         if entry.values:
-            found = encoder.encode_values(message, entry.node, entry.values)
+            outcome = encoder.encode_values(message, entry.node, entry.values)
         else:
-            found = encoder.encode_raws(message, entry.node, entry.raw)
-        if not isinstance(found, Rejection):
+            outcome = encoder.encode_raws(message, entry.node, entry.raw)
+        if not isinstance(outcome, Rejection):
             yield (
                 ("says",),
                 f"the spec accepts these values: {_accepted(message, entry)}",
                 _beyond(encoder, message, entry),
             )
             return
-        yield from _other_reason(entry.says, found)
-        if found.reason is entry.says and entry.field_name is not None and entry.field_name != found.field:
-            hint = f"field: {found.field}" if found.field else "remove `field`"
-            yield ("field",), f"the spec rejects this, but not because of `{entry.field_name}`: {found.text}", hint
+        yield from _other_reason(entry.says, outcome)
+        if outcome.reason is entry.says and entry.field_name is not None and entry.field_name != outcome.field:
+            hint = f"field: {outcome.field}" if outcome.field else "remove `field`"
+            yield ("field",), f"the spec rejects this, but not because of `{entry.field_name}`: {outcome.text}", hint
 
 
-def _other_reason(says: Refusal, found: Rejection) -> Iterator[EntryProblem]:
-    if found.reason is not says:
-        yield ("says",), f"the spec rejects this with {found.reason.value}: {found.text}", f"says: {found.reason.value}"
+def _other_reason(says: Refusal, outcome: Rejection) -> Iterator[EntryProblem]:
+    if outcome.reason is not says:
+        yield (
+            ("says",),
+            f"the spec rejects this with {outcome.reason.value}: {outcome.text}",
+            f"says: {outcome.reason.value}",
+        )
 
 
 def _entry_problems(encoder: Encoder, message: Message, entry: RefusedValues) -> Iterator[EntryProblem]:
@@ -116,12 +120,12 @@ def _mismatch(field: Field, value: Value) -> tuple[str, str] | None:
     if isinstance(value, list) is not (field.is_array or bool(field.type.flags and not isinstance(value, str))):
         return _shape(field)
     members = field.type.enum or field.type.flags
-    for one in value if isinstance(value, list) else (value,):
-        if isinstance(one, str) and (members or one not in SPECIAL):
+    for part in value if isinstance(value, list) else (value,):
+        if isinstance(part, str) and (members or part not in SPECIAL):
             names = [member.name for member in members]
-            if one not in names:
-                text = f"`{field.name}` has no value `{one}`" if members else f"`{field.name}` is a number"
-                return text, nearest(one, names) or "check the type in the spec"
+            if part not in names:
+                text = f"`{field.name}` has no value `{part}`" if members else f"`{field.name}` is a number"
+                return text, nearest(part, names) or "check the type in the spec"
     return None
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.edition import EditionSpec, MemberSpec, MessageSpec
+from ..language.concept import parts
+from ..language.edition import EditionSpec
 from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
@@ -22,9 +23,9 @@ def check(subject: CheckInput) -> Findings:
         for i, setting in enumerate(command.not_limited_by):
             if setting in limited_by:
                 at: DocumentPath = ("commands", name, "not_limited_by", i)
-                other: DocumentPath = ("commands", name, "limited_by", command.limited_by.index(setting))
+                earlier: DocumentPath = ("commands", name, "limited_by", command.limited_by.index(setting))
                 text = f"`{setting}` is also in `limited_by`"
-                yield Finding(at, text, "remove one of them", related=(RelatedItem(other, "the other one"),))
+                yield Finding(at, text, "remove one of them", related=(RelatedItem(earlier, "the other one"),))
     for message in subject.edition.all_messages():
         for i, code in enumerate(message.accepted_codes):
             if message.keys and code == message.keys[0].value:
@@ -32,30 +33,8 @@ def check(subject: CheckInput) -> Findings:
                 yield Finding((*message.path, "accept", i), text, "remove it; `accept` is for additional codes")
 
 
-def _lists(spec: EditionSpec) -> Iterator[tuple[DocumentPath, Sequence[object]]]:
-    yield ("languages",), spec.languages
-    for name, mode in spec.bus.modes.items():
-        yield ("bus", "modes", name, "bit_rates_kbps"), mode.bit_rates_kbps
-    for name, setting in spec.settings.items():
-        yield from ((("settings", name, "only", p), v) for p, v in (setting.only or {}).items())
-    for name, type_ in spec.types.items():
-        for member_name, member in (type_.enum or {}).items():
-            if isinstance(member, MemberSpec):
-                yield ("types", name, "enum", member_name, "without_effects"), member.without_effects
-    for name, command in spec.commands.items():
-        path: DocumentPath = ("commands", name)
-        yield (*path, "effects"), command.effects
-        yield (*path, "limited_by"), command.limited_by
-        yield (*path, "not_limited_by"), command.not_limited_by
-        yield from (((*path, "only", p), v) for p, v in (command.only or {}).items())
-        for key, message in (("request", command.request), ("reply", command.reply)):
-            if isinstance(message, MessageSpec):
-                yield (*path, key, "accept"), message.accept or ()
-    for name, table in spec.tables.items():
-        for entry_name, entry in table.entries.items():
-            at: DocumentPath = ("tables", name, "entries", entry_name)
-            yield (*at, "commands"), entry.commands or ()
-            yield (*at, "effects"), entry.effects
-            yield from (((*at, "only", p), v) for p, v in (entry.only or {}).items())
-    for i, erratum in enumerate(spec.errata):
-        yield ("errata", i, "where"), erratum.where
+def _lists(spec: EditionSpec) -> Iterator[tuple[DocumentPath, list[object]]]:
+    """The lists of names or numbers, except for the index of an entry and the values of parameters."""
+    for path, part in parts(spec):
+        if isinstance(part, list) and path[0] != "parameters" and (path[0], *path[4:]) != ("tables", "index"):
+            yield path, [item for item in part if isinstance(item, str | int)]

@@ -13,15 +13,11 @@ from ..model.golden_frames import GoldenFrames
 
 
 class CheckInput(NamedTuple):
-    """A spec as it is written, as it resolves, and its golden frames where it has any.
-
-    A `partial` one lacks the commands that errors affect.
-    """
+    """A spec as it is written, as it resolves, and its golden frames if it has any."""
 
     edition: Edition
     spec: EditionSpec
     frames: GoldenFrames | None
-    partial: bool = False
 
 
 class RelatedItem(NamedTuple):
@@ -54,20 +50,18 @@ Findings = Iterator[Finding]
 
 
 class Phase(IntEnum):
-    """When a rule is checked: what an earlier phase finds invalid is left out of what a later one checks."""
+    """The order of rules: those of a phase run if the phases before it have no error."""
 
     SIZE = 0
-    """Limits the work of the phases after it, which do not run if it has a finding."""
+    """Limits the work of the phases after it."""
     PARTS = 1
-    """Checks one thing of the spec, or where things stand."""
-    CODES = 2
-    """Compares names and codes of commands."""
-    WHOLE = 3
-    """Compares commands and addresses."""
-    FRAMES = 4
-    """Compares golden frames with a spec without errors."""
-    COVERAGE = 5
-    """Looks for what is missing or unused in a spec without errors."""
+    """Checks single items of the spec, names and codes."""
+    WHOLE = 2
+    """Compares the frames of commands and addresses."""
+    FRAMES = 3
+    """Compares golden frames with the spec."""
+    COVERAGE = 4
+    """Looks for what is missing or unused."""
 
 
 class Rule(NamedTuple):

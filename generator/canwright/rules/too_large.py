@@ -76,9 +76,9 @@ def check(subject: CheckInput) -> Findings:
         yield Finding(("parameters",), text, hint, key=True)
         return
     totals, largest = dict.fromkeys(Part, 0.0), dict.fromkeys(Part, Size(Part.FRAMES, (), 0))
-    for one in (*_sizes(edition, combinations), *_sizes_of_frames(subject)):
-        totals[one.part] += one.size
-        largest[one.part] = max(largest[one.part], one, key=lambda size: size.size)
+    for item in (*_sizes(edition, combinations), *_sizes_of_frames(subject)):
+        totals[item.part] += item.size
+        largest[item.part] = max(largest[item.part], item, key=lambda size: size.size)
     total, most = sum(totals.values()), _maximum()
     if total > most:
         part = max(totals, key=lambda part: totals[part])
