@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import subprocess
 import sys
+from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -14,11 +16,11 @@ import canwright
 import pytest
 from canwright.targets.registry import default_targets
 
-from .spec_texts import MINIMAL
+from .spec_texts import MINIMAL, ROOT
 
 
 @pytest.mark.parametrize("name", canwright.__all__)
-def test_every_name_is_there_and_documented(name: str) -> None:
+def test_public_name_exists_with_a_docstring(name: str) -> None:
     assert getattr(canwright, name).__doc__
 
 
@@ -27,7 +29,7 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
         _ = canwright.nothing
 
 
-def test_importing_it_imports_nothing_else() -> None:
+def test_import_of_canwright_imports_no_other_module() -> None:
     script = "import sys, canwright; print([name for name in sys.modules if name.startswith('canwright.')])"
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout == "[]\n"
 
@@ -89,7 +91,7 @@ def lamp(tmp_path: Path) -> canwright.Edition:
 def test_numbers_of_every_kind_are_encoded(lamp: canwright.Edition, value: Any, expected: str) -> None:
     request = lamp.command("dim").request
     assert request is not None
-    found = canwright.Encoder({}).encode_values(request, 1, {"level": value})
+    found = canwright.Encoder(lamp).encode_values(request, 1, {"level": value})
     assert (found.reason.value if isinstance(found, canwright.Rejection) else found.data.hex().upper()) == expected
 
 
@@ -105,5 +107,70 @@ def test_numbers_of_every_kind_are_encoded(lamp: canwright.Edition, value: Any, 
 def test_names_are_encoded(lamp: canwright.Edition, values: dict[str, Any], expected: str) -> None:
     request = lamp.command("mode").request
     assert request is not None
-    found = canwright.Encoder({}).encode_values(request, 1, values)
+    found = canwright.Encoder(lamp).encode_values(request, 1, values)
     assert (found.field if isinstance(found, canwright.Rejection) else found.data.hex()) == expected
+
+
+ARM = ROOT / "tests/specs/arm/v1.yaml"
+"""Its position has a scale that is a multiple of the parameter `p_max`; its current has one for each `winding`."""
+POSITION = canwright.CanFrame(0x101, bytes.fromhex("00 FF FF 00 00 00 00 00"))
+
+
+def position(parameters: Mapping[str, Any] | None = None) -> object:
+    """The position that a reply reports, which has the last raw integer."""
+    decoded = canwright.Decoder(canwright.load(ARM).edition, parameters).decode(canwright.Direction.REPLY, POSITION)
+    assert isinstance(decoded, canwright.Decoded)
+    return decoded.values["position"]
+
+
+@pytest.mark.parametrize("value", [12.5, "12.5", "25/2", Decimal("12.5"), Fraction(25, 2)])
+def test_parameters_of_a_decoder_are_numbers_or_text(value: Any) -> None:
+    assert position({"p_max": value}) == Fraction(25, 2)
+
+
+def test_value_without_its_parameter_is_none() -> None:
+    assert position() is None
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"p_maks": 1}, "`p_maks` is not a parameter; did you mean `p_max`?"),
+        ({"winding": "round"}, "`winding` is not `round`; use one of: star, delta, open"),
+        ({"p_max": 1000}, "`p_max` must be at most 100"),
+        ({"p_max": float("nan")}, "`NaN` is not a number; write"),
+        ({"p_max": 1e-7}, "`p_max` must be at least 0.1"),
+    ],
+)
+def test_invalid_parameters_are_rejected_with_a_sentence(parameters: dict[str, Any], message: str) -> None:
+    specification = canwright.load(ARM)
+    for call in (
+        lambda: canwright.Decoder(specification.edition, parameters),
+        lambda: canwright.Encoder(specification.edition, parameters),
+        lambda: canwright.generate([specification], ["dbc"], parameters),
+    ):
+        with pytest.raises(ValueError, match=re.escape(message)):
+            call()
+
+
+def test_decoder_and_encoder_take_the_same_arguments() -> None:
+    assert inspect.signature(canwright.Decoder) == inspect.signature(canwright.Encoder)
+
+
+def test_encoder_and_decoder_agree_under_parameters() -> None:
+    edition = canwright.load(ARM).edition
+    message = edition.command("limit").request
+    assert message is not None
+    frame = canwright.Encoder(edition, {"t_max": 10}).encode_values(message, 1, {"peak": 5})
+    assert isinstance(frame, canwright.CanFrame)
+    decoder = canwright.Decoder(edition, {"t_max": "10"})
+    decoded = decoder.decode_as(message, frame)
+    assert isinstance(decoded, canwright.Decoded)
+    assert decoded.raws["peak"] == 500
+    assert decoded.values["peak"] == 5
+    answer = decoder.check_reply(frame, frame)
+    assert isinstance(answer, canwright.Identified)
+    assert (answer.message, answer.node) == (edition.command("limit").reply, 1)
+    without = canwright.Encoder(edition).encode_values(message, 1, {"peak": 5})
+    assert isinstance(without, canwright.Rejection)
+    assert (without.reason, without.field) == (canwright.Refusal.MISSING_PARAMETER, "peak")

@@ -11,11 +11,10 @@ import pytest
 from .spec_texts import ROOT
 
 BIN = Path(sys.executable).parent
+TOOLS = [("mypy",), ("ruff", "check"), ("ruff", "format", "--check"), ("lint-imports",)]
 
 
-@pytest.mark.parametrize(
-    "command", [("mypy",), ("ruff", "check"), ("ruff", "format", "--check"), ("lint-imports",)], ids=" ".join
-)
+@pytest.mark.parametrize("command", TOOLS, ids=" ".join)
 def test_tool_reports_nothing(command: tuple[str, ...]) -> None:
     tool, *arguments = command
     result = subprocess.run([BIN / tool, *arguments], cwd=ROOT, capture_output=True, text=True, check=False)

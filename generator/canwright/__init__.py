@@ -12,15 +12,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from decimal import Decimal
+    from fractions import Fraction
+
+    from .api.codec import Decoder, Encoder
     from .diagnostics.diagnostic import Diagnostic, DocumentPath, Position, Severity, SpecError
     from .model.edition import Edition
     from .model.layout import Field, Layout
     from .model.message import Command, Direction, Message
     from .model.refusal import Refusal
     from .model.types import Assignment, Type
-    from .semantics.decoder import Decoded, Decoder, Rejection
-    from .semantics.encoder import Encoder
-    from .semantics.exchange import check_reply
+    from .semantics.decoder import Decoded, Identified, Rejection
     from .semantics.frame import CanFrame
     from .targets.base import BinaryOutput, EditionInput, NameProblem, Output, Target
     from .targets.options import Options, TargetOption
@@ -41,6 +43,7 @@ __all__ = [
     "EditionInput",
     "Encoder",
     "Field",
+    "Identified",
     "Layout",
     "Message",
     "NameProblem",
@@ -54,21 +57,19 @@ __all__ = [
     "Target",
     "TargetOption",
     "Type",
-    "check_reply",
     "generate",
     "load",
 ]
 
 _MODULES: Mapping[str, Sequence[str]] = {
+    "api.codec": ("Decoder", "Encoder"),
     "diagnostics.diagnostic": ("Diagnostic", "DocumentPath", "Position", "Severity", "SpecError"),
     "model.edition": ("Edition",),
     "model.layout": ("Field", "Layout"),
     "model.message": ("Command", "Direction", "Message"),
     "model.refusal": ("Refusal",),
     "model.types": ("Assignment", "Type"),
-    "semantics.decoder": ("Decoded", "Decoder", "Rejection"),
-    "semantics.encoder": ("Encoder",),
-    "semantics.exchange": ("check_reply",),
+    "semantics.decoder": ("Decoded", "Identified", "Rejection"),
     "semantics.frame": ("CanFrame",),
     "targets.base": ("BinaryOutput", "NameProblem", "Output", "EditionInput", "Target"),
     "targets.options": ("Options", "TargetOption"),
@@ -90,20 +91,23 @@ def load(file: str | os.PathLike[str]) -> EditionInput:
 def generate(
     specifications: Sequence[EditionInput],
     targets: Sequence[str] | None = None,
-    parameters: Assignment | None = None,
+    parameters: Mapping[str, str | int | float | Decimal | Fraction] | None = None,
     options: Mapping[str, str] | None = None,
 ) -> Mapping[str, bytes]:
     """The generated files by path, such as `c/include/lamp/v1.h`; writes nothing.
 
-    `targets` are names of installed targets, by default those that `canwright generate` takes; `parameters` are values to fix in targets that can;
-    `options` are options of the targets, as on the command line without `--`. Raises ValueError for an invalid option.
+    `targets` are names of installed targets, by default those that `canwright generate` takes. `parameters` are fixed in the
+    output of targets that can do this; each must be one of an edition, with a value that it can have there. `options` are
+    options of the targets, as on the command line without `--`. Raises ValueError for an invalid parameter or option.
     """
     from .project import pipeline
+    from .resolve.number_parameters import assignment
     from .targets.registry import default_targets, selected_options
 
+    editions = [item.edition for item in specifications]
     names = default_targets() if targets is None else targets
-    selected = selected_options(names, options or {}, [item.edition for item in specifications])
-    return pipeline.generate(specifications, names, parameters or {}, selected).files
+    selected = selected_options(names, options or {}, editions)
+    return pipeline.generate(specifications, names, assignment(editions, parameters or {}), selected).files
 
 
 def __getattr__(name: str) -> object:

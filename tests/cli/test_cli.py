@@ -34,7 +34,7 @@ def test_help_lists_the_commands_and_an_example() -> None:
         assert word in result.output
 
 
-def test_generate_then_check_then_edit(folder: Path) -> None:
+def test_check_reports_output_that_differs_after_an_edit_of_the_spec(folder: Path) -> None:
     result = run("generate", "--spec", "my.yaml", "--out", "out")
     assert (result.exit_code, result.stdout.split(":")[0]) == (0, "lamp v1")
     assert "warning: there are no golden frames" in result.stderr
@@ -50,12 +50,12 @@ def test_generate_then_check_then_edit(folder: Path) -> None:
     assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
 
 
-def test_one_target_alone(folder: Path) -> None:
+def test_generate_writes_only_the_selected_target(folder: Path) -> None:
     run("generate", "--spec", "my.yaml", "--target", "dbc", "--out", "out")
     assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "dbc"}
 
 
-def test_a_wrong_spec_writes_nothing(folder: Path) -> None:
+def test_generate_writes_nothing_for_a_spec_with_an_error(folder: Path) -> None:
     (folder / "my.yaml").write_text(MINIMAL.replace("raw: u16", "raw: u99"), "utf-8")
     result = run("generate", "--spec", "my.yaml", "--out", "out")
     assert result.exit_code == 1
@@ -74,7 +74,7 @@ def test_exit_status_2_when_it_cannot_run(folder: Path) -> None:
     assert run("generate", "--spec", "my.yaml", "--out", "file").exit_code == 2
 
 
-def test_wrong_usage_gets_a_suggestion(folder: Path) -> None:
+def test_wrong_usage_is_answered_with_a_suggestion(folder: Path) -> None:
     for arguments, message in (
         (("check", "--spec", "me.yaml"), "Path 'me.yaml' does not exist. Did you mean my.yaml?"),
         (("check", "my.yaml"), "give a spec as --spec my.yaml"),
@@ -91,7 +91,7 @@ def test_wrong_usage_gets_a_suggestion(folder: Path) -> None:
     assert (result.exit_code, "describes lamp v1, too [name-collision]" in result.output) == (1, True)
 
 
-def test_check_of_a_spec_alone(folder: Path) -> None:
+def test_check_without_out_verifies_only_the_spec(folder: Path) -> None:
     result = run("check", "--spec", "my.yaml")
     assert (result.exit_code, result.stdout) == (0, "lamp v1: OK\n")
     assert "my.yaml:1:1: warning: there are no golden frames beside this spec [missing-frame]" in result.stderr
@@ -182,7 +182,7 @@ def test_an_invalid_setting_is_rejected(setting: str, says: str, tmp_path: Path)
         (["--target", "dbc", "--comments", "fr"], "--comments fr: comments of DBC files are in en or zh"),
     ],
 )
-def test_a_selection_that_is_not_possible(arguments: list[str], message: str, tmp_path: Path) -> None:
+def test_impossible_nodes_and_comments_are_rejected(arguments: list[str], message: str, tmp_path: Path) -> None:
     result = run("generate", "--spec", ARM, *arguments, "--out", str(tmp_path / "out"))
     assert (result.exit_code, result.stderr) == (2, f"canwright: {message}\n")
     assert not (tmp_path / "out").exists()

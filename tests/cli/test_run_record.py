@@ -71,7 +71,7 @@ def is_known(*arguments: str) -> bool:
     return RunRecord(arguments).printed() is not None
 
 
-def test_a_run_is_known_after_it_succeeded() -> None:
+def test_successful_run_is_not_repeated() -> None:
     assert not is_known(*GENERATE)
     assert "0 files written" not in run(*GENERATE).stdout
     known = RunRecord(GENERATE).printed()
@@ -183,7 +183,7 @@ class Finder:
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_changed_run_is_not_known(change: str, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_run_with_a_changed_input_is_repeated(change: str, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     installed(project, "old-1.dist-info")
     monkeypatch.syspath_prepend(project / "site/one.zip")
     run(*GENERATE)
@@ -219,7 +219,7 @@ def test_a_deleted_file_is_generated_again() -> None:
     assert HEADER.read_bytes() == content
 
 
-def test_files_and_modes_that_do_not_matter() -> None:
+def test_own_files_and_file_modes_do_not_repeat_a_run() -> None:
     """A run leaves them as they are, so it has nothing to do."""
     run(*GENERATE)
     (HEADER.parent / "mine.h").touch()
@@ -387,7 +387,7 @@ def test_a_process_repeats_what_it_printed_without_the_generator() -> None:
     assert process(*GENERATE).communicate()[0].splitlines()[1] == "[]"
 
 
-def test_processes_at_the_same_time() -> None:
+def test_simultaneous_processes_print_the_same() -> None:
     run(*GENERATE)
     for printed, _ in [one.communicate() for one in [process(*CHECK) for _ in range(3)]]:
         assert printed.startswith("lamp v1: OK, and out/ is up to date\n")

@@ -57,7 +57,7 @@ def test_a_target_grows_with_the_commands(target: str, read: list[EditionInput])
 
 
 @given(st.lists(st.tuples(st.integers(0, 15), st.integers(0, 15)), max_size=12))
-def test_pairs_are_all_that_agree_in_what_both_know(bits: list[tuple[int, int]]) -> None:
+def test_pairs_are_all_patterns_that_some_bits_match(bits: list[tuple[int, int]]) -> None:
     known = [Known(mask, value & mask) for mask, value in bits]
     expected = [
         (i, j)

@@ -206,7 +206,7 @@ def _raw(frame: GoldenFrame, row: Mapping[str, str]) -> int:
     return raw - (1 << width) if encoding[1] == "i" and raw >> width - 1 else raw
 
 
-def test_what_the_matrix_states(tmp_path: Path) -> None:
+def test_matrix_has_ranges_codes_flags_and_forms_of_replies(tmp_path: Path) -> None:
     """Flags are bits, replies of some nodes come from these; numbers, other codes, forms of replies, edition and date."""
     (tmp_path / "lamp.yaml").write_text(MATRIX_SPEC, "utf-8")
     rows = _cells(tmp_path / "lamp.yaml", "en")
@@ -297,7 +297,7 @@ def test_equal_specs_make_equal_files(made: Path, tmp_path: Path) -> None:
         assert b"2000-01-01T00:00:00Z" in book.read("docProps/core.xml")
 
 
-def test_texts_of_a_spec_are_texts(tmp_path: Path) -> None:
+def test_texts_of_a_spec_are_escaped(tmp_path: Path) -> None:
     hostile = '=HYPERLINK("x") <script>alert(1)</script> </style>'
     (tmp_path / "lamp.yaml").write_text(MINIMAL.replace('    manual: "1"\n', f"    title: '{hostile}'\n"), "utf-8")
     item = specification(tmp_path / "lamp.yaml")
@@ -317,7 +317,7 @@ def test_other_files_are_not_overwritten(tmp_path: Path) -> None:
     assert (result.exit_code, "mine" in result.stderr) == (2, True)
 
 
-def test_the_command(tmp_path: Path) -> None:
+def test_handover_command_writes_documents(tmp_path: Path) -> None:
     (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
     result = handover([tmp_path / "lamp.yaml"], tmp_path / "out")
     assert result.exit_code == 0, result.output

@@ -34,7 +34,9 @@ from ..spec_texts import MINIMAL
         *(("lamp", name, "file-name", "Windows") for name in ("nul", "NUL", "con.v1")),
     ],
 )
-def test_a_name_that_would_replace_a_file(tmp_path: Path, family: str, edition: str, rule: str, message: str) -> None:
+def test_name_that_would_replace_a_file_is_an_error(
+    tmp_path: Path, family: str, edition: str, rule: str, message: str
+) -> None:
     file = tmp_path / "spec.yaml"
     file.write_text(MINIMAL.replace("family: lamp", f"family: {family}").replace("edition: v1", f"edition: {edition}"))
     with pytest.raises(SpecError) as rejected:
@@ -49,7 +51,7 @@ def test_a_name_that_would_replace_a_file(tmp_path: Path, family: str, edition: 
     ("first", "second", "parameters"),
     [("v1", "V1", ""), ("v2.0", '"2.0"', ""), ("v1", "v1-big", "parameters: {size: {values: {big: {}, small: {}}}}\n")],
 )
-def test_editions_with_the_same_files(tmp_path: Path, first: str, second: str, parameters: str) -> None:
+def test_editions_with_equal_file_names_are_an_error(tmp_path: Path, first: str, second: str, parameters: str) -> None:
     """File systems that do not distinguish upper case have one file for both."""
     files = [tmp_path / "one.yaml", tmp_path / "two.yaml"]
     files[0].write_text(MINIMAL.replace("edition: v1\n", f"edition: {first}\n{parameters}"))
@@ -74,7 +76,7 @@ class _Twice(Target):
         yield Output("READ.ME", "")
 
 
-def test_two_outputs_with_one_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_two_outputs_with_one_path_are_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "lamp.yaml").write_text(MINIMAL)
     specification: EditionInput = canwright.load(tmp_path / "lamp.yaml")
     monkeypatch.setattr(registry, "target", lambda name: _Twice())

@@ -82,7 +82,7 @@ def test_words_of_the_manual_find_the_page(language: str, tmp_path: Path) -> Non
     assert failed == []
 
 
-def test_the_word_command_narrows_nothing(tmp_path: Path) -> None:
+def test_the_word_command_in_a_query_excludes_no_page(tmp_path: Path) -> None:
     """Headings of manuals contain it, titles do not."""
     found = first_pages(tmp_path, "en", {"v2.35": ["read encoder", "read encoder command"]})
     assert found["v2.35 read encoder"][0] == found["v2.35 read encoder command"][0] == "v2.35/commands/read_encoder"

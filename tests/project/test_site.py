@@ -199,7 +199,7 @@ def test_the_index_is_a_script_with_every_record(site: Path) -> None:
                 assert not anchor or anchor in found_page.ids
 
 
-def test_a_text_is_only_text_in_the_site(tmp_path: Path) -> None:
+def test_texts_of_a_spec_are_escaped_in_the_site(tmp_path: Path) -> None:
     """Wherever a spec has a text, also in menus and titles: the elements are those of a site with harmless texts."""
     text = "<b title='x'>1</b><script>alert(1)</script> {{ 7*7 }} {x}`y` [a](b) &lt;"
     sites = {}
@@ -252,7 +252,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {f.relative_to(folder).as_posix(): f.read_bytes() for f in folder.rglob("*") if f.is_file()}
 
 
-def test_markdown_of_a_code_host(small: Path) -> None:
+def test_markdown_extensions_of_code_hosts_are_rendered(small: Path) -> None:
     """Alerts, anchors and links as code hosts show them; what only a text of a spec could look like remains text."""
     (small / "docs/en/index.md").write_text(
         "# A `b`: [c](new-edition.md) &amp; d\n\n> [!CAUTION]\n> The motor *moves*\n\n> [!NOTE]\n> - one\n> - two\n\n"
@@ -284,7 +284,7 @@ def test_anchors_are_those_of_code_hosts(tmp_path: Path) -> None:
     assert list(heading_ids(tmp_path / "x.md")) == ["0xa1-torque-control-v235", "请求帧", "a", "a-1", "a_b-c"]
 
 
-def test_what_is_wrong_in_a_page_stops_it_and_the_earlier_site_stays(small: Path) -> None:
+def test_site_with_a_dead_link_or_unknown_html_is_not_built(small: Path) -> None:
     """Links that lead nowhere, and HTML that pages do not contain."""
     links = ("nowhere.md", "new-edition.md#nowhere", "#nowhere", "nowhere.txt")
     tags = ("<b>", "<script>x</script>", '<img src="x">', '<a id="x" onclick="y">', "<br onclick=x>")
@@ -299,7 +299,7 @@ def test_what_is_wrong_in_a_page_stops_it_and_the_earlier_site_stays(small: Path
     assert files(small / "site") == before
 
 
-def test_a_new_site_replaces_the_earlier_one_and_no_file_of_the_user(small: Path, without_sphinx: None) -> None:
+def test_new_site_replaces_the_earlier_site_only(small: Path, without_sphinx: None) -> None:
     made(small)
     (small / "site/mine.txt").write_text("mine\n")
     (small / "docs/en/index.md").write_text("# Only page\n")
@@ -312,7 +312,7 @@ def test_a_new_site_replaces_the_earlier_one_and_no_file_of_the_user(small: Path
     assert (small / "site/explorer/index.html").is_file()
 
 
-def test_a_page_that_was_edited_stays_until_forced(small: Path, without_sphinx: None) -> None:
+def test_edited_page_is_overwritten_only_with_force(small: Path, without_sphinx: None) -> None:
     made(small)
     edited = small / "site/en/index.html"
     edited.write_text("edited")
@@ -346,7 +346,7 @@ def test_a_folder_with_other_files_is_refused_and_left_alone(
     assert files(tmp_path) == before
 
 
-def test_what_is_not_installed_is_named_as_pip_knows_it(small: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_package_has_the_name_that_pip_installs(small: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(NEEDED, "no_such_module", "no-such-package")
     with pytest.raises(SiteError, match=r"run: pip install no-such-package$"):
         build(small / "docs", small / "site")

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from canwright.project import handover
+from canwright.cli import main
 from canwright.project.loader import specification
 from canwright.project.site import build
+from click.testing import CliRunner
 
 from ..spec_texts import ROOT
 from ..untrusted.everything import filled
@@ -38,8 +39,10 @@ PAGES = (
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site of two editions, in a folder whose name has a space."""
     folder = tmp_path_factory.mktemp("two editions")
-    specifications = [specification(ROOT / f"spec/mwd_motor/{edition}.yaml") for edition in EDITIONS]
-    handover.build(specifications[:1], folder / "handover")
+    specs = [ROOT / f"spec/mwd_motor/{edition}.yaml" for edition in EDITIONS]
+    specifications = [specification(spec) for spec in specs]
+    arguments = ["handover", "--spec", str(specs[0]), "--out", str(folder / "handover")]
+    assert CliRunner().invoke(main, arguments).exit_code == 0
     build(pages_of(specifications, folder / "docs"), folder / "site", folder / "handover")
     return folder / "site"
 
@@ -139,7 +142,7 @@ def test_switches_keep_page_and_section(site: Path, opened: Open) -> None:
     page.wait_for_url("**/en/v2.36-2025-03/index.html")
 
 
-def test_an_unknown_address_below_a_sub_path(address: str, chromium: Browser) -> None:
+def test_unknown_address_below_a_sub_path_links_to_the_start_page(address: str, chromium: Browser) -> None:
     page = chromium.new_page()
     for path in ("/en/v2.35/commands/none.html", "/none/none.html", "/none"):
         page.goto(address + path)
@@ -214,7 +217,7 @@ def test_words_that_people_search_for(site: Path, opened: Open, language: str) -
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
-def test_words_of_pages_that_are_about_no_edition(site: Path, opened: Open, language: str) -> None:
+def test_guides_are_found_by_their_words(site: Path, opened: Open, language: str) -> None:
     """In both languages; a space between Chinese and Latin text does not matter."""
     page = opened(f"{folder_of(site)}/{language}/index.html")
     words = {

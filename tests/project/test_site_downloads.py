@@ -64,7 +64,7 @@ def test_the_documents_in_the_language_of_a_page_are_listed(site: Path, tmp_path
     assert "handover" not in (tmp_path / "without/en/index.html").read_text("utf-8")
 
 
-def test_the_site_leaves_out_lines_for_code_hosts(site: Path) -> None:
+def test_lines_for_code_hosts_are_not_in_the_site(site: Path) -> None:
     text = (site / "en/index.html").read_text("utf-8")
     assert "for code hosts" not in text
     assert "for all" in text

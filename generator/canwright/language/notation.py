@@ -46,7 +46,7 @@ _TERM = rf"(?:{_ID_NUMBER}|{_NODE}|\( *{_NODE} *\))"
 ID_PATTERN = rf"^{_TERM}(?: *\+ *{_TERM})*$"
 
 
-def text_of(scalar: str | int | Decimal) -> str:
+def text_of(scalar: str | int | Decimal | Fraction) -> str:
     """A scalar as text; a decimal without an exponent, which is not part of the language."""
     return f"{scalar:f}" if isinstance(scalar, Decimal) else str(scalar)
 

@@ -25,8 +25,8 @@ from .tables import Labels
 
 _PAGES = ("types", "parameters", "errata", "bus", "states")
 _GUIDES = (
-    *("quickstart", "which-edition", "new-edition", "bus-load", "dbc-import", "downloads", "glossary"),
-    *("own-protocol", "assurance", "benchmarks"),
+    *("quickstart", "which-edition", "logs", "bus-load", "dbc-import", "downloads", "glossary"),
+    *("own-protocol", "new-edition", "compare-editions", "api", "assurance", "benchmarks"),
 )
 """Pages that are not about a single edition, with one template for each language."""
 
@@ -120,7 +120,7 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
         yield Output(f"{language}/support.md", env.get_template("support.md.j2").render(view, tables=tables))
     for name in _GUIDES:
         if (name != "new-edition" or tables) and (name != "quickstart" or starts):
-            page = env.get_template(f"{name.replace('new-edition', 'new_edition')}.{language}.md.j2").render(view)
+            page = env.get_template(f"{name}.{language}.md.j2").render(view)
             yield Output(f"{language}/{name}.md", page)
     script = (Path(__file__).parent / "runtime" / "bus_load.js").read_text("utf-8")
     data = guides.load_data(book.listed, language)

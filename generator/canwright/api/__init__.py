@@ -1,0 +1,1 @@
+"""Classes that only programs use, not canwright itself; `import canwright` exports them."""
