@@ -44,3 +44,9 @@ def test_the_minimal_spec_is_valid(tmp_path: Path) -> None:
 def test_a_mapping_for_a_raw_type_is_reported(tmp_path: Path) -> None:
     (finding,) = findings(tmp_path, MINIMAL.replace("raw: u16", "raw: {x: u16}"))
     assert (finding.rule, finding.message) == ("value", "expected a number or a short text here, for example u8")
+
+
+@pytest.mark.parametrize("languages", ["[en, de]", "de", "[en, [zh]]"])
+def test_texts_are_not_checked_for_invalid_languages(tmp_path: Path, languages: str) -> None:
+    text = MINIMAL.replace("edition: v1", f"edition: v1\nlanguages: {languages}\ntitle: {{en: Lamp}}\nabout: A lamp.")
+    assert [finding.position.line for finding in findings(tmp_path, text)] == [4]

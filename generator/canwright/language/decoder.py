@@ -9,7 +9,7 @@ from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document.document import Document
 from .concept import Concept, keys
 from .findings import Findings
-from .forms import ConceptForm, Location
+from .forms import ConceptForm, Location, declared
 from .names import Names
 
 C = TypeVar("C", bound=Concept)
@@ -37,10 +37,12 @@ def decode(document: Document, concept: type[C]) -> DecodedDocument[C]:
 
 def _languages(document: Document, concept: type[Concept]) -> list[str]:
     """The languages of the texts of a file; none if they are invalid, which is reported at `languages`."""
-    known = keys(concept)
-    data = document.data if isinstance(document.data, dict) else {}
-    written = data.get("languages", known["languages"].default) if "languages" in known else []
-    return [str(language) for language in written] if isinstance(written, list) else []
+    if "languages" not in keys(concept) or not isinstance(document.data, dict):
+        return []
+    key, form = declared(concept)["languages"]
+    findings = Findings(document, [])
+    languages = form.decode(findings, document.data.get("languages", key.default), Location(("languages",), key))
+    return [] if findings.number else [str(language) for language in languages]
 
 
 def _other_file(document: Document, concept: type[Concept]) -> Diagnostic | None:
