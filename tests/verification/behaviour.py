@@ -246,11 +246,11 @@ def meaning(message: Any) -> Meaning:
 def _constants(message: Message) -> Iterator[tuple[str, Any]]:
     """The constants of a message with their values: numbers without a unit. That of a float is given by its bits."""
     yield from ((attribute(k.name), (k.value, "")) for k in message.keys if k.role is KeyRole.CONSTANT)
-    for field in message.layout.fields:
-        raw = field.role.required_raw
+    for constant in message.layout.fields:
+        raw = constant.role.required_raw
         if raw is not None:
-            is_float = field.type.encoding is Encoding.FLOAT
-            yield attribute(field.name), (_float(raw, field.type.width) if is_float else raw, "")
+            is_float = constant.type.encoding is Encoding.FLOAT
+            yield attribute(constant.name), (_float(raw, constant.type.width) if is_float else raw, "")
 
 
 def _float(raw: int, width: int) -> float:
