@@ -169,7 +169,7 @@ def milli(names: Names, type_: Type, valid: Choice[Condition] | None) -> Convers
 def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> Integer | None:
     """The integer type for the thousandths of every raw integer; None if the arithmetic exceeds 64 bits."""
     of_numbers = [_of_number(linear) for _, linear in type_.linear.distinct() if linear is not None and linear.times]
-    if not all(one.fit(ends, constant_limits(type_)) for one in of_numbers):
+    if not all(ratio_.fit(ends, constant_limits(type_)) for ratio_ in of_numbers):
         return None
     kind = INT64 if of_numbers else common(*(m.thousandths(end) for m in known for end in ends))
     if (

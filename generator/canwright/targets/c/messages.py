@@ -74,7 +74,7 @@ def _patterns(message: Message) -> Iterator[tuple[int, int]]:
 
 def _differing(ids: Sequence[int]) -> int:
     """The bits that are not the same in all ids."""
-    return reduce(or_, (one ^ ids[0] for one in ids), 0)
+    return reduce(or_, (id_ ^ ids[0] for id_ in ids), 0)
 
 
 class RuleView:

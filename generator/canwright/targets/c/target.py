@@ -116,9 +116,9 @@ def edition_collisions(editions: Sequence[Edition]) -> Iterator[tuple[Edition, s
     owners: dict[str, Edition] = {}
     for edition in editions if len(editions) > 1 else ():
         for name, _, _ in names.defined(edition):
-            other = owners.setdefault(name, edition)
-            if other is not edition:
-                yield edition, f"{other.family} {other.name} would also have `{name}` in C"
+            owner = owners.setdefault(name, edition)
+            if owner is not edition:
+                yield edition, f"{owner.family} {owner.name} would also have `{name}` in C"
                 break
 
 
