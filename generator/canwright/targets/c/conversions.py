@@ -22,7 +22,10 @@ ABOVE, BELOW = 1 << 31, 1 << 32
 
 
 class RatioMilli:
-    """thousandths = ratio * (raw * factor + addend) / divisor."""
+    """thousandths = ratio * (raw * factor + addend) / divisor, with a parameter as the ratio: 31 bits over 32 bits.
+
+    Results are exact if the other factors fit the rest of 64 bits.
+    """
 
     def __init__(self, linear: Linear, factor: int, addend: int, divisor: int) -> None:
         self._ratio = parameter_access(linear.times or "")

@@ -1,4 +1,9 @@
-"""Addresses and messages: ids, and the patterns of frames that identify a message."""
+"""Addresses and messages: ids, acceptance filters, and the patterns of frames that identify a message.
+
+A filter is the id and the mask with which a controller or a socket receives the frames of an address. A frame passes if
+`(frame.id & mask) == (filter.id & mask)`, as in SocketCAN; both include the flags for 29-bit ids and remote frames. The mask
+has every bit that is the same in all ids, so no single filter accepts fewer frames.
+"""
 
 from __future__ import annotations
 

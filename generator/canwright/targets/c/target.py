@@ -1,4 +1,4 @@
-"""The target `c`."""
+"""The target `c`: the names that users of the headers write, and items of a spec that C cannot express."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ Exported = tuple[DocumentPath, str]
 
 
 def exported_names(edition: Edition) -> Iterator[Exported]:
-    """Every name, with the path of its item; that of a declaration before those of its functions."""
+    """Every name, with the path of its item; that of a declaration before those of its functions.
+
+    `…_` stands for the prefix of family and edition.
+    """
     names = Names(edition)
     prefixes = names.lower(""), names.upper("")
     for path, name in _names(names, edition):

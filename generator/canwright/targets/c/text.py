@@ -1,4 +1,4 @@
-"""C source as text: comments with escaped spec text, macros, and folded lines."""
+"""C source as text: comments with escaped spec text and facts of types and fields, macros, and folded lines."""
 
 from __future__ import annotations
 

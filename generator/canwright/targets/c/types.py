@@ -1,4 +1,4 @@
-"""Types: limits, names of raw values, checks and conversions."""
+"""Types: limits, names of raw values, checks, conversions, and values as text, in decimals by integers only."""
 
 from __future__ import annotations
 
