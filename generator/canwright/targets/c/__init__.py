@@ -55,8 +55,8 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
     if not specifications:
         return
     env = environment("c", FILTERS)
-    views = [(one, edition_view(one.edition)) for one in specifications]
-    shown = [(view, example(one, view)) for one, view in views]
+    views = [(item, edition_view(item.edition)) for item in specifications]
+    shown = [(view, example(item, view)) for item, view in views]
     families: list[FamilyView] = []
     for name in dict.fromkeys(view.family for _, view in views):
         editions = [view for _, view in views if view.family == name]
@@ -67,13 +67,13 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
             examples=tuple(x.file for view, x in shown if view.family == name and x.exchanges),
         )
         families.append(family)
-        yield from _headers(env, family, [(one, view) for one, view in views if view.family == name])
+        yield from _headers(env, family, [(item, view) for item, view in views if view.family == name])
     has_examples = any(x.exchanges for _, x in shown)
     env.globals.update(
         headers=[view.header for _, view in views],
         families=families,
         has_examples=has_examples,
-        tested=[view.file for one, view in views if has_self_test(one)],
+        tested=[view.file for item, view in views if has_self_test(item)],
         version=PACKAGE_VERSION,
         library="_".join(family.name for family in families),
     )
@@ -118,14 +118,14 @@ def _headers(
     """The headers of a family, and those through which Arduino finds them."""
     lines = "".join(f"/* {line} */\n" for line in family.headers)
     files = {file: lines + _runtime(file) for file in (*SHARED, *SHARED_CXX)}
-    for one, view in editions:
+    for item, view in editions:
         for part in PARTS:
             files[f"{view.file}{part}.h"] = fold(env.get_template(f"edition{part}.h.j2").render(e=view))
         files[f"{view.file}.hpp"] = fold(
-            env.get_template("edition.hpp.j2").render(e=view, x=cxx_view(one.edition, view))
+            env.get_template("edition.hpp.j2").render(e=view, x=cxx_view(item.edition, view))
         )
-        if has_self_test(one):
-            test = self_test(one, view)
+        if has_self_test(item):
+            test = self_test(item, view)
             files[f"{view.file}_selftest.h"] = fold(env.get_template("edition_selftest.h.j2").render(e=view, t=test))
     for file, text in files.items():
         yield Output(f"include/{family.name}/{file}", text)

@@ -22,7 +22,10 @@ ABOVE, BELOW = 1 << 31, 1 << 32
 
 
 class RatioMilli:
-    """thousandths = ratio * (raw * factor + addend) / divisor."""
+    """thousandths = ratio * (raw * factor + addend) / divisor, with a parameter as the ratio: 31 bits over 32 bits.
+
+    Results are exact if the other factors fit the rest of 64 bits.
+    """
 
     def __init__(self, linear: Linear, factor: int, addend: int, divisor: int) -> None:
         self._ratio = parameter_access(linear.times or "")
@@ -169,7 +172,7 @@ def milli(names: Names, type_: Type, valid: Choice[Condition] | None) -> Convers
 def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> Integer | None:
     """The integer type for the thousandths of every raw integer; None if the arithmetic exceeds 64 bits."""
     of_numbers = [_of_number(linear) for _, linear in type_.linear.distinct() if linear is not None and linear.times]
-    if not all(one.fit(ends, constant_limits(type_)) for one in of_numbers):
+    if not all(ratio_.fit(ends, constant_limits(type_)) for ratio_ in of_numbers):
         return None
     kind = INT64 if of_numbers else common(*(m.thousandths(end) for m in known for end in ends))
     if (

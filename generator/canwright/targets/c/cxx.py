@@ -212,13 +212,13 @@ class _Cxx:
         self._message_names = {m.name: next(free) for m in edition.all_messages()}
         self._choices = {p.name: next(free) for p in choices}
         self._enums = {t.name: next(free) for t in used}
-        found = [layout for layout in layouts(edition) if _members(layout)]
-        self._layouts = dict(zip(found, _distinct((layout.name for layout in found), ()), strict=True))
-        self._members = {layout: view.frame(edition.of_layout(layout)[0]).layout.members for layout in found}
-        types = {f.type.name: f.type for layout in found for f in _members(layout)}
+        with_fields = [layout for layout in layouts(edition) if _members(layout)]
+        self._layouts = dict(zip(with_fields, _distinct((layout.name for layout in with_fields), ()), strict=True))
+        self._members = {layout: view.frame(edition.of_layout(layout)[0]).layout.members for layout in with_fields}
+        types = {f.type.name: f.type for layout in with_fields for f in _members(layout)}
         names = _distinct(map(self._stem, types.values()), TYPE_NAMES)
         self._traits = dict(self._type_traits(zip(types.values(), names, strict=True)))
-        presences = dict.fromkeys(itertools.chain.from_iterable(map(_presences, found)))
+        presences = dict.fromkeys(itertools.chain.from_iterable(map(_presences, with_fields)))
         self._presences = {key: self._presence(f"only_{place}", key) for place, key in enumerate(presences, 1)}
 
     def view(self) -> CxxView:
@@ -244,9 +244,9 @@ class _Cxx:
 
     def _any(self, direction: DirectionView, messages: Mapping[str, MessageView]) -> AnyView:
         """The messages that the decoder of any frame returns."""
-        found = [messages[message.name] for message in self._edition.messages(Direction(direction.word))]
+        decoded = [messages[message.name] for message in self._edition.messages(Direction(direction.word))]
         by_command = direction.by_command
-        members = tuple((view, by_command[view.which].member if view.layout else "") for view in found)
+        members = tuple((view, by_command[view.which].member if view.layout else "") for view in decoded)
         return AnyView(f"any_{direction.word}", direction, members)
 
     def _stem(self, type_: Type) -> str:

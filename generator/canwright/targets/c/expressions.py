@@ -1,4 +1,4 @@
-"""C expressions as text, with parentheses that make their precedence explicit."""
+"""C expressions as text, with parentheses that make their precedence explicit; integer types and their literals."""
 
 from __future__ import annotations
 

@@ -127,7 +127,7 @@ def _split(linear: Linear, type_: Type) -> str:
     greatest = max(map(abs, type_.raw_limits)) * abs(linear.scale) + abs(linear.offset)
     unit = Fraction(2) ** (math.frexp(float(greatest))[1] - 53)
     first = [nearest(part / unit) * unit for part in (linear.scale, linear.offset)]
-    rest = [part - one for part, one in zip((linear.scale, linear.offset), first, strict=True)]
+    rest = [part - rounded for part, rounded in zip((linear.scale, linear.offset), first, strict=True)]
     has_addend = linear.offset or linear.scale < 0  # 0.0 makes -0.0 positive
     sums = (
         f"((double)raw * {DOUBLE.literal(scale)})" + (f" + {DOUBLE.literal(offset)}" if has_addend else "")

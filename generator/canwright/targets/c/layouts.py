@@ -154,7 +154,7 @@ def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]])
     variants = [tuple(steps(variant)) for variant in layout.variants]
     if layout.parameter is None:
         return Body(before=variants[0], subject=None, cases=(), after=())
-    shared = tuple(step for step in variants[0] if all(step in other for other in variants))
+    shared = tuple(step for step in variants[0] if all(step in steps_ for steps_ in variants))
     rest = [tuple(step for step in every if step not in shared) for every in variants]
     return Body(before=shared, subject=parameter_access(layout.parameter), cases=_cases(names, layout, rest), after=())
 
@@ -172,7 +172,7 @@ def _ordered_body(names: Names, layout: Layout, steps: Callable[[Variant], Itera
 
 def _cases(names: Names, layout: Layout, steps: Iterable[tuple[T, ...]]) -> tuple[Branch[tuple[T, ...]], ...]:
     labels = (tuple(names.upper(layout.parameter or "", value) for value in v.values) for v in layout.variants)
-    return tuple(Branch(labels=one, value=value) for one, value in zip(labels, steps, strict=True))
+    return tuple(Branch(labels=values, value=body) for values, body in zip(labels, steps, strict=True))
 
 
 def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRead]:

@@ -1,4 +1,9 @@
-"""Addresses and messages: ids, and the patterns of frames that identify a message."""
+"""Addresses and messages: ids, acceptance filters, and the patterns of frames that identify a message.
+
+A filter is the id and the mask with which a controller or a socket receives the frames of an address. A frame passes if
+`(frame.id & mask) == (filter.id & mask)`, as in SocketCAN; both include the flags for 29-bit ids and remote frames. The mask
+has every bit that is the same in all ids, so no single filter accepts fewer frames.
+"""
 
 from __future__ import annotations
 
@@ -74,7 +79,7 @@ def _patterns(message: Message) -> Iterator[tuple[int, int]]:
 
 def _differing(ids: Sequence[int]) -> int:
     """The bits that are not the same in all ids."""
-    return reduce(or_, (one ^ ids[0] for one in ids), 0)
+    return reduce(or_, (id_ ^ ids[0] for id_ in ids), 0)
 
 
 class RuleView:

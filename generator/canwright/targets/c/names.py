@@ -174,9 +174,9 @@ def _type_stems(edition: Edition) -> Mapping[str, str]:
     stems = {type_.name: type_.name for type_ in edition.types}
     for type_ in edition.types:
         raw = f"{type_.name}_{formatting.raw_format(type_).split()[0]}"
-        others = (raw if number == 1 else f"{raw}_{number}" for number in itertools.count(1))
+        candidates = (raw if number == 1 else f"{raw}_{number}" for number in itertools.count(1))
         if types_of.get(type_.name, set()) - {type_.name}:
-            free = (one for one in others if not types_of.get(one, set()) - {type_.name} and one not in stems.values())
+            free = (c for c in candidates if not types_of.get(c, set()) - {type_.name} and c not in stems.values())
             stems[type_.name] = next(free)
     return stems
 
@@ -197,19 +197,19 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
     """Different items of an edition that would have one name in C, and names that a compiler may take for one."""
     owners: dict[str, tuple[str, DocumentPath]] = {}
     for name, what, path in defined(edition):
-        other, at = owners.setdefault(name, (what, path))
-        if other != what:
-            text = f"{what} and {other} would both be `{name}` in C"
-            yield NameProblem(path, text, "rename one of them", other=(at, other) if at else None)
+        owner, at = owners.setdefault(name, (what, path))
+        if owner != what:
+            text = f"{what} and {owner} would both be `{name}` in C"
+            yield NameProblem(path, text, "rename one of them", other=(at, owner) if at else None)
     yield from _long_names(edition)
     for layout in layouts(edition):
         fields: dict[str, Field] = {}
         for field in layout.fields:
-            other_field = fields.setdefault(member(field.name), field)
-            if other_field.name != field.name:
-                other, name = f"`{other_field.name}`", member(field.name)
-                text = f"the fields `{field.name}` and {other} would both be `{name}` in C"
-                yield NameProblem(field.path, text, "rename one of them", other=(other_field.path, other))
+            owner_field = fields.setdefault(member(field.name), field)
+            if owner_field.name != field.name:
+                owner, name = f"`{owner_field.name}`", member(field.name)
+                text = f"the fields `{field.name}` and {owner} would both be `{name}` in C"
+                yield NameProblem(field.path, text, "rename one of them", other=(owner_field.path, owner))
 
 
 def _long_names(edition: Edition) -> Iterator[NameProblem]:
@@ -217,10 +217,10 @@ def _long_names(edition: Edition) -> Iterator[NameProblem]:
     owners: dict[str, str] = {}
     reported: set[DocumentPath] = set()
     for name, what, path in defined(edition):
-        other = owners.setdefault(name[:SIGNIFICANT], name)
-        if other != name and path not in reported:
+        owner = owners.setdefault(name[:SIGNIFICANT], name)
+        if owner != name and path not in reported:
             reported.add(path)
-            text = f"the first {SIGNIFICANT} characters of `{name}` in C ({what}) are those of `{other}`"
+            text = f"the first {SIGNIFICANT} characters of `{name}` in C ({what}) are those of `{owner}`"
             yield NameProblem(path, text, "use a shorter name, or `short_name` for a command")
 
 

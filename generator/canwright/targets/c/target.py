@@ -1,4 +1,4 @@
-"""The target `c`."""
+"""The target `c`: the names that users of the headers write, and items of a spec that C cannot express."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ Exported = tuple[DocumentPath, str]
 
 
 def exported_names(edition: Edition) -> Iterator[Exported]:
-    """Every name, with the path of its item; that of a declaration before those of its functions."""
+    """Every name, with the path of its item; that of a declaration before those of its functions.
+
+    `…_` stands for the prefix of family and edition.
+    """
     names = Names(edition)
     prefixes = names.lower(""), names.upper("")
     for path, name in _names(names, edition):
@@ -118,9 +121,9 @@ def edition_collisions(editions: Sequence[Edition]) -> Iterator[tuple[Edition, s
     owners: dict[str, Edition] = {}
     for edition in editions if len(editions) > 1 else ():
         for name, _, _ in names.defined(edition):
-            other = owners.setdefault(name, edition)
-            if other is not edition:
-                yield edition, f"{other.family} {other.name} would also have `{name}` in C"
+            owner = owners.setdefault(name, edition)
+            if owner is not edition:
+                yield edition, f"{owner.family} {owner.name} would also have `{name}` in C"
                 break
 
 

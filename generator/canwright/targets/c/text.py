@@ -1,4 +1,4 @@
-"""C source as text: comments with escaped spec text, macros, and folded lines."""
+"""C source as text: comments with escaped spec text and facts of types and fields, macros, and folded lines."""
 
 from __future__ import annotations
 
@@ -117,10 +117,10 @@ def defines(macros: Sequence[Defined]) -> str:
     plain = [f"#define {m.name:{names}} {m.value}" for m in macros]
     with_comments = [f"#define {m.name:{names}} {m.value:{values}} {aside(m.doc)}" for m in macros]
     if all(len(line) <= WIDTH for line in with_comments):
-        lines = [one if m.doc else other for m, one, other in zip(macros, with_comments, plain, strict=True)]
+        lines = [line if m.doc else bare for m, line, bare in zip(macros, with_comments, plain, strict=True)]
     else:
         pairs = zip(macros, plain, strict=True)
-        lines = [line for m, one in pairs for line in ([comment(m.doc)] if m.doc else []) + [one]]
+        lines = [line for m, bare in pairs for line in ([comment(m.doc)] if m.doc else []) + [bare]]
     return "\n".join(lines)
 
 

@@ -1,4 +1,4 @@
-"""Types: limits, names of raw values, checks and conversions."""
+"""Types: limits, names of raw values, checks, conversions, and values as text, in decimals by integers only."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def show(names: Names, type_: Type) -> ShowView:
         return Formula(number=call, linear=numbers, ratio=ratio(linear))
 
     formulas = choose(names, type_.linear, formula, RAW)
-    has_value = any(not one.status for one in formulas.alternatives)
+    has_value = any(not formula_.status for formula_ in formulas.alternatives)
     return ShowView(formulas, plain, literal(f" {type_.unit.dbc}") if type_.unit and has_value else "")
 
 
@@ -148,11 +148,11 @@ def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
     """The ends of a range, one pair for each value of the parameter that decides it."""
     if type_.encoding is Encoding.FLOAT:
         return
-    found = type_.raw_range
-    cases = found.cases.items() if found.parameter else [("", found.constant)]
+    by = type_.raw_range
+    cases = by.cases.items() if by.parameter else [("", by.constant)]
     for case, limits in cases:
         ends = (("RAW_MIN", "Lowest", limits.low), ("RAW_MAX", "Highest", limits.high)) if limits else ()
-        under = f" ({found.parameter} {case})" if case else ""
+        under = f" ({by.parameter} {case})" if case else ""
         for ending, word, bound in ends:
             if bound.parameter is None and bound.constant.denominator == 1:
                 name = names.upper(names.type_stem(type_), ending, *([case] if case else []))

@@ -183,12 +183,12 @@ class DirectionView:
     @cached_property
     def members(self) -> list[tuple[LayoutView, ContentView]]:
         """The members of the union: a struct and its command."""
-        return [(some.layout, one) for some in self.contents if some.layout.members for one in some.commands]
+        return [(some.layout, content) for some in self.contents if some.layout.members for content in some.commands]
 
     @cached_property
     def by_command(self) -> Mapping[str, ContentView]:
         """The members of the union by command."""
-        return {one.command: one for _, one in self.members}
+        return {content.command: content for _, content in self.members}
 
     def print(self, e: EditionView, frame: str) -> str:
         """The call that prints a frame into the array `text`."""
