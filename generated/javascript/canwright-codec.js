@@ -51,10 +51,11 @@ class Codec {
       this.ofCommand[message.direction].set(message.command, message);
     }
     this.answers = new Map();
-    for (const { request, reply, nodes = [], echo = false } of tables.answers) {
-      const asked = this.messages[request];
-      this.answers.set(asked, { reply: this.messages[reply], nodes, echo });
-      this.ofCommand.reply.set(asked.command, this.messages[reply]);
+    for (const { request, reply, nodes = [], asked = null, reported = null, echo = false } of tables.answers) {
+      const bits = { asked: asked && new Bits(asked), reported: reported && new Bits(reported) };
+      const { command } = this.messages[request];
+      this.answers.set(this.messages[request], { reply: this.messages[reply], nodes, ...bits, echo });
+      this.ofCommand.reply.set(command, this.messages[reply]);
     }
   }
 
@@ -95,17 +96,17 @@ class Codec {
     for (const { rule, mask, plan } of router.routes) {
       const node = rule.node(frame, mask);
       if (node !== undefined) {
-        let found = plan;
+        let step = plan;
         const path = [];
-        while (found instanceof Select) {
-          const value = found.read(frame);
-          path.push([found, value]);
-          found = found.cases.get(value) ?? found.otherwise;
+        while (step instanceof Select) {
+          const value = step.read(frame);
+          path.push([step, value]);
+          step = step.cases.get(value) ?? step.otherwise;
         }
-        if (found instanceof Reject) {
-          throw found.error(router.direction, frame, path);
+        if (step instanceof Reject) {
+          throw step.error(router.direction, frame, path);
         }
-        return { message: found, node };
+        return { message: step, node };
       }
     }
     const kind = (frame.extended ? "29-bit " : "") + (frame.remote ? "remote " : "");
@@ -184,11 +185,11 @@ class Codec {
   allows(direction, command, name, raw, parameters) {
     const known = this.known(parameters);
     const { type } = this.field(direction, command, name, known);
-    return [raw].flat().every((one) => type.allows(one, known));
+    return [raw].flat().every((element) => type.allows(element, known));
   }
 
   field(direction, command, name, known) {
-    const field = this.message(direction, command).fields(known).find((one) => one.name === name);
+    const field = this.message(direction, command).fields(known).find((candidate) => candidate.name === name);
     if (!field) {
       throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
     }
@@ -205,19 +206,18 @@ class Codec {
     if (!answer) {
       throw notAnswer(`${message.command} has no reply`);
     }
-    const { reply, echo } = answer;
+    const { reply, asked, reported, echo } = answer;
     const wrong = reply.difference(frame);
     if (wrong) {
       throw notAnswer(wrong.message);
     }
-    const isAsked = message.nodeBits && !answer.nodes.length;
-    const to = isAsked ? message.nodeBits.read(request) : node;
-    const mask = isAsked ? message.nodeBits.mask : -1n;
+    const to = asked ? asked.read(request) : node;
+    const mask = asked ? asked.mask : -1n;
     const nodes = answer.nodes.length ? answer.nodes : to === null ? [] : [to];
     const source = reply.node(frame);
     checkSource(nodes, source, mask);
-    if (reply.nodeBits) {
-      checkSource(nodes, reply.nodeBits.read(frame), mask & reply.nodeBits.mask);
+    if (reported) {
+      checkSource(nodes, reported.read(frame), mask & reported.mask);
     }
     if (echo && !(request.data.length === frame.data.length && request.data.every((byte, i) => byte === frame.data[i]))) {
       throw notAnswer(`the reply of ${message.command} is an echo, but this frame differs from the request`);
@@ -227,10 +227,10 @@ class Codec {
 
   candidates(directions, given) {
     const frame = checkedFrame(given);
-    const found = [];
+    const candidates = [];
     const add = (message, node) => {
-      if (!found.some((one) => one.message === message)) {
-        found.push({ message, node: message.nodeOf(frame, node) });
+      if (!candidates.some((candidate) => candidate.message === message)) {
+        candidates.push({ message, node: message.nodeOf(frame, node) });
       }
     };
     const identify = (router) => {
@@ -250,7 +250,7 @@ class Codec {
       }
     }
     identify(directions.request);
-    return Object.freeze(found.map(({ message: { direction, command }, node }) => Object.freeze({ direction, command, node })));
+    return Object.freeze(candidates.map(({ message: { direction, command }, node }) => Object.freeze({ direction, command, node })));
   }
 }
 
@@ -264,12 +264,12 @@ function choice(parameter, name, value) {
 }
 
 function number({ minimum = null, maximum = null }, name, value) {
-  const found = rational(value);
-  if (!found) {
+  const ratio = rational(value);
+  if (!ratio) {
     throw new RangeError(`${name} is no number; leave it out if it is unknown`);
   }
-  const isLess = (bound) => found[0] * bound[1] < bound[0] * found[1];
-  const isGreater = (bound) => found[0] * bound[1] > bound[0] * found[1];
+  const isLess = (bound) => ratio[0] * bound[1] < bound[0] * ratio[1];
+  const isGreater = (bound) => ratio[0] * bound[1] > bound[0] * ratio[1];
   if ((minimum !== null && isLess(rational(minimum))) || (maximum !== null && isGreater(rational(maximum)))) {
     throw new RangeError(`${name} must be from ${minimum ?? "-∞"} to ${maximum ?? "∞"}; leave it out if it is unknown`);
   }
@@ -324,16 +324,16 @@ class Bits {
   /** The id with the bits of an integer; those in the data are written to `data`. */
   write(raw, id, data) {
     const unsigned = BigInt.asUintN(this.width, BigInt(raw));
-    let found = id;
+    let filled = id;
     for (const [byte, low, count, rawLow] of this.segments) {
       const part = Number((unsigned >> BigInt(rawLow)) & ((1n << BigInt(count)) - 1n)) * 2 ** low;
       if (byte === ID) {
-        found |= part;
+        filled |= part;
       } else if (byte < data.length) {
         data[byte] |= part;
       }
     }
-    return found;
+    return filled;
   }
 }
 
@@ -390,7 +390,7 @@ class Reject {
   error(direction, frame, path) {
     let text = `${hex(frame.id)} has bits that are 0 in the ids of this message`;
     if (this.reason === "wrong_length") {
-      const [select] = path.findLast(([one]) => one.isLength);
+      const [select] = path.findLast(([select]) => select.isLength);
       text = `${hex(frame.id)} has ${frame.data.length} data bytes, not ${[...select.cases.keys()].join(" or ")}`;
     } else if (this.reason === "unknown_code") {
       const codes = path.filter(([select]) => select.bits).map(([, value]) => hex(value));
@@ -419,7 +419,7 @@ class Field {
     this.name = table.name;
     this.type = type;
     this.elements = table.elements.map((segments) => new Bits(segments));
-    this.isArray = table.array ?? false;
+    this.isArray = table.indices !== undefined;
     this.only = table.only ?? null;
     this.fixed = table.fixed ?? null;
     this.isConstant = table.constant ?? false;
@@ -431,8 +431,8 @@ class Field {
   }
 
   read(frame) {
-    const found = this.elements.map((element) => this.signed(element.read(frame)));
-    return this.isArray ? Object.freeze(found) : found[0];
+    const raws = this.elements.map((element) => this.signed(element.read(frame)));
+    return this.isArray ? Object.freeze(raws) : raws[0];
   }
 
   signed(raw) {
@@ -441,7 +441,7 @@ class Field {
 
   /** The raw integers of given values or raw integers. Throws CodecError. */
   given(given, parameters, isValue) {
-    const convert = (one) => (isValue ? this.type.raw(one, parameters, this.name) : this.type.check(one, parameters, this.name));
+    const convert = (element) => (isValue ? this.type.raw(element, parameters, this.name) : this.type.check(element, parameters, this.name));
     if (!this.isArray) {
       return convert(given);
     }
@@ -452,9 +452,9 @@ class Field {
   }
 
   result(raw, parameters) {
-    const results = (this.isArray ? raw : [raw]).map((one) => this.type.value(one, parameters));
-    const reason = results.find((one) => one.reason)?.reason ?? null;
-    const value = this.isArray ? Object.freeze(results.map((one) => one.value)) : results[0].value;
+    const results = (this.isArray ? raw : [raw]).map((element) => this.type.value(element, parameters));
+    const reason = results.find((result) => result.reason)?.reason ?? null;
+    const value = this.isArray ? Object.freeze(results.map((result) => result.value)) : results[0].value;
     return Object.freeze({ name: this.name, raw, value, unit: this.type.unit ?? null, reason });
   }
 
@@ -479,8 +479,7 @@ class Message {
     this.mask = table.mask ?? 0;
     this.layout = layout;
     this.layoutNumber = table.layout;
-    this.nodeBits = table.nodeBits ? new Bits(table.nodeBits) : null;
-    this.hasNodeInData = table.hasNodeInData ?? false;
+    this.nodeBits = table.node ? new Bits(table.node) : null;
   }
 
   get description() {
@@ -510,7 +509,7 @@ class Message {
 
   /** The node of a frame of this message: that in its id, or else in its data; null without one. */
   nodeOf(frame, inId) {
-    return this.hasNodeInData ? this.nodeBits.read(frame) : inId;
+    return this.nodeBits ? this.nodeBits.read(frame) : inId;
   }
 
   /** Throws CodecError if no node with these parameters has the command. */
@@ -524,10 +523,9 @@ class Message {
   }
 
   checkConstants(frame, parameters) {
-    const present = this.layout.variant(parameters) ?? this.layout.every.filter((field) => field.only === null);
-    for (const field of present) {
-      const raw = field.isConstant ? field.read(frame) : null;
-      if (field.isConstant && raw !== field.fixed) {
+    const chosen = (this.layout.variant(parameters) ?? []).filter((field) => field.only !== null);
+    for (const field of [...this.layout.every.filter(({ only }) => only === null), ...chosen]) {
+      if (field.isConstant && field.read(frame) !== field.fixed) {
         throw new CodecError("wrong_constant", `the constant ${field.name} is not ${field.fixed}`, field.name);
       }
     }

@@ -8,12 +8,176 @@ local codec = (function()
 -- Identifies frames and decodes their fields, from the tables of an edition. It runs in Lua 5.2 and later, without Wireshark.
 --
 -- A frame is a table: [0] is the CAN id, the data bytes follow from [1] on; `length`, `extended`, `remote`.
--- A segment is {index in the frame, 2^low, 2^width, 2^raw_low, whether raw_low counts from bit 32}: some bits of one byte.
+-- A segment is {index in the frame, 2^low, 2^width, 2^raw_low, whether raw_low counts from bit 32}: some bits of one byte;
+-- in the tables it is {byte, low, width, raw_low}, and the byte of the id is -1.
 -- A key is an unsigned integer as a number, or as a text of its two halves if it has more than 32 bits.
 
 local codec = {}
 
 local TWO_32 = 4294967296
+
+local function power(exponent)
+    return math.floor(2 ^ exponent)
+end
+
+-- The segments of a table; those that cross bit 32 of the raw integer are divided there.
+local function segments_of(listed)
+    local segments = {}
+    for _, segment in ipairs(listed) do
+        local byte, low, width, raw_low = segment[1], segment[2], segment[3], segment[4]
+        local lower = math.min(width, math.max(0, 32 - raw_low))
+        if lower > 0 then
+            segments[#segments + 1] = { byte + 1, power(low), power(lower), power(raw_low) }
+        end
+        if width > lower then
+            local above = raw_low + lower - 32
+            segments[#segments + 1] = { byte + 1, power(low + lower), power(width - lower), power(above), true }
+        end
+    end
+    return segments
+end
+
+-- The bits of the id under a mask, not shifted.
+local function id_bits(mask)
+    local runs = {}
+    for bit = 0, 28 do
+        if math.floor(mask / 2 ^ bit) % 2 == 1 then
+            local last = runs[#runs]
+            if last and last[2] + last[3] == bit then
+                last[3] = last[3] + 1
+            else
+                runs[#runs + 1] = { -1, bit, 1, bit }
+            end
+        end
+    end
+    return segments_of(runs)
+end
+
+local function set_of(listed)
+    local set = {}
+    for _, value in ipairs(listed) do
+        set[value] = true
+    end
+    return set
+end
+
+local function link_rule(rule)
+    rule.step = rule.step or 1
+    rule.first, rule.last = rule.nodes and rule.nodes[1], rule.nodes and rule.nodes[2]
+    rule.extended, rule.remote = rule.extended or false, rule.remote or false
+    rule.filled = id_bits(rule.mask or 0)
+end
+
+local function link_type(type_)
+    type_.signed, type_.float = type_.encoding == "signed", type_.encoding == "float"
+    type_.plain = type_.linear == nil
+    type_.linear = type_.plain and { identity = true } or type_.linear
+    type_.scale_by = type_.linear and type_.linear.by
+    if type_.scale_by then
+        type_.linear = type_.linear.cases
+    end
+    type_.limited = type_.enum or type_.flags or type_.limits
+    if type_.enum then
+        local names = {}
+        for _, member in ipairs(type_.enum) do
+            names[member[1]] = member[2]
+        end
+        type_.enum = names
+    end
+    if type_.flags then
+        type_.named = {}
+        for number, flag in ipairs(type_.flags) do
+            type_.flags[number] = { bit = flag[1], name = flag[2], label = flag[3] }
+            type_.named[flag[1]] = true
+        end
+    end
+end
+
+local function link_layout(layout, types)
+    layout.values = set_of(layout.values or {})
+    for _, field in ipairs(layout.fields) do
+        field.type = types[field.type + 1]
+        field.only = field.only and set_of(field.only)
+        for number, element in ipairs(field.elements) do
+            field.elements[number] = segments_of(element)
+        end
+    end
+end
+
+local function link_message(message, layouts)
+    link_rule(message)
+    message.layout = layouts[message.layout + 1]
+    message.keys = message.keys or {}
+    for _, key in ipairs(message.keys) do
+        key.segments, key.values = segments_of(key.segments), set_of(key.values)
+    end
+    message.node = message.node and segments_of(message.node)
+    for _, bits in ipairs(message.reserved) do
+        bits[1], bits[2], bits[3] = bits[1] + 1, power(bits[2]), power(bits[3])
+    end
+end
+
+-- The bits of a node, with the number of nodes that they distinguish.
+local function node_bits(listed)
+    if not listed then
+        return nil
+    end
+    local width = 0
+    for _, segment in ipairs(listed) do
+        width = width + segment[3]
+    end
+    return { segments = segments_of(listed), modulus = power(width) }
+end
+
+local function linked_plan(node, messages)
+    if type(node) == "number" then
+        return messages[node + 1]
+    elseif type(node) == "string" then
+        return node
+    end
+    local cases = {}
+    for _, case in ipairs(node.cases) do
+        local after = linked_plan(case[2], messages)
+        for _, value in ipairs(case[1]) do
+            cases[value] = after
+        end
+    end
+    local on = node.on
+    if type(on) == "table" then
+        on = on.mask and id_bits(on.mask) or segments_of(on)
+    end
+    return { on = on, cases = cases, otherwise = linked_plan(node.otherwise, messages) }
+end
+
+-- An edition from its tables: the items themselves in place of their positions, and sets in place of lists.
+function codec.edition(tables)
+    local messages = tables.messages
+    for _, type_ in ipairs(tables.types) do
+        link_type(type_)
+    end
+    for _, layout in ipairs(tables.layouts) do
+        link_layout(layout, tables.types)
+    end
+    for _, message in ipairs(messages) do
+        link_message(message, tables.layouts)
+        message.answer = { nodes = {}, echo = false }
+    end
+    for _, routes in ipairs({ tables.requests, tables.replies }) do
+        for _, route in ipairs(routes) do
+            link_rule(route)
+            route.plan = linked_plan(route.plan, messages)
+        end
+    end
+    for number, position in ipairs(tables.explained) do
+        tables.explained[number] = messages[position + 1]
+    end
+    for _, answer in ipairs(tables.answers) do
+        answer.reply, answer.nodes, answer.echo = messages[answer.reply + 1], answer.nodes or {}, answer.echo or false
+        answer.asked, answer.reported = node_bits(answer.asked), node_bits(answer.reported)
+        messages[answer.request + 1].answer = answer
+    end
+    return tables
+end
 
 -- The unsigned integer of some segments: the lower 32 bits and the others.
 local function read(frame, segments)
@@ -164,8 +328,8 @@ end
 
 -- The node of a frame of a message: that in its id, or else in its data; nil without one.
 local function node_of(message, frame, in_id)
-    if message.has_node_in_data then
-        return (read(frame, message.node_bits.segments))
+    if message.node then
+        return (read(frame, message.node))
     end
     return in_id
 end
@@ -175,18 +339,18 @@ function codec.identify(edition, direction, frame)
     for _, route in ipairs(edition[direction]) do
         local node = node_of_rule(route, frame)
         if node ~= false then
-            local found = route.plan
-            while type(found) == "table" and found.on do
+            local step = route.plan
+            while type(step) == "table" and step.on do
                 local subject = frame.length
-                if found.on ~= "length" then
-                    subject = read_key(frame, found.on)
+                if step.on ~= "length" then
+                    subject = read_key(frame, step.on)
                 end
-                found = found.cases[subject] or found.otherwise
+                step = step.cases[subject] or step.otherwise
             end
-            if type(found) == "string" then
-                return nil, found
+            if type(step) == "string" then
+                return nil, step
             end
-            return found, node_of(found, frame, node)
+            return step, node_of(step, frame, node)
         end
     end
     return nil, "unknown_id"
@@ -230,7 +394,7 @@ function codec.has_constants(message, frame, choice)
     for _, field in ipairs(message.layout.fields) do
         if field.constant and is_present(field, choice) then
             for _, element in ipairs(field.elements) do
-                if read_key(frame, element) ~= field.constant then
+                if read_key(frame, element) ~= field.fixed then
                     return false
                 end
             end
@@ -241,13 +405,13 @@ end
 
 -- The reserved bits of a frame as a text, and whether they are as the spec demands.
 function codec.reserved_bits(message, frame)
-    local found, is_regular = {}, true
+    local values, is_regular = {}, true
     for number, bits in ipairs(message.reserved) do
         local value = math.floor((frame[bits[1]] or 0) / bits[2]) % bits[3]
-        found[number] = value
+        values[number] = value
         is_regular = is_regular and value == bits[4]
     end
-    return table.concat(found, " "), is_regular
+    return table.concat(values, " "), is_regular
 end
 
 -- Whether the fields of a frame of this message have named values, and values in their ranges.
@@ -263,7 +427,7 @@ function codec.is_in_range(message, frame)
                 end
                 if type_.enum and not type_.enum[raw.key] then
                     return false
-                elseif type_.low and (number == nil or number < type_.low or number > type_.high) then
+                elseif type_.limits and (number == nil or number < type_.limits[1] or number > type_.limits[2]) then
                     return false
                 elseif type_.flags then
                     for bit = 0, type_.width - 1 do
@@ -283,20 +447,20 @@ end
 function codec.decode(message, frame, parameters)
     local layout = message.layout
     local choice = layout.parameter and parameters[layout.parameter]
-    local is_known = not layout.parameter or (choice ~= nil and layout.choices[choice])
+    local is_known = not layout.parameter or (choice ~= nil and layout.values[choice])
     if not codec.has_constants(message, frame, is_known and choice or nil) then
         return nil, "wrong_constant"
     end
     if not is_known then
         return nil, "missing_parameter", layout.parameter
     end
-    local found = {}
+    local decoded = {}
     for _, field in ipairs(layout.fields) do
         if not field.fixed and is_present(field, choice) then
             for index, segments in ipairs(field.elements) do
                 local raw = raw_integer(field.type, frame, segments)
                 local value, reason = value_of(field.type, raw, parameters)
-                found[#found + 1] = {
+                decoded[#decoded + 1] = {
                     field = field,
                     segments = segments,
                     index = field.indices and field.indices[index],
@@ -307,7 +471,7 @@ function codec.decode(message, frame, parameters)
             end
         end
     end
-    return found
+    return decoded
 end
 
 local function is_from(nodes, source, modulus)
@@ -324,7 +488,8 @@ end
 
 -- Whether a frame is the reply to a request, and the node that replies.
 function codec.answers(request, request_node, request_frame, frame)
-    local reply = request.reply
+    local answer = request.answer
+    local reply = answer.reply
     if not reply then
         return false
     end
@@ -333,26 +498,26 @@ function codec.answers(request, request_node, request_frame, frame)
         return false
     end
     local to, modulus = request_node, nil
-    if request.node_bits and #request.nodes == 0 then
-        to, modulus = read(request_frame, request.node_bits.segments), request.node_bits.modulus
+    if answer.asked then
+        to, modulus = read(request_frame, answer.asked.segments), answer.asked.modulus
     end
-    local nodes = request.nodes
+    local nodes = answer.nodes
     if #nodes == 0 and to ~= nil then
         nodes = { to }
     end
     if not is_from(nodes, source, modulus) then
         return false
     end
-    if reply.node_bits then
-        local shared = reply.node_bits.modulus
+    if answer.reported then
+        local shared = answer.reported.modulus
         if modulus and modulus < shared then
             shared = modulus
         end
-        if not is_from(nodes, (read(frame, reply.node_bits.segments)), shared) then
+        if not is_from(nodes, (read(frame, answer.reported.segments)), shared) then
             return false
         end
     end
-    if request.echo then
+    if answer.echo then
         if request_frame.length ~= frame.length then
             return false
         end
@@ -436,7 +601,7 @@ local function candidates(edition, frame)
     local request, request_found = codec.identify(edition, "requests", frame)
     local reply, reply_found = codec.identify(edition, "replies", frame)
     local replies = { reply }
-    for _, answer in ipairs(edition.answers) do
+    for _, answer in ipairs(edition.explained) do
         if answer ~= reply and codec.is_message(answer, frame) then
             replies[#replies + 1] = answer
         end
@@ -461,12 +626,12 @@ local function has_constants(messages, frame)
     return false
 end
 
-local function is_same(one, other)
-    if one[0] ~= other[0] or one.length ~= other.length then
+local function is_same(first, second)
+    if first[0] ~= second[0] or first.length ~= second.length then
         return false
     end
-    for index = 1, one.length do
-        if one[index] ~= other[index] then
+    for index = 1, first.length do
+        if first[index] ~= second[index] then
             return false
         end
     end
@@ -476,7 +641,7 @@ end
 -- The time in which a request is answered, at most: that of the user, of the command, or longer if replies take longer.
 local function window_of(state, bus, request)
     local window = math.max(state.window, 2 * (bus.learned.reply_time or 0))
-    return math.max(window, request and request.reply_within or 0)
+    return math.max(window, request and request.answer.reply_within or 0)
 end
 
 -- The oldest open exchange that a frame closes, its number, and the node that replies. Older ones than `longest` have ended.
@@ -504,11 +669,11 @@ local function is_regular(bus, request, frame)
 end
 
 -- The direction by content; nil if both directions are possible.
-local function by_content(bus, found, frame)
-    local is_request = found.request ~= nil and codec.has_constants(found.request, frame)
-    local is_reply = has_constants(found.replies, frame)
+local function by_content(bus, possible, frame)
+    local is_request = possible.request ~= nil and codec.has_constants(possible.request, frame)
+    local is_reply = has_constants(possible.replies, frame)
     if is_request and is_reply then
-        if not is_regular(bus, found.request, frame) then
+        if not is_regular(bus, possible.request, frame) then
             return "reply", "content"
         end
         return nil
@@ -524,13 +689,13 @@ end
 
 -- Whether a reply to a request rarely has its bytes: it has another layout than the fields of the request.
 local function replies_differ(request)
-    return not request.echo and #request.layout.fields > 0 and request.layout ~= request.reply.layout
+    return not request.answer.echo and #request.layout.fields > 0 and request.layout ~= request.answer.reply.layout
 end
 
 -- The time in which a reply is expected: of the command; twice that of the spec; of the log if replies take longer.
 local function within(state, bus, edition, request)
-    if request.reply_within then
-        return request.reply_within
+    if request.answer.reply_within then
+        return request.answer.reply_within
     end
     local window, usual = window_of(state, bus, request), bus.learned.reply_time or 0
     local stated = edition.reply_within and 2 * edition.reply_within
@@ -541,13 +706,13 @@ local function within(state, bus, edition, request)
 end
 
 -- The direction of a frame that can be both.
-local function by_exchange(state, bus, edition, found, exchange, frame)
+local function by_exchange(state, bus, edition, possible, exchange, frame)
     if not exchange then
         return "request", "pairing"
     end
-    local old = bus.learned.old[found.request]
+    local old = bus.learned.old[possible.request]
     local has_old = old ~= nil and old.value == nil
-    local repeated, distinct = is_same(exchange.frame, frame), found.request.distinct and not has_old
+    local repeated, distinct = is_same(exchange.frame, frame), possible.request.answer.distinct and not has_old
     local soon = bus.clock - exchange.since <= within(state, bus, edition, exchange.request)
     if repeated and (not soon or distinct and replies_differ(exchange.request)) then
         return "request", "retry"
@@ -558,10 +723,10 @@ end
 -- Opens an exchange. It replaces earlier ones of the same request, except echoes of other bytes.
 local function open(bus, exchange)
     for number = #bus.open, 1, -1 do
-        local other = bus.open[number]
-        local is_to_same = other.frame[0] == exchange.frame[0] and other.node == exchange.node
-        if other.request == exchange.request and is_to_same then
-            if not exchange.request.echo or is_same(other.frame, exchange.frame) then
+        local earlier = bus.open[number]
+        local is_to_same = earlier.frame[0] == exchange.frame[0] and earlier.node == exchange.node
+        if earlier.request == exchange.request and is_to_same then
+            if not exchange.request.answer.echo or is_same(earlier.frame, exchange.frame) then
                 table.remove(bus.open, number)
             end
         end
@@ -594,7 +759,7 @@ local function learn_latency(learned, edition, latency)
 end
 
 -- Counts runs of equal frames of a node, and those with two frames for each.
-local function learn_copies(bus, key, found, frame, result)
+local function learn_copies(bus, key, possible, frame, result)
     local learned, run = bus.learned, bus.learned.runs[key]
     if run and is_same(run.frame, frame) and bus.clock - run.clock <= COPIED_WITHIN then
         run.length, run.clock = run.length + 1, bus.clock
@@ -607,7 +772,7 @@ local function learn_copies(bus, key, found, frame, result)
             learned.request_runs, learned.request_pairs = learned.request_runs + 1, learned.request_pairs + pair
         end
     end
-    local is_echo = found.request ~= nil and found.request.echo
+    local is_echo = possible.request ~= nil and possible.request.answer.echo
     learned.runs[key] = result.message and not is_echo
         and { frame = frame, clock = bus.clock, length = 1, direction = result.direction } or nil
     local is_enough = learned.all_runs >= LEAST_IN_ALL and not learned.copied
@@ -632,7 +797,7 @@ local function constant_bits(request, replies)
     end
     local is_usual = 3 * count >= replies.orphans and 2 * second < count and 2 * (replies.changes[value] or 0) >= count
     local is_request = #request.layout.fields > 0 or 2 * (replies.seconds[value] or 0) < count
-    return not request.echo and is_usual and is_request and value or nil
+    return not request.answer.echo and is_usual and is_request and value or nil
 end
 
 -- Counts replies by content that answer no request: two in a row can be a request with old bits and its reply.
@@ -646,7 +811,7 @@ local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
     local bits = codec.reserved_bits(request, frame)
     local before = replies.last[key] or { clock = bus.clock - 5 * LONGEST, pause = 0, bits = "" }
     local pause = bus.clock - before.clock
-    local is_change = is_orphan and before.is_orphan and (bits == before.bits) == request.echo
+    local is_change = is_orphan and before.is_orphan and (bits == before.bits) == request.answer.echo
     local is_second = is_change and not before.is_second and pause > 0 and 2 * pause < before.pause
     replies.count = replies.count + 1
     if is_orphan then
@@ -674,10 +839,10 @@ local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
 end
 
 -- Learns from a result; whether it changes the results of earlier frames.
-local function learn(state, bus, edition, found, frame, result)
+local function learn(state, bus, edition, possible, frame, result)
     local learned = bus.learned
     local key = tostring(result.node) .. (result.node and "" or " " .. frame[0])
-    local changed = learn_copies(bus, key, found, frame, result)
+    local changed = learn_copies(bus, key, possible, frame, result)
     local is_certain = result.rule == "content" or result.rule == "id" or result.rule == "mark"
     if result.direction ~= "reply" or not is_certain then
         return changed
@@ -687,63 +852,64 @@ local function learn(state, bus, edition, found, frame, result)
     learned.unexpected = learned.unexpected + (exchange and 0 or 1)
     local late = not exchange and answered(state, bus, edition, frame, LONGEST)
     if late and learned.certain >= LEAST_IN_ALL and is_share(learned.unexpected, learned.certain, 3, 4) then
-        if not late.request.reply_within and #late.request.nodes == 0 then
+        if not late.request.answer.reply_within and #late.request.answer.nodes == 0 then
             local before = learned.reply_time or 0
             learn_latency(learned, edition, bus.clock - late.since)
             changed = changed or (learned.reply_time or 0) > before
         end
-    elseif exchange and #exchange.request.nodes == 0 and not exchange.request.reply_within and result.latency then
+    elseif exchange and #exchange.request.answer.nodes == 0 and not exchange.request.answer.reply_within and result.latency then
         learn_latency(learned, edition, result.latency)
     end
-    if found.request and result.rule == "content" and learn_old_bits(bus, edition, key, found.request, frame, not exchange and not late) then
+    local is_by_content = possible.request and result.rule == "content"
+    if is_by_content and learn_old_bits(bus, edition, key, possible.request, frame, not exchange and not late) then
         changed = true
     end
     return changed
 end
 
-local function decide(state, bus, edition, only, frame, one)
-    advance(bus, one.time)
+local function decide(state, bus, edition, only, frame, arrival)
+    advance(bus, arrival.time)
     while bus.open[1] and bus.open[1].since + math.max(LONGEST, window_of(state, bus, bus.open[1].request)) < bus.clock do
         table.remove(bus.open, 1)
     end
-    local found = candidates(edition, frame)
+    local possible = candidates(edition, frame)
     local exchange, number, source
-    if #found.replies > 0 then
+    if #possible.replies > 0 then
         exchange, number, source = answered(state, bus, edition, frame)
     end
     local direction, rule
-    if one.mark then
-        bus.marks[one.mark] = true
+    if arrival.mark then
+        bus.marks[arrival.mark] = true
     end
-    if one.mark and (one.trusts_marks or (bus.marks.sent and bus.marks.received)) then
+    if arrival.mark and (arrival.trusts_marks or (bus.marks.sent and bus.marks.received)) then
         rule = "mark"
-        if one.mark == "sent" then
-            direction = one.sent
+        if arrival.mark == "sent" then
+            direction = arrival.sent
         else
-            direction = one.sent == "request" and "reply" or "request"
+            direction = arrival.sent == "request" and "reply" or "request"
         end
     elseif only then
         direction, rule = only, "id"
     else
-        direction, rule = by_content(bus, found, frame)
+        direction, rule = by_content(bus, possible, frame)
         if not direction then
-            direction, rule = by_exchange(state, bus, edition, found, exchange, frame)
+            direction, rule = by_exchange(state, bus, edition, possible, exchange, frame)
         end
     end
     local result = {
-        direction = direction, rule = rule, frame = frame, edition = edition, is_first_pass = one.is_first_pass,
+        direction = direction, rule = rule, frame = frame, edition = edition, is_first_pass = arrival.is_first_pass,
     }
     if direction == "reply" then
-        result.reason = found.reply_reason
-        result.message, result.node = found.reply, found.reply_node
+        result.reason = possible.reply_reason
+        result.message, result.node = possible.reply, possible.reply_node
         if exchange then
-            result.message, result.node = exchange.request.reply, source
-            if not source and #exchange.request.nodes == 0 then
+            result.message, result.node = exchange.request.answer.reply, source
+            if not source and #exchange.request.answer.nodes == 0 then
                 result.node = exchange.node
             end
             result.exchange, result.latency = exchange, bus.clock - exchange.since
-            exchange.replies[#exchange.replies + 1] = one.number
-            if one.time[1] < exchange.time[1] then
+            exchange.replies[#exchange.replies + 1] = arrival.number
+            if arrival.time[1] < exchange.time[1] then
                 result.latency = nil
             end
             exchange.missing = exchange.missing - 1
@@ -755,35 +921,35 @@ local function decide(state, bus, edition, only, frame, one)
             end
         end
     else
-        result.reason = found.request_reason
-        result.message, result.node = found.request, found.request_node
-        if found.request and found.request.reply and codec.has_constants(found.request, frame) then
+        result.reason = possible.request_reason
+        result.message, result.node = possible.request, possible.request_node
+        if possible.request and possible.request.answer.reply and codec.has_constants(possible.request, frame) then
             result.opened = {
-                request = found.request,
-                node = found.request_node,
+                request = possible.request,
+                node = possible.request_node,
                 frame = frame,
                 edition = edition,
                 since = bus.clock,
-                time = one.time,
-                missing = math.max(1, #found.request.nodes),
+                time = arrival.time,
+                missing = math.max(1, #possible.request.answer.nodes),
                 answered = {},
                 replies = {},
-                number = one.number,
+                number = arrival.number,
             }
             open(bus, result.opened)
         end
     end
-    return result, found
+    return result, possible
 end
 
 -- The result for the copy of a request that was captured before; nil if a frame is none.
-local function copy_of(bus, frame, one)
+local function copy_of(bus, frame, arrival)
     local latest = bus.learned.copied and bus.latest[frame[0]]
     bus.latest[frame[0]] = nil
     if not latest or not is_same(latest.frame, frame) then
         return nil
     end
-    advance(bus, one.time)
+    advance(bus, arrival.time)
     if bus.clock - latest.clock > COPIED_WITHIN then
         return nil
     end
@@ -794,18 +960,18 @@ local function copy_of(bus, frame, one)
     }
 end
 
-local function judge(state, bus, edition, only, frame, one)
-    local copy = copy_of(bus, frame, one)
+local function judge(state, bus, edition, only, frame, arrival)
+    local copy = copy_of(bus, frame, arrival)
     if copy then
-        copy.is_first_pass = one.is_first_pass
+        copy.is_first_pass = arrival.is_first_pass
         return copy, false
     end
-    local result, found = decide(state, bus, edition, only, frame, one)
+    local result, possible = decide(state, bus, edition, only, frame, arrival)
     -- A request with old bits that are not known yet looks like a reply.
     if result.direction == "request" or result.rule == "content" then
         bus.latest[frame[0]] = { frame = frame, clock = bus.clock, result = result }
     end
-    return result, learn(state, bus, edition, found, frame, result)
+    return result, learn(state, bus, edition, possible, frame, result)
 end
 
 -- Decides on the first frames of a bus again, in the tables of their results.
@@ -821,7 +987,7 @@ local function decide_again(state, name)
         local bus = new_bus(learned)
         state.buses[name] = bus
         for _, past in ipairs(learned.history) do
-            local result, is_new = judge(state, bus, past.edition, past.only, past.frame, past.one)
+            local result, is_new = judge(state, bus, past.edition, past.only, past.frame, past.arrival)
             for key in pairs(past.result) do
                 past.result[key] = nil
             end
@@ -838,14 +1004,14 @@ end
 -- message, and for a reply the `exchange` that it closes with the `latency` in ns. `mark` is "sent", "received" or nil.
 -- Marks count if `trusts_marks`, or once a bus has both. `sent` is the direction of sent frames.
 -- `only` is the direction of all frames with this id, or nil. What later frames show can change an earlier result.
-function directions.judge(state, edition, only, frame, one)
-    local bus = bus_of(state, one.bus)
-    local result, changed = judge(state, bus, edition, only, frame, one)
+function directions.judge(state, edition, only, frame, arrival)
+    local bus = bus_of(state, arrival.bus)
+    local result, changed = judge(state, bus, edition, only, frame, arrival)
     local history = bus.learned.history
     if history then
-        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame, one = one }
+        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame, arrival = arrival }
         if changed then
-            decide_again(state, one.bus)
+            decide_again(state, arrival.bus)
         elseif #history >= LEARNED_FROM then
             bus.learned.history = nil
         end
@@ -858,10107 +1024,7077 @@ end)(codec)
 
 local editions = {}
 
-editions[1] = (function()
-    local types, layouts, messages = {}, {}, {}
-    types[1] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = -850.0,
-        high = 850.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[2] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        limited = true,
-        low = -2048.0,
-        high = 2048.0,
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
-        },
-    }
-    types[3] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176/s",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[4] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[5] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = true,
-        unit = "\194\176/s",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[6] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "clockwise", [1] = "counterclockwise"},
-    }
-    types[7] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[8] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[9] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176/s\194\178",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[10] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        limited = true,
-        low = 0.0,
-        high = 65535.0,
-        scale_by = "encoder_bits",
-        linear = {
-            ["14"] = {factor = 45.0, addend = 0.0, divisor = 2048.0},
-            ["15"] = {factor = 45.0, addend = 0.0, divisor = 4096.0},
-            ["18"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
-        },
-    }
-    types[11] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        limited = true,
-        low = -2000.0,
-        high = 2000.0,
-        linear = {factor = 2.0, addend = 0.0, divisor = 125.0},
-    }
-    types[12] = {
-        width = 8,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176C",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[13] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176/s",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[14] = {
-        width = 56,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[15] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[16] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "V",
-        linear = {factor = 1.0, addend = 0.0, divisor = 10.0},
-    }
-    types[17] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        flags = {
-            {bit = 0, name = "low_voltage", label = "Low-voltage protection"},
-            {bit = 3, name = "over_temperature", label = "Over-temperature protection"},
-        },
-        named = {[0] = true, [3] = true},
-    }
-    types[18] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        linear = {factor = 1.0, addend = 0.0, divisor = 64.0},
-    }
-    layouts[1] = {fields = {}}
-    layouts[2] = {fields = {}}
-    layouts[3] = {fields = {}}
-    layouts[4] = {
-        fields = {
-            {
-                name = "power",
-                label = "Open-loop control value",
-                filter = "power",
-                type = types[1],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-        },
-    }
-    layouts[5] = {
-        fields = {
-            {
-                name = "iq",
-                label = "Target torque current",
-                filter = "iq",
-                type = types[2],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-        },
-    }
-    layouts[6] = {
-        fields = {
-            {
-                name = "speed",
-                label = "Target speed",
-                filter = "speed",
-                type = types[3],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[7] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Target multi-turn angle",
-                filter = "angle",
-                type = types[4],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[8] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[5],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "angle",
-                label = "Target multi-turn angle",
-                filter = "angle",
-                type = types[4],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[9] = {
-        fields = {
-            {
-                name = "spin_direction",
-                label = "Direction of rotation",
-                filter = "spin_direction",
-                type = types[6],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "angle",
-                label = "Target single-turn angle",
-                filter = "angle",
-                type = types[7],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[10] = {
-        fields = {
-            {
-                name = "spin_direction",
-                label = "Direction of rotation",
-                filter = "spin_direction",
-                type = types[6],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[5],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "angle",
-                label = "Target single-turn angle",
-                filter = "angle",
-                type = types[7],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[11] = {
-        fields = {
-            {
-                name = "increment",
-                label = "Angle increment",
-                filter = "increment",
-                type = types[4],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[12] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[5],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "increment",
-                label = "Angle increment",
-                filter = "increment",
-                type = types[4],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[13] = {fields = {}}
-    layouts[14] = {
-        fields = {
-            {
-                name = "angle_kp",
-                label = "Position loop, P",
-                filter = "angle_kp",
-                type = types[8],
-                elements = {{{3, 1, 256, 1}}},
-            },
-            {
-                name = "angle_ki",
-                label = "Position loop, I",
-                filter = "angle_ki",
-                type = types[8],
-                elements = {{{4, 1, 256, 1}}},
-            },
-            {
-                name = "speed_kp",
-                label = "Speed loop, P",
-                filter = "speed_kp",
-                type = types[8],
-                elements = {{{5, 1, 256, 1}}},
-            },
-            {
-                name = "speed_ki",
-                label = "Speed loop, I",
-                filter = "speed_ki",
-                type = types[8],
-                elements = {{{6, 1, 256, 1}}},
-            },
-            {
-                name = "iq_kp",
-                label = "Torque loop, P",
-                filter = "iq_kp",
-                type = types[8],
-                elements = {{{7, 1, 256, 1}}},
-            },
-            {
-                name = "iq_ki",
-                label = "Torque loop, I",
-                filter = "iq_ki",
-                type = types[8],
-                elements = {{{8, 1, 256, 1}}},
-            },
-        },
-    }
-    layouts[15] = {fields = {}}
-    layouts[16] = {
-        fields = {
-            {
-                name = "acceleration",
-                label = "Acceleration",
-                filter = "acceleration",
-                type = types[9],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[17] = {fields = {}}
-    layouts[18] = {
-        fields = {
-            {
-                name = "encoder_offset",
-                label = "Encoder offset",
-                filter = "encoder_offset",
-                type = types[10],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
-            },
-        },
-    }
-    layouts[19] = {fields = {}}
-    layouts[20] = {fields = {}}
-    layouts[21] = {fields = {}}
-    layouts[22] = {fields = {}}
-    layouts[23] = {fields = {}}
-    layouts[24] = {fields = {}}
-    layouts[25] = {fields = {}}
-    layouts[26] = {fields = {}}
-    layouts[27] = {
-        fields = {
-            {
-                name = "iq",
-                label = "Torque current of each motor",
-                filter = "iq",
-                type = types[11],
-                elements = {
-                    {{1, 1, 256, 1}, {2, 1, 256, 256}},
-                    {{3, 1, 256, 1}, {4, 1, 256, 256}},
-                    {{5, 1, 256, 1}, {6, 1, 256, 256}},
-                    {{7, 1, 256, 1}, {8, 1, 256, 256}},
+editions[1] = codec.edition({
+    name = "v2.35",
+    reply_within = 250000.0,
+    types = {
+        {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
                 },
-                indices = {1, 2, 3, 4},
+            },
+            limits = {-2048.0, 2048.0},
+        },
+        {
+            width = 32,
+            encoding = "signed",
+            unit = "\194\176/s",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 32,
+            encoding = "signed",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {width = 16, encoding = "unsigned", unit = "\194\176/s"},
+        {width = 8, encoding = "unsigned", enum = {{0, "clockwise"}, {1, "counterclockwise"}}},
+        {
+            width = 32,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {width = 8, encoding = "unsigned"},
+        {width = 32, encoding = "signed", unit = "\194\176/s\194\178"},
+        {
+            width = 16,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {
+                by = "encoder_bits",
+                cases = {
+                    ["14"] = {factor = 45.0, addend = 0.0, divisor = 2048.0},
+                    ["15"] = {factor = 45.0, addend = 0.0, divisor = 4096.0},
+                    ["18"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
+                },
             },
         },
-    }
-    layouts[28] = {
-        parameter = "series",
-        choices = {MS = true, MF = true, MH = true, MG = true},
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[12],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "power",
-                label = "Output power",
-                filter = "power",
-                type = types[1],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-                only = {MS = true},
-            },
-            {
-                name = "iq",
-                label = "Torque current",
-                filter = "iq",
-                type = types[2],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-                only = {MF = true, MH = true, MG = true},
-            },
-            {
-                name = "speed",
-                label = "Motor speed",
-                filter = "speed",
-                type = types[13],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "encoder",
-                label = "Encoder position",
-                filter = "encoder",
-                type = types[10],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {factor = 2.0, addend = 0.0, divisor = 125.0},
+            limits = {-2000.0, 2000.0},
+        },
+        {width = 8, encoding = "signed", unit = "\194\176C"},
+        {width = 16, encoding = "signed", unit = "\194\176/s"},
+        {
+            width = 56,
+            encoding = "signed",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 32,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 16,
+            encoding = "unsigned",
+            unit = "V",
+            linear = {factor = 1.0, addend = 0.0, divisor = 10.0},
+        },
+        {
+            width = 8,
+            encoding = "unsigned",
+            flags = {
+                {0, "low_voltage", "Low-voltage protection"},
+                {3, "over_temperature", "Over-temperature protection"},
             },
         },
-    }
-    layouts[29] = {
-        fields = {
-            {
-                name = "acceleration",
-                label = "Acceleration",
-                filter = "acceleration",
-                type = types[9],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {factor = 1.0, addend = 0.0, divisor = 64.0},
+        },
+    },
+    layouts = {
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "power",
+                    type = 0,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Open-loop control value",
+                },
             },
         },
-    }
-    layouts[30] = {
-        fields = {
-            {
-                name = "encoder",
-                label = "Encoder position",
-                filter = "encoder",
-                type = types[10],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "encoder_measured",
-                label = "Raw encoder position",
-                filter = "encoder_measured",
-                type = types[10],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "encoder_offset",
-                label = "Encoder offset",
-                filter = "encoder_offset",
-                type = types[10],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "iq",
+                    type = 1,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Target torque current",
+                },
             },
         },
-    }
-    layouts[31] = {
-        fields = {
-            {
-                name = "encoder_offset",
-                label = "Written encoder offset",
-                filter = "encoder_offset",
-                type = types[10],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "speed",
+                    type = 2,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target speed",
+                },
             },
         },
-    }
-    layouts[32] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Multi-turn angle",
-                filter = "angle",
-                type = types[14],
-                elements = {
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 3,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target multi-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 4,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "angle",
+                    type = 3,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target multi-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "spin_direction",
+                    type = 5,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Direction of rotation",
+                },
+                {
+                    name = "angle",
+                    type = 6,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target single-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "spin_direction",
+                    type = 5,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Direction of rotation",
+                },
+                {
+                    name = "max_speed",
+                    type = 4,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "angle",
+                    type = 6,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target single-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "increment",
+                    type = 3,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle increment",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 4,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "increment",
+                    type = 3,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle increment",
+                },
+            },
+        },
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "angle_kp",
+                    type = 7,
+                    elements = {{{2, 0, 8, 0}}},
+                    label = "Position loop, P",
+                },
+                {
+                    name = "angle_ki",
+                    type = 7,
+                    elements = {{{3, 0, 8, 0}}},
+                    label = "Position loop, I",
+                },
+                {name = "speed_kp", type = 7, elements = {{{4, 0, 8, 0}}}, label = "Speed loop, P"},
+                {name = "speed_ki", type = 7, elements = {{{5, 0, 8, 0}}}, label = "Speed loop, I"},
+                {name = "iq_kp", type = 7, elements = {{{6, 0, 8, 0}}}, label = "Torque loop, P"},
+                {name = "iq_ki", type = 7, elements = {{{7, 0, 8, 0}}}, label = "Torque loop, I"},
+            },
+        },
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "acceleration",
+                    type = 8,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Acceleration",
+                },
+            },
+        },
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "encoder_offset",
+                    type = 9,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder offset",
+                },
+            },
+        },
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "iq",
+                    type = 10,
+                    elements = {
+                        {{0, 0, 8, 0}, {1, 0, 8, 8}},
+                        {{2, 0, 8, 0}, {3, 0, 8, 8}},
+                        {{4, 0, 8, 0}, {5, 0, 8, 8}},
+                        {{6, 0, 8, 0}, {7, 0, 8, 8}},
+                    },
+                    indices = {1, 2, 3, 4},
+                    label = "Torque current of each motor",
+                },
+            },
+        },
+        {
+            parameter = "series",
+            values = {"MS", "MF", "MH", "MG"},
+            fields = {
+                {
+                    name = "temperature",
+                    type = 11,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "power",
+                    type = 0,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    only = {"MS"},
+                    label = "Output power",
+                },
+                {
+                    name = "iq",
+                    type = 1,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    only = {"MF", "MH", "MG"},
+                    label = "Torque current",
+                },
+                {
+                    name = "speed",
+                    type = 12,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Motor speed",
+                },
+                {
+                    name = "encoder",
+                    type = 9,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder position",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "acceleration",
+                    type = 8,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Acceleration",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "encoder",
+                    type = 9,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Encoder position",
+                },
+                {
+                    name = "encoder_measured",
+                    type = 9,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Raw encoder position",
+                },
+                {
+                    name = "encoder_offset",
+                    type = 9,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder offset",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "encoder_offset",
+                    type = 9,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Written encoder offset",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 13,
+                    elements = {
+                        {
+                            {1, 0, 8, 0},
+                            {2, 0, 8, 8},
+                            {3, 0, 8, 16},
+                            {4, 0, 8, 24},
+                            {5, 0, 8, 32},
+                            {6, 0, 8, 40},
+                            {7, 0, 8, 48},
+                        },
+                    },
+                    label = "Multi-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 14,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Single-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "temperature",
+                    type = 11,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "voltage",
+                    type = 15,
+                    elements = {{{3, 0, 8, 0}, {4, 0, 8, 8}}},
+                    label = "Voltage",
+                },
+                {name = "errors", type = 16, elements = {{{7, 0, 8, 0}}}, label = "Errors"},
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "temperature",
+                    type = 11,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "phase_a",
+                    type = 17,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Phase A current",
+                },
+                {
+                    name = "phase_b",
+                    type = 17,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Phase B current",
+                },
+                {
+                    name = "phase_c",
+                    type = 17,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Phase C current",
+                },
+            },
+        },
+    },
+    messages = {
+        {
+            command = "motor_off",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {128}}},
+            layout = 0,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_on",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {136}}},
+            layout = 1,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_stop",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {129}}},
+            layout = 2,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "set_power",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MS"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {160}}},
+            layout = 3,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_torque",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MF", "MH", "MG"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {161}}},
+            layout = 4,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {162}}},
+            layout = 5,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_to_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {163}}},
+            layout = 6,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_to_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {164}}},
+            layout = 7,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "turn_to_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {165}}},
+            layout = 8,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "turn_to_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {166}}},
+            layout = 9,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {167}}},
+            layout = 10,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_by_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {168}}},
+            layout = 11,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "read_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {48}}},
+            layout = 12,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "write_pid_ram",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {49}}},
+            layout = 13,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "write_pid_rom",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {50}}},
+            layout = 13,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "read_acceleration",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {51}}},
+            layout = 14,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "write_acceleration_ram",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {52}}},
+            layout = 15,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_encoder",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {144}}},
+            layout = 16,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "write_encoder_offset_rom",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {145}}},
+            layout = 17,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}},
+        },
+        {
+            command = "write_position_as_zero_rom",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {25}}},
+            layout = 18,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_multi_turn_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {146}}},
+            layout = 19,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_single_turn_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {148}}},
+            layout = 20,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "clear_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {149}}},
+            layout = 21,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_1",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154}}},
+            layout = 22,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "clear_errors",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {155}}},
+            layout = 23,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_2",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {156}}},
+            layout = 24,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_3",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {157}}},
+            layout = 25,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "broadcast_torque",
+            direction = "request",
+            base = 640,
+            length = 8,
+            layout = 26,
+            reserved = {},
+        },
+        {
+            command = "motor_off",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {128}}},
+            layout = 0,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_on",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {136}}},
+            layout = 1,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_stop",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {129}}},
+            layout = 2,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "set_power",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {160}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "set_torque",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {161}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "set_speed",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {162}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "move_to_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {163}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "move_to_angle_at_speed",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {164}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "turn_to_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {165}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "turn_to_angle_at_speed",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {166}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {167}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle_at_speed",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {168}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "read_pid",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {48}}},
+            layout = 13,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "write_pid_ram",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {49}}},
+            layout = 13,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "write_pid_rom",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {50}}},
+            layout = 13,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "read_acceleration",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {51}}},
+            layout = 28,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_acceleration_ram",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {52}}},
+            layout = 15,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_encoder",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {144}}},
+            layout = 29,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "write_encoder_offset_rom",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {145}}},
+            layout = 17,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}},
+        },
+        {
+            command = "write_position_as_zero_rom",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {25}}},
+            layout = 30,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}},
+        },
+        {
+            command = "read_multi_turn_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {146}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "read_single_turn_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {148}}},
+            layout = 32,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "clear_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {149}}},
+            layout = 21,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_1",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154}}},
+            layout = 33,
+            reserved = {{2, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}},
+        },
+        {
+            command = "clear_errors",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154, 155}}},
+            layout = 33,
+            reserved = {{2, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}},
+        },
+        {
+            command = "read_status_2",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {156}}},
+            layout = 27,
+            reserved = {},
+        },
+        {
+            command = "read_status_3",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {157}}},
+            layout = 34,
+            reserved = {},
+        },
+    },
+    answers = {
+        {request = 0, reply = 28, echo = true},
+        {request = 1, reply = 29, echo = true},
+        {request = 2, reply = 30, echo = true},
+        {request = 3, reply = 31, distinct = true},
+        {request = 4, reply = 32, distinct = true},
+        {request = 5, reply = 33, distinct = true},
+        {request = 6, reply = 34, distinct = true},
+        {request = 7, reply = 35, distinct = true},
+        {request = 8, reply = 36, distinct = true},
+        {request = 9, reply = 37},
+        {request = 10, reply = 38, distinct = true},
+        {request = 11, reply = 39, distinct = true},
+        {request = 12, reply = 40, distinct = true},
+        {request = 13, reply = 41, echo = true},
+        {request = 14, reply = 42, echo = true},
+        {request = 15, reply = 43, distinct = true},
+        {request = 16, reply = 44, echo = true},
+        {request = 17, reply = 45, distinct = true},
+        {request = 18, reply = 46, echo = true},
+        {request = 19, reply = 47, distinct = true},
+        {request = 20, reply = 48, distinct = true},
+        {request = 21, reply = 49, distinct = true},
+        {request = 22, reply = 50, echo = true},
+        {request = 23, reply = 51, distinct = true},
+        {request = 24, reply = 52, distinct = true},
+        {request = 25, reply = 53, distinct = true},
+        {request = 26, reply = 54, distinct = true},
+        {request = 27, reply = 32, nodes = {1, 2, 3, 4}},
+    },
+    explained = {52},
+    requests = {
+        {
+            base = 320,
+            nodes = {1, 32},
+            plan = {
+                on = "length",
+                cases = {
                     {
-                        {2, 1, 256, 1},
-                        {3, 1, 256, 256},
-                        {4, 1, 256, 65536},
-                        {5, 1, 256, 16777216},
-                        {6, 1, 256, 1, true},
-                        {7, 1, 256, 256, true},
-                        {8, 1, 256, 65536, true},
-                    },
-                },
-            },
-        },
-    }
-    layouts[33] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Single-turn angle",
-                filter = "angle",
-                type = types[15],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[34] = {
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[12],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "voltage",
-                label = "Voltage",
-                filter = "voltage",
-                type = types[16],
-                elements = {{{4, 1, 256, 1}, {5, 1, 256, 256}}},
-            },
-            {
-                name = "errors",
-                label = "Errors",
-                filter = "errors",
-                type = types[17],
-                elements = {{{8, 1, 256, 1}}},
-            },
-        },
-    }
-    layouts[35] = {
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[12],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "phase_a",
-                label = "Phase A current",
-                filter = "phase_a",
-                type = types[18],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "phase_b",
-                label = "Phase B current",
-                filter = "phase_b",
-                type = types[18],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "phase_c",
-                label = "Phase C current",
-                filter = "phase_c",
-                type = types[18],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
-            },
-        },
-    }
-    messages[1] = {
-        command = "motor_off",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[128] = true}}},
-        layout = layouts[1],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[2] = {
-        command = "motor_on",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[136] = true}}},
-        layout = layouts[2],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[3] = {
-        command = "motor_stop",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[129] = true}}},
-        layout = layouts[3],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[4] = {
-        command = "set_power",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[160] = true}}},
-        layout = layouts[4],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[5] = {
-        command = "set_torque",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[161] = true}}},
-        layout = layouts[5],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[6] = {
-        command = "set_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[162] = true}}},
-        layout = layouts[6],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[7] = {
-        command = "move_to_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[163] = true}}},
-        layout = layouts[7],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[8] = {
-        command = "move_to_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[164] = true}}},
-        layout = layouts[8],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[9] = {
-        command = "turn_to_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[165] = true}}},
-        layout = layouts[9],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[10] = {
-        command = "turn_to_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[166] = true}}},
-        layout = layouts[10],
-        reserved = {},
-    }
-    messages[11] = {
-        command = "move_by_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[167] = true}}},
-        layout = layouts[11],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[12] = {
-        command = "move_by_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[168] = true}}},
-        layout = layouts[12],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[13] = {
-        command = "read_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[48] = true}}},
-        layout = layouts[13],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[14] = {
-        command = "write_pid_ram",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[49] = true}}},
-        layout = layouts[14],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[15] = {
-        command = "write_pid_rom",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[50] = true}}},
-        layout = layouts[14],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[16] = {
-        command = "read_acceleration",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[51] = true}}},
-        layout = layouts[15],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[17] = {
-        command = "write_acceleration_ram",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[52] = true}}},
-        layout = layouts[16],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[18] = {
-        command = "read_encoder",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[144] = true}}},
-        layout = layouts[17],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[19] = {
-        command = "write_encoder_offset_rom",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[145] = true}}},
-        layout = layouts[18],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}},
-    }
-    messages[20] = {
-        command = "write_position_as_zero_rom",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[25] = true}}},
-        layout = layouts[19],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[21] = {
-        command = "read_multi_turn_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[146] = true}}},
-        layout = layouts[20],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[22] = {
-        command = "read_single_turn_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[148] = true}}},
-        layout = layouts[21],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[23] = {
-        command = "clear_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[149] = true}}},
-        layout = layouts[22],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[24] = {
-        command = "read_status_1",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true}}},
-        layout = layouts[23],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[25] = {
-        command = "clear_errors",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[155] = true}}},
-        layout = layouts[24],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[26] = {
-        command = "read_status_2",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[156] = true}}},
-        layout = layouts[25],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[27] = {
-        command = "read_status_3",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[157] = true}}},
-        layout = layouts[26],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[28] = {
-        command = "broadcast_torque",
-        direction = "request",
-        length = 8,
-        base = 640,
-        step = 1,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {},
-        layout = layouts[27],
-        reserved = {},
-    }
-    messages[29] = {
-        command = "motor_off",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[128] = true}}},
-        layout = layouts[1],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[30] = {
-        command = "motor_on",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[136] = true}}},
-        layout = layouts[2],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[31] = {
-        command = "motor_stop",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[129] = true}}},
-        layout = layouts[3],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[32] = {
-        command = "set_power",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[160] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[33] = {
-        command = "set_torque",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[161] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[34] = {
-        command = "set_speed",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[162] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[35] = {
-        command = "move_to_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[163] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[36] = {
-        command = "move_to_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[164] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[37] = {
-        command = "turn_to_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[165] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[38] = {
-        command = "turn_to_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[166] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[39] = {
-        command = "move_by_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[167] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[40] = {
-        command = "move_by_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[168] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[41] = {
-        command = "read_pid",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[48] = true}}},
-        layout = layouts[14],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[42] = {
-        command = "write_pid_ram",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[49] = true}}},
-        layout = layouts[14],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[43] = {
-        command = "write_pid_rom",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[50] = true}}},
-        layout = layouts[14],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[44] = {
-        command = "read_acceleration",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[51] = true}}},
-        layout = layouts[29],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[45] = {
-        command = "write_acceleration_ram",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[52] = true}}},
-        layout = layouts[16],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[46] = {
-        command = "read_encoder",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[144] = true}}},
-        layout = layouts[30],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[47] = {
-        command = "write_encoder_offset_rom",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[145] = true}}},
-        layout = layouts[18],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}},
-    }
-    messages[48] = {
-        command = "write_position_as_zero_rom",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[25] = true}}},
-        layout = layouts[31],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}},
-    }
-    messages[49] = {
-        command = "read_multi_turn_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[146] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[50] = {
-        command = "read_single_turn_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[148] = true}}},
-        layout = layouts[33],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[51] = {
-        command = "clear_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[149] = true}}},
-        layout = layouts[22],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[52] = {
-        command = "read_status_1",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true}}},
-        layout = layouts[34],
-        reserved = {{3, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}},
-    }
-    messages[53] = {
-        command = "clear_errors",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true, [155] = true}}},
-        layout = layouts[34],
-        reserved = {{3, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}},
-    }
-    messages[54] = {
-        command = "read_status_2",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[156] = true}}},
-        layout = layouts[28],
-        reserved = {},
-    }
-    messages[55] = {
-        command = "read_status_3",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[157] = true}}},
-        layout = layouts[35],
-        reserved = {},
-    }
-    messages[1].reply = messages[29]
-    messages[1].nodes = {}
-    messages[1].echo = true
-    messages[1].distinct = false
-    messages[2].reply = messages[30]
-    messages[2].nodes = {}
-    messages[2].echo = true
-    messages[2].distinct = false
-    messages[3].reply = messages[31]
-    messages[3].nodes = {}
-    messages[3].echo = true
-    messages[3].distinct = false
-    messages[4].reply = messages[32]
-    messages[4].nodes = {}
-    messages[4].echo = false
-    messages[4].distinct = true
-    messages[5].reply = messages[33]
-    messages[5].nodes = {}
-    messages[5].echo = false
-    messages[5].distinct = true
-    messages[6].reply = messages[34]
-    messages[6].nodes = {}
-    messages[6].echo = false
-    messages[6].distinct = true
-    messages[7].reply = messages[35]
-    messages[7].nodes = {}
-    messages[7].echo = false
-    messages[7].distinct = true
-    messages[8].reply = messages[36]
-    messages[8].nodes = {}
-    messages[8].echo = false
-    messages[8].distinct = true
-    messages[9].reply = messages[37]
-    messages[9].nodes = {}
-    messages[9].echo = false
-    messages[9].distinct = true
-    messages[10].reply = messages[38]
-    messages[10].nodes = {}
-    messages[10].echo = false
-    messages[10].distinct = false
-    messages[11].reply = messages[39]
-    messages[11].nodes = {}
-    messages[11].echo = false
-    messages[11].distinct = true
-    messages[12].reply = messages[40]
-    messages[12].nodes = {}
-    messages[12].echo = false
-    messages[12].distinct = true
-    messages[13].reply = messages[41]
-    messages[13].nodes = {}
-    messages[13].echo = false
-    messages[13].distinct = true
-    messages[14].reply = messages[42]
-    messages[14].nodes = {}
-    messages[14].echo = true
-    messages[14].distinct = false
-    messages[15].reply = messages[43]
-    messages[15].nodes = {}
-    messages[15].echo = true
-    messages[15].distinct = false
-    messages[16].reply = messages[44]
-    messages[16].nodes = {}
-    messages[16].echo = false
-    messages[16].distinct = true
-    messages[17].reply = messages[45]
-    messages[17].nodes = {}
-    messages[17].echo = true
-    messages[17].distinct = false
-    messages[18].reply = messages[46]
-    messages[18].nodes = {}
-    messages[18].echo = false
-    messages[18].distinct = true
-    messages[19].reply = messages[47]
-    messages[19].nodes = {}
-    messages[19].echo = true
-    messages[19].distinct = false
-    messages[20].reply = messages[48]
-    messages[20].nodes = {}
-    messages[20].echo = false
-    messages[20].distinct = true
-    messages[21].reply = messages[49]
-    messages[21].nodes = {}
-    messages[21].echo = false
-    messages[21].distinct = true
-    messages[22].reply = messages[50]
-    messages[22].nodes = {}
-    messages[22].echo = false
-    messages[22].distinct = true
-    messages[23].reply = messages[51]
-    messages[23].nodes = {}
-    messages[23].echo = true
-    messages[23].distinct = false
-    messages[24].reply = messages[52]
-    messages[24].nodes = {}
-    messages[24].echo = false
-    messages[24].distinct = true
-    messages[25].reply = messages[53]
-    messages[25].nodes = {}
-    messages[25].echo = false
-    messages[25].distinct = true
-    messages[26].reply = messages[54]
-    messages[26].nodes = {}
-    messages[26].echo = false
-    messages[26].distinct = true
-    messages[27].reply = messages[55]
-    messages[27].nodes = {}
-    messages[27].echo = false
-    messages[27].distinct = true
-    messages[28].reply = messages[33]
-    messages[28].nodes = {1, 2, 3, 4}
-    messages[28].echo = false
-    messages[28].distinct = false
-    return {
-        name = "v2.35",
-        reply_within = 250000.0,
-        messages = messages,
-        answers = {messages[53]},
-        requests = {
-            {
-                base = 320,
-                step = 1,
-                first = 1,
-                last = 32,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {
-                    on = "length",
-                    cases = {
-                        [8] = {
-                            on = {{1, 1, 256, 1}},
+                        {8},
+                        {
+                            on = {{0, 0, 8, 0}},
                             cases = {
-                                [128] = messages[1],
-                                [136] = messages[2],
-                                [129] = messages[3],
-                                [160] = messages[4],
-                                [161] = messages[5],
-                                [162] = messages[6],
-                                [163] = messages[7],
-                                [164] = messages[8],
-                                [165] = messages[9],
-                                [166] = messages[10],
-                                [167] = messages[11],
-                                [168] = messages[12],
-                                [48] = messages[13],
-                                [49] = messages[14],
-                                [50] = messages[15],
-                                [51] = messages[16],
-                                [52] = messages[17],
-                                [144] = messages[18],
-                                [145] = messages[19],
-                                [25] = messages[20],
-                                [146] = messages[21],
-                                [148] = messages[22],
-                                [149] = messages[23],
-                                [154] = messages[24],
-                                [155] = messages[25],
-                                [156] = messages[26],
-                                [157] = messages[27],
+                                {{128}, 0},
+                                {{136}, 1},
+                                {{129}, 2},
+                                {{160}, 3},
+                                {{161}, 4},
+                                {{162}, 5},
+                                {{163}, 6},
+                                {{164}, 7},
+                                {{165}, 8},
+                                {{166}, 9},
+                                {{167}, 10},
+                                {{168}, 11},
+                                {{48}, 12},
+                                {{49}, 13},
+                                {{50}, 14},
+                                {{51}, 15},
+                                {{52}, 16},
+                                {{144}, 17},
+                                {{145}, 18},
+                                {{25}, 19},
+                                {{146}, 20},
+                                {{148}, 21},
+                                {{149}, 22},
+                                {{154}, 23},
+                                {{155}, 24},
+                                {{156}, 25},
+                                {{157}, 26},
                             },
                             otherwise = "unknown_code",
                         },
                     },
-                    otherwise = "wrong_length",
                 },
-            },
-            {
-                base = 640,
-                step = 1,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {on = "length", cases = {[8] = messages[28]}, otherwise = "wrong_length"},
+                otherwise = "wrong_length",
             },
         },
-        replies = {
-            {
-                base = 320,
-                step = 1,
-                first = 1,
-                last = 32,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {
-                    on = "length",
-                    cases = {
-                        [8] = {
-                            on = {{1, 1, 256, 1}},
+        {base = 640, plan = {on = "length", cases = {{{8}, 27}}, otherwise = "wrong_length"}},
+    },
+    replies = {
+        {
+            base = 320,
+            nodes = {1, 32},
+            plan = {
+                on = "length",
+                cases = {
+                    {
+                        {8},
+                        {
+                            on = {{0, 0, 8, 0}},
                             cases = {
-                                [128] = messages[29],
-                                [136] = messages[30],
-                                [129] = messages[31],
-                                [160] = messages[32],
-                                [161] = messages[33],
-                                [162] = messages[34],
-                                [163] = messages[35],
-                                [164] = messages[36],
-                                [165] = messages[37],
-                                [166] = messages[38],
-                                [167] = messages[39],
-                                [168] = messages[40],
-                                [48] = messages[41],
-                                [49] = messages[42],
-                                [50] = messages[43],
-                                [51] = messages[44],
-                                [52] = messages[45],
-                                [144] = messages[46],
-                                [145] = messages[47],
-                                [25] = messages[48],
-                                [146] = messages[49],
-                                [148] = messages[50],
-                                [149] = messages[51],
-                                [154] = messages[52],
-                                [155] = messages[53],
-                                [156] = messages[54],
-                                [157] = messages[55],
+                                {{128}, 28},
+                                {{136}, 29},
+                                {{129}, 30},
+                                {{160}, 31},
+                                {{161}, 32},
+                                {{162}, 33},
+                                {{163}, 34},
+                                {{164}, 35},
+                                {{165}, 36},
+                                {{166}, 37},
+                                {{167}, 38},
+                                {{168}, 39},
+                                {{48}, 40},
+                                {{49}, 41},
+                                {{50}, 42},
+                                {{51}, 43},
+                                {{52}, 44},
+                                {{144}, 45},
+                                {{145}, 46},
+                                {{25}, 47},
+                                {{146}, 48},
+                                {{148}, 49},
+                                {{149}, 50},
+                                {{154}, 51},
+                                {{155}, 52},
+                                {{156}, 53},
+                                {{157}, 54},
                             },
                             otherwise = "unknown_code",
                         },
                     },
-                    otherwise = "wrong_length",
                 },
+                otherwise = "wrong_length",
             },
         },
-    }
-end)()
+    },
+})
 
-editions[2] = (function()
-    local types, layouts, messages = {}, {}, {}
-    types[1] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "lock", [1] = "release", [16] = "read"},
-    }
-    types[2] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = -850.0,
-        high = 850.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[3] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        limited = true,
-        low = -2048.0,
-        high = 2048.0,
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+editions[2] = codec.edition({
+    name = "v2.35-2024-02",
+    reply_within = 250000.0,
+    types = {
+        {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
+        {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
+            },
+            limits = {-2048.0, 2048.0},
         },
-    }
-    types[4] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176/s",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[5] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[6] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = true,
-        unit = "\194\176/s",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[7] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "clockwise", [1] = "counterclockwise"},
-    }
-    types[8] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[9] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[10] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[11] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        limited = true,
-        low = 0.0,
-        high = 65535.0,
-        scale_by = "encoder_bits",
-        linear = {
-            ["14"] = {factor = 45.0, addend = 0.0, divisor = 2048.0},
-            ["15"] = {factor = 45.0, addend = 0.0, divisor = 4096.0},
-            ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
+        {
+            width = 32,
+            encoding = "signed",
+            unit = "\194\176/s",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-    }
-    types[12] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "locked", [1] = "released"},
-    }
-    types[13] = {
-        width = 8,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176C",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[14] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = -1000.0,
-        high = 1000.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[15] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+        {
+            width = 32,
+            encoding = "signed",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-    }
-    types[16] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176/s",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[17] = {
-        width = 56,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[18] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[19] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "V",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[20] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[21] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "on", [16] = "off"},
-    }
-    types[22] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        flags = {
-            {bit = 0, name = "low_voltage", label = "Low-voltage protection"},
-            {bit = 3, name = "over_temperature", label = "Over-temperature protection"},
+        {width = 16, encoding = "unsigned", unit = "\194\176/s"},
+        {width = 8, encoding = "unsigned", enum = {{0, "clockwise"}, {1, "counterclockwise"}}},
+        {
+            width = 32,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-        named = {[0] = true, [3] = true},
-    }
-    types[23] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
-        },
-    }
-    layouts[1] = {fields = {}}
-    layouts[2] = {fields = {}}
-    layouts[3] = {fields = {}}
-    layouts[4] = {
-        fields = {
-            {
-                name = "action",
-                label = "Brake action",
-                filter = "action",
-                type = types[1],
-                elements = {{{2, 1, 256, 1}}},
+        {width = 16, encoding = "signed"},
+        {width = 32, encoding = "signed"},
+        {
+            width = 16,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {
+                by = "encoder_bits",
+                cases = {
+                    ["14"] = {factor = 45.0, addend = 0.0, divisor = 2048.0},
+                    ["15"] = {factor = 45.0, addend = 0.0, divisor = 4096.0},
+                    ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
+                },
             },
         },
-    }
-    layouts[5] = {
-        fields = {
-            {
-                name = "power",
-                label = "Open-loop control value",
-                filter = "power",
-                type = types[2],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {width = 8, encoding = "unsigned", enum = {{0, "locked"}, {1, "released"}}},
+        {width = 8, encoding = "signed", unit = "\194\176C"},
+        {width = 16, encoding = "signed", limits = {-1000.0, 1000.0}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
             },
         },
-    }
-    layouts[6] = {
-        fields = {
-            {
-                name = "iq",
-                label = "Target torque current",
-                filter = "iq",
-                type = types[3],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {width = 16, encoding = "signed", unit = "\194\176/s"},
+        {
+            width = 56,
+            encoding = "signed",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 32,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "V",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {width = 8, encoding = "unsigned", enum = {{0, "on"}, {16, "off"}}},
+        {
+            width = 8,
+            encoding = "unsigned",
+            flags = {
+                {0, "low_voltage", "Low-voltage protection"},
+                {3, "over_temperature", "Over-temperature protection"},
             },
         },
-    }
-    layouts[7] = {
-        fields = {
-            {
-                name = "speed",
-                label = "Target speed",
-                filter = "speed",
-                type = types[4],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
             },
         },
-    }
-    layouts[8] = {
-        fields = {
-            {
-                name = "iq_limit",
-                label = "Torque current limit",
-                filter = "iq_limit",
-                type = types[3],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "speed",
-                label = "Target speed",
-                filter = "speed",
-                type = types[4],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+    },
+    layouts = {
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {{name = "action", type = 0, elements = {{{1, 0, 8, 0}}}, label = "Brake action"}},
+        },
+        {
+            fields = {
+                {
+                    name = "power",
+                    type = 1,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Open-loop control value",
+                },
             },
         },
-    }
-    layouts[9] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Target multi-turn angle",
-                filter = "angle",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "iq",
+                    type = 2,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Target torque current",
+                },
             },
         },
-    }
-    layouts[10] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "angle",
-                label = "Target multi-turn angle",
-                filter = "angle",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "speed",
+                    type = 3,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target speed",
+                },
             },
         },
-    }
-    layouts[11] = {
-        fields = {
-            {
-                name = "spin_direction",
-                label = "Direction of rotation",
-                filter = "spin_direction",
-                type = types[7],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "angle",
-                label = "Target single-turn angle",
-                filter = "angle",
-                type = types[8],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "iq_limit",
+                    type = 2,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Torque current limit",
+                },
+                {
+                    name = "speed",
+                    type = 3,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target speed",
+                },
             },
         },
-    }
-    layouts[12] = {
-        fields = {
-            {
-                name = "spin_direction",
-                label = "Direction of rotation",
-                filter = "spin_direction",
-                type = types[7],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "angle",
-                label = "Target single-turn angle",
-                filter = "angle",
-                type = types[8],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target multi-turn angle",
+                },
             },
         },
-    }
-    layouts[13] = {
-        fields = {
-            {
-                name = "increment",
-                label = "Angle increment",
-                filter = "increment",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "angle",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target multi-turn angle",
+                },
             },
         },
-    }
-    layouts[14] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "increment",
-                label = "Angle increment",
-                filter = "increment",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "spin_direction",
+                    type = 6,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Direction of rotation",
+                },
+                {
+                    name = "angle",
+                    type = 7,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target single-turn angle",
+                },
             },
         },
-    }
-    layouts[15] = {fields = {}}
-    layouts[16] = {fields = {}}
-    layouts[17] = {fields = {}}
-    layouts[18] = {
-        fields = {
-            {
-                name = "torque_limit",
-                label = "Torque limit",
-                filter = "torque_limit",
-                type = types[9],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "spin_direction",
+                    type = 6,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Direction of rotation",
+                },
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "angle",
+                    type = 7,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target single-turn angle",
+                },
             },
         },
-    }
-    layouts[19] = {
-        fields = {
-            {
-                name = "acceleration_limit",
-                label = "Acceleration limit",
-                filter = "acceleration_limit",
-                type = types[10],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "increment",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle increment",
+                },
             },
         },
-    }
-    layouts[20] = {
-        fields = {
-            {
-                name = "speed_limit",
-                label = "Speed limit",
-                filter = "speed_limit",
-                type = types[10],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "increment",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle increment",
+                },
             },
         },
-    }
-    layouts[21] = {fields = {}}
-    layouts[22] = {
-        fields = {
-            {
-                name = "encoder_offset",
-                label = "Encoder offset",
-                filter = "encoder_offset",
-                type = types[11],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "torque_limit",
+                    type = 8,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Torque limit",
+                },
             },
         },
-    }
-    layouts[23] = {fields = {}}
-    layouts[24] = {fields = {}}
-    layouts[25] = {fields = {}}
-    layouts[26] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Multi-turn angle of the present position",
-                filter = "angle",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "acceleration_limit",
+                    type = 9,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Acceleration limit",
+                },
             },
         },
-    }
-    layouts[27] = {fields = {}}
-    layouts[28] = {fields = {}}
-    layouts[29] = {fields = {}}
-    layouts[30] = {fields = {}}
-    layouts[31] = {
-        fields = {
-            {
-                name = "state",
-                label = "Brake state",
-                filter = "state",
-                type = types[12],
-                elements = {{{2, 1, 256, 1}}},
+        {
+            fields = {
+                {
+                    name = "speed_limit",
+                    type = 9,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Speed limit",
+                },
             },
         },
-    }
-    layouts[32] = {
-        parameter = "series",
-        choices = {MS = true, MF = true, MH = true, MG = true},
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[13],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "power",
-                label = "Output power",
-                filter = "power",
-                type = types[14],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-                only = {MS = true},
-            },
-            {
-                name = "iq",
-                label = "Torque current",
-                filter = "iq",
-                type = types[15],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-                only = {MF = true, MH = true, MG = true},
-            },
-            {
-                name = "speed",
-                label = "Motor speed",
-                filter = "speed",
-                type = types[16],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "encoder",
-                label = "Encoder position",
-                filter = "encoder",
-                type = types[11],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "encoder_offset",
+                    type = 10,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder offset",
+                },
             },
         },
-    }
-    layouts[33] = {
-        fields = {
-            {
-                name = "encoder",
-                label = "Encoder position",
-                filter = "encoder",
-                type = types[11],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "encoder_measured",
-                label = "Raw encoder position",
-                filter = "encoder_measured",
-                type = types[11],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "encoder_offset",
-                label = "Encoder offset",
-                filter = "encoder_offset",
-                type = types[11],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Multi-turn angle of the present position",
+                },
             },
         },
-    }
-    layouts[34] = {
-        fields = {
-            {
-                name = "encoder_offset",
-                label = "Written encoder offset",
-                filter = "encoder_offset",
-                type = types[11],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {{name = "state", type = 11, elements = {{{1, 0, 8, 0}}}, label = "Brake state"}}},
+        {
+            parameter = "series",
+            values = {"MS", "MF", "MH", "MG"},
+            fields = {
+                {
+                    name = "temperature",
+                    type = 12,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "power",
+                    type = 13,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    only = {"MS"},
+                    label = "Output power",
+                },
+                {
+                    name = "iq",
+                    type = 14,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    only = {"MF", "MH", "MG"},
+                    label = "Torque current",
+                },
+                {
+                    name = "speed",
+                    type = 15,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Motor speed",
+                },
+                {
+                    name = "encoder",
+                    type = 10,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder position",
+                },
             },
         },
-    }
-    layouts[35] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Multi-turn angle",
-                filter = "angle",
-                type = types[17],
-                elements = {
+        {
+            fields = {
+                {
+                    name = "encoder",
+                    type = 10,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Encoder position",
+                },
+                {
+                    name = "encoder_measured",
+                    type = 10,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Raw encoder position",
+                },
+                {
+                    name = "encoder_offset",
+                    type = 10,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder offset",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "encoder_offset",
+                    type = 10,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Written encoder offset",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 16,
+                    elements = {
+                        {
+                            {1, 0, 8, 0},
+                            {2, 0, 8, 8},
+                            {3, 0, 8, 16},
+                            {4, 0, 8, 24},
+                            {5, 0, 8, 32},
+                            {6, 0, 8, 40},
+                            {7, 0, 8, 48},
+                        },
+                    },
+                    label = "Multi-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 17,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Single-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "temperature",
+                    type = 12,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "voltage",
+                    type = 18,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Supply voltage",
+                },
+                {
+                    name = "current",
+                    type = 19,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Supply current",
+                },
+                {
+                    name = "motor_state",
+                    type = 20,
+                    elements = {{{6, 0, 8, 0}}},
+                    label = "Motor state",
+                },
+                {name = "errors", type = 21, elements = {{{7, 0, 8, 0}}}, label = "Errors"},
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "temperature",
+                    type = 12,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "phase_a",
+                    type = 22,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Phase A current",
+                },
+                {
+                    name = "phase_b",
+                    type = 22,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Phase B current",
+                },
+                {
+                    name = "phase_c",
+                    type = 22,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Phase C current",
+                },
+            },
+        },
+    },
+    messages = {
+        {
+            command = "motor_off",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {128}}},
+            layout = 0,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_on",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {136}}},
+            layout = 1,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_stop",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {129}}},
+            layout = 2,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "brake",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {140}}},
+            layout = 3,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_power",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MS"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {160}}},
+            layout = 4,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_torque",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MF", "MH", "MG"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {161}}},
+            layout = 5,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {162}}},
+            layout = 6,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "set_speed_limited",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {173}}},
+            layout = 7,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "move_to_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {163}}},
+            layout = 8,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_to_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {164}}},
+            layout = 9,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "turn_to_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {165}}},
+            layout = 10,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "turn_to_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {166}}},
+            layout = 11,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {167}}},
+            layout = 12,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_by_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {168}}},
+            layout = 13,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_torque_limit",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {176}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 14,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_acceleration_limit",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {176}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 15,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_speed_limit",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {176}},
+                {segments = {{1, 0, 8, 0}}, values = {14}},
+            },
+            layout = 16,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_torque_limit",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {177}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 17,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_acceleration_limit",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {177}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 18,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_speed_limit",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {177}},
+                {segments = {{1, 0, 8, 0}}, values = {14}},
+            },
+            layout = 19,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_encoder",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {144}}},
+            layout = 20,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "write_encoder_offset_rom",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {145}}},
+            layout = 21,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}},
+        },
+        {
+            command = "write_position_as_zero_rom",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {25}}},
+            layout = 22,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_multi_turn_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {146}}},
+            layout = 23,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_single_turn_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {148}}},
+            layout = 24,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "set_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {149}}},
+            layout = 25,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_status_1",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154}}},
+            layout = 26,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "clear_errors",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {155}}},
+            layout = 27,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_2",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {156}}},
+            layout = 28,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_3",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MF", "MH", "MG"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {157}}},
+            layout = 29,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_off",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {128}}},
+            layout = 0,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_on",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {136}}},
+            layout = 1,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_stop",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {129}}},
+            layout = 2,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "brake",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {140}}},
+            layout = 30,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_power",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {160}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "set_torque",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {161}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "set_speed",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {162}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "set_speed_limited",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {173}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "move_to_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {163}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "move_to_angle_at_speed",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {164}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "turn_to_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {165}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "turn_to_angle_at_speed",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {166}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {167}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle_at_speed",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {168}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_torque_limit",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {176}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 17,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_acceleration_limit",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {176}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 18,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_speed_limit",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {176}},
+                {segments = {{1, 0, 8, 0}}, values = {14}},
+            },
+            layout = 19,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_torque_limit",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {177}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 17,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_acceleration_limit",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {177}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 18,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_speed_limit",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {177}},
+                {segments = {{1, 0, 8, 0}}, values = {14}},
+            },
+            layout = 19,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_encoder",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {144}}},
+            layout = 32,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "write_encoder_offset_rom",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {145}}},
+            layout = 21,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}},
+        },
+        {
+            command = "write_position_as_zero_rom",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {25}}},
+            layout = 33,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}},
+        },
+        {
+            command = "read_multi_turn_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {146}}},
+            layout = 34,
+            reserved = {},
+        },
+        {
+            command = "read_single_turn_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {148}}},
+            layout = 35,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "set_angle",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {149}}},
+            layout = 25,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_status_1",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154}}},
+            layout = 36,
+            reserved = {},
+        },
+        {
+            command = "clear_errors",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {155}}},
+            layout = 36,
+            reserved = {},
+        },
+        {
+            command = "read_status_2",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {156}}},
+            layout = 31,
+            reserved = {},
+        },
+        {
+            command = "read_status_3",
+            direction = "reply",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {157}}},
+            layout = 37,
+            reserved = {},
+        },
+    },
+    answers = {
+        {request = 0, reply = 30, echo = true},
+        {request = 1, reply = 31, echo = true},
+        {request = 2, reply = 32, echo = true},
+        {request = 3, reply = 33},
+        {request = 4, reply = 34, distinct = true},
+        {request = 5, reply = 35, distinct = true},
+        {request = 6, reply = 36, distinct = true},
+        {request = 7, reply = 37, distinct = true},
+        {request = 8, reply = 38, distinct = true},
+        {request = 9, reply = 39, distinct = true},
+        {request = 10, reply = 40, distinct = true},
+        {request = 11, reply = 41},
+        {request = 12, reply = 42, distinct = true},
+        {request = 13, reply = 43, distinct = true},
+        {request = 14, reply = 44, distinct = true},
+        {request = 15, reply = 45, distinct = true},
+        {request = 16, reply = 46, distinct = true},
+        {request = 17, reply = 47},
+        {request = 18, reply = 48},
+        {request = 19, reply = 49},
+        {request = 20, reply = 50, distinct = true},
+        {request = 21, reply = 51, echo = true},
+        {request = 22, reply = 52, distinct = true},
+        {request = 23, reply = 53, distinct = true},
+        {request = 24, reply = 54, distinct = true},
+        {request = 25, reply = 55, echo = true},
+        {request = 26, reply = 56, distinct = true},
+        {request = 27, reply = 57, distinct = true},
+        {request = 28, reply = 58, distinct = true},
+        {request = 29, reply = 59, distinct = true},
+    },
+    explained = {},
+    requests = {
+        {
+            base = 320,
+            nodes = {1, 32},
+            plan = {
+                on = "length",
+                cases = {
                     {
-                        {2, 1, 256, 1},
-                        {3, 1, 256, 256},
-                        {4, 1, 256, 65536},
-                        {5, 1, 256, 16777216},
-                        {6, 1, 256, 1, true},
-                        {7, 1, 256, 256, true},
-                        {8, 1, 256, 65536, true},
-                    },
-                },
-            },
-        },
-    }
-    layouts[36] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Single-turn angle",
-                filter = "angle",
-                type = types[18],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[37] = {
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[13],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "voltage",
-                label = "Supply voltage",
-                filter = "voltage",
-                type = types[19],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "current",
-                label = "Supply current",
-                filter = "current",
-                type = types[20],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "motor_state",
-                label = "Motor state",
-                filter = "motor_state",
-                type = types[21],
-                elements = {{{7, 1, 256, 1}}},
-            },
-            {
-                name = "errors",
-                label = "Errors",
-                filter = "errors",
-                type = types[22],
-                elements = {{{8, 1, 256, 1}}},
-            },
-        },
-    }
-    layouts[38] = {
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[13],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "phase_a",
-                label = "Phase A current",
-                filter = "phase_a",
-                type = types[23],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "phase_b",
-                label = "Phase B current",
-                filter = "phase_b",
-                type = types[23],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "phase_c",
-                label = "Phase C current",
-                filter = "phase_c",
-                type = types[23],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
-            },
-        },
-    }
-    messages[1] = {
-        command = "motor_off",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[128] = true}}},
-        layout = layouts[1],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[2] = {
-        command = "motor_on",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[136] = true}}},
-        layout = layouts[2],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[3] = {
-        command = "motor_stop",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[129] = true}}},
-        layout = layouts[3],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[4] = {
-        command = "brake",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[140] = true}}},
-        layout = layouts[4],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[5] = {
-        command = "set_power",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[160] = true}}},
-        layout = layouts[5],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[6] = {
-        command = "set_torque",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[161] = true}}},
-        layout = layouts[6],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[7] = {
-        command = "set_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[162] = true}}},
-        layout = layouts[7],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[8] = {
-        command = "set_speed_limited",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[173] = true}}},
-        layout = layouts[8],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[9] = {
-        command = "move_to_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[163] = true}}},
-        layout = layouts[9],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[10] = {
-        command = "move_to_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[164] = true}}},
-        layout = layouts[10],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[11] = {
-        command = "turn_to_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[165] = true}}},
-        layout = layouts[11],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[12] = {
-        command = "turn_to_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[166] = true}}},
-        layout = layouts[12],
-        reserved = {},
-    }
-    messages[13] = {
-        command = "move_by_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[167] = true}}},
-        layout = layouts[13],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[14] = {
-        command = "move_by_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[168] = true}}},
-        layout = layouts[14],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[15] = {
-        command = "read_control_parameter_torque_limit",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[176] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[15],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[16] = {
-        command = "read_control_parameter_acceleration_limit",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[176] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[16],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[17] = {
-        command = "read_control_parameter_speed_limit",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[176] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[14] = true}},
-        },
-        layout = layouts[17],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[18] = {
-        command = "write_control_parameter_ram_torque_limit",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[177] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[18],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[19] = {
-        command = "write_control_parameter_ram_acceleration_limit",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[177] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[19],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[20] = {
-        command = "write_control_parameter_ram_speed_limit",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[177] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[14] = true}},
-        },
-        layout = layouts[20],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[21] = {
-        command = "read_encoder",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[144] = true}}},
-        layout = layouts[21],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[22] = {
-        command = "write_encoder_offset_rom",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[145] = true}}},
-        layout = layouts[22],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}},
-    }
-    messages[23] = {
-        command = "write_position_as_zero_rom",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[25] = true}}},
-        layout = layouts[23],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[24] = {
-        command = "read_multi_turn_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[146] = true}}},
-        layout = layouts[24],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[25] = {
-        command = "read_single_turn_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[148] = true}}},
-        layout = layouts[25],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[26] = {
-        command = "set_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[149] = true}}},
-        layout = layouts[26],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[27] = {
-        command = "read_status_1",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true}}},
-        layout = layouts[27],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[28] = {
-        command = "clear_errors",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[155] = true}}},
-        layout = layouts[28],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[29] = {
-        command = "read_status_2",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[156] = true}}},
-        layout = layouts[29],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[30] = {
-        command = "read_status_3",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[157] = true}}},
-        layout = layouts[30],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[31] = {
-        command = "motor_off",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[128] = true}}},
-        layout = layouts[1],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[32] = {
-        command = "motor_on",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[136] = true}}},
-        layout = layouts[2],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[33] = {
-        command = "motor_stop",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[129] = true}}},
-        layout = layouts[3],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[34] = {
-        command = "brake",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[140] = true}}},
-        layout = layouts[31],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[35] = {
-        command = "set_power",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[160] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[36] = {
-        command = "set_torque",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[161] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[37] = {
-        command = "set_speed",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[162] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[38] = {
-        command = "set_speed_limited",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[173] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[39] = {
-        command = "move_to_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[163] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[40] = {
-        command = "move_to_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[164] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[41] = {
-        command = "turn_to_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[165] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[42] = {
-        command = "turn_to_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[166] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[43] = {
-        command = "move_by_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[167] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[44] = {
-        command = "move_by_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[168] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[45] = {
-        command = "read_control_parameter_torque_limit",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[176] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[18],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[46] = {
-        command = "read_control_parameter_acceleration_limit",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[176] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[19],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[47] = {
-        command = "read_control_parameter_speed_limit",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[176] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[14] = true}},
-        },
-        layout = layouts[20],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[48] = {
-        command = "write_control_parameter_ram_torque_limit",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[177] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[18],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[49] = {
-        command = "write_control_parameter_ram_acceleration_limit",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[177] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[19],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[50] = {
-        command = "write_control_parameter_ram_speed_limit",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[177] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[14] = true}},
-        },
-        layout = layouts[20],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[51] = {
-        command = "read_encoder",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[144] = true}}},
-        layout = layouts[33],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[52] = {
-        command = "write_encoder_offset_rom",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[145] = true}}},
-        layout = layouts[22],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}},
-    }
-    messages[53] = {
-        command = "write_position_as_zero_rom",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[25] = true}}},
-        layout = layouts[34],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}},
-    }
-    messages[54] = {
-        command = "read_multi_turn_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[146] = true}}},
-        layout = layouts[35],
-        reserved = {},
-    }
-    messages[55] = {
-        command = "read_single_turn_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[148] = true}}},
-        layout = layouts[36],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[56] = {
-        command = "set_angle",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[149] = true}}},
-        layout = layouts[26],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[57] = {
-        command = "read_status_1",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true}}},
-        layout = layouts[37],
-        reserved = {},
-    }
-    messages[58] = {
-        command = "clear_errors",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[155] = true}}},
-        layout = layouts[37],
-        reserved = {},
-    }
-    messages[59] = {
-        command = "read_status_2",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[156] = true}}},
-        layout = layouts[32],
-        reserved = {},
-    }
-    messages[60] = {
-        command = "read_status_3",
-        direction = "reply",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[157] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[1].reply = messages[31]
-    messages[1].nodes = {}
-    messages[1].echo = true
-    messages[1].distinct = false
-    messages[2].reply = messages[32]
-    messages[2].nodes = {}
-    messages[2].echo = true
-    messages[2].distinct = false
-    messages[3].reply = messages[33]
-    messages[3].nodes = {}
-    messages[3].echo = true
-    messages[3].distinct = false
-    messages[4].reply = messages[34]
-    messages[4].nodes = {}
-    messages[4].echo = false
-    messages[4].distinct = false
-    messages[5].reply = messages[35]
-    messages[5].nodes = {}
-    messages[5].echo = false
-    messages[5].distinct = true
-    messages[6].reply = messages[36]
-    messages[6].nodes = {}
-    messages[6].echo = false
-    messages[6].distinct = true
-    messages[7].reply = messages[37]
-    messages[7].nodes = {}
-    messages[7].echo = false
-    messages[7].distinct = true
-    messages[8].reply = messages[38]
-    messages[8].nodes = {}
-    messages[8].echo = false
-    messages[8].distinct = true
-    messages[9].reply = messages[39]
-    messages[9].nodes = {}
-    messages[9].echo = false
-    messages[9].distinct = true
-    messages[10].reply = messages[40]
-    messages[10].nodes = {}
-    messages[10].echo = false
-    messages[10].distinct = true
-    messages[11].reply = messages[41]
-    messages[11].nodes = {}
-    messages[11].echo = false
-    messages[11].distinct = true
-    messages[12].reply = messages[42]
-    messages[12].nodes = {}
-    messages[12].echo = false
-    messages[12].distinct = false
-    messages[13].reply = messages[43]
-    messages[13].nodes = {}
-    messages[13].echo = false
-    messages[13].distinct = true
-    messages[14].reply = messages[44]
-    messages[14].nodes = {}
-    messages[14].echo = false
-    messages[14].distinct = true
-    messages[15].reply = messages[45]
-    messages[15].nodes = {}
-    messages[15].echo = false
-    messages[15].distinct = true
-    messages[16].reply = messages[46]
-    messages[16].nodes = {}
-    messages[16].echo = false
-    messages[16].distinct = true
-    messages[17].reply = messages[47]
-    messages[17].nodes = {}
-    messages[17].echo = false
-    messages[17].distinct = true
-    messages[18].reply = messages[48]
-    messages[18].nodes = {}
-    messages[18].echo = false
-    messages[18].distinct = false
-    messages[19].reply = messages[49]
-    messages[19].nodes = {}
-    messages[19].echo = false
-    messages[19].distinct = false
-    messages[20].reply = messages[50]
-    messages[20].nodes = {}
-    messages[20].echo = false
-    messages[20].distinct = false
-    messages[21].reply = messages[51]
-    messages[21].nodes = {}
-    messages[21].echo = false
-    messages[21].distinct = true
-    messages[22].reply = messages[52]
-    messages[22].nodes = {}
-    messages[22].echo = true
-    messages[22].distinct = false
-    messages[23].reply = messages[53]
-    messages[23].nodes = {}
-    messages[23].echo = false
-    messages[23].distinct = true
-    messages[24].reply = messages[54]
-    messages[24].nodes = {}
-    messages[24].echo = false
-    messages[24].distinct = true
-    messages[25].reply = messages[55]
-    messages[25].nodes = {}
-    messages[25].echo = false
-    messages[25].distinct = true
-    messages[26].reply = messages[56]
-    messages[26].nodes = {}
-    messages[26].echo = true
-    messages[26].distinct = false
-    messages[27].reply = messages[57]
-    messages[27].nodes = {}
-    messages[27].echo = false
-    messages[27].distinct = true
-    messages[28].reply = messages[58]
-    messages[28].nodes = {}
-    messages[28].echo = false
-    messages[28].distinct = true
-    messages[29].reply = messages[59]
-    messages[29].nodes = {}
-    messages[29].echo = false
-    messages[29].distinct = true
-    messages[30].reply = messages[60]
-    messages[30].nodes = {}
-    messages[30].echo = false
-    messages[30].distinct = true
-    return {
-        name = "v2.35-2024-02",
-        reply_within = 250000.0,
-        messages = messages,
-        answers = {},
-        requests = {
-            {
-                base = 320,
-                step = 1,
-                first = 1,
-                last = 32,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {
-                    on = "length",
-                    cases = {
-                        [8] = {
-                            on = {{1, 1, 256, 1}},
+                        {8},
+                        {
+                            on = {{0, 0, 8, 0}},
                             cases = {
-                                [128] = messages[1],
-                                [136] = messages[2],
-                                [129] = messages[3],
-                                [140] = messages[4],
-                                [160] = messages[5],
-                                [161] = messages[6],
-                                [162] = messages[7],
-                                [173] = messages[8],
-                                [163] = messages[9],
-                                [164] = messages[10],
-                                [165] = messages[11],
-                                [166] = messages[12],
-                                [167] = messages[13],
-                                [168] = messages[14],
-                                [176] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {[10] = messages[15], [12] = messages[16], [14] = messages[17]},
-                                    otherwise = "unknown_code",
+                                {{128}, 0},
+                                {{136}, 1},
+                                {{129}, 2},
+                                {{140}, 3},
+                                {{160}, 4},
+                                {{161}, 5},
+                                {{162}, 6},
+                                {{173}, 7},
+                                {{163}, 8},
+                                {{164}, 9},
+                                {{165}, 10},
+                                {{166}, 11},
+                                {{167}, 12},
+                                {{168}, 13},
+                                {
+                                    {176},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {{{10}, 14}, {{12}, 15}, {{14}, 16}},
+                                        otherwise = "unknown_code",
+                                    },
                                 },
-                                [177] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {[10] = messages[18], [12] = messages[19], [14] = messages[20]},
-                                    otherwise = "unknown_code",
+                                {
+                                    {177},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {{{10}, 17}, {{12}, 18}, {{14}, 19}},
+                                        otherwise = "unknown_code",
+                                    },
                                 },
-                                [144] = messages[21],
-                                [145] = messages[22],
-                                [25] = messages[23],
-                                [146] = messages[24],
-                                [148] = messages[25],
-                                [149] = messages[26],
-                                [154] = messages[27],
-                                [155] = messages[28],
-                                [156] = messages[29],
-                                [157] = messages[30],
+                                {{144}, 20},
+                                {{145}, 21},
+                                {{25}, 22},
+                                {{146}, 23},
+                                {{148}, 24},
+                                {{149}, 25},
+                                {{154}, 26},
+                                {{155}, 27},
+                                {{156}, 28},
+                                {{157}, 29},
                             },
                             otherwise = "unknown_code",
                         },
                     },
-                    otherwise = "wrong_length",
                 },
+                otherwise = "wrong_length",
             },
         },
-        replies = {
-            {
-                base = 320,
-                step = 1,
-                first = 1,
-                last = 32,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {
-                    on = "length",
-                    cases = {
-                        [8] = {
-                            on = {{1, 1, 256, 1}},
+    },
+    replies = {
+        {
+            base = 320,
+            nodes = {1, 32},
+            plan = {
+                on = "length",
+                cases = {
+                    {
+                        {8},
+                        {
+                            on = {{0, 0, 8, 0}},
                             cases = {
-                                [128] = messages[31],
-                                [136] = messages[32],
-                                [129] = messages[33],
-                                [140] = messages[34],
-                                [160] = messages[35],
-                                [161] = messages[36],
-                                [162] = messages[37],
-                                [173] = messages[38],
-                                [163] = messages[39],
-                                [164] = messages[40],
-                                [165] = messages[41],
-                                [166] = messages[42],
-                                [167] = messages[43],
-                                [168] = messages[44],
-                                [176] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {[10] = messages[45], [12] = messages[46], [14] = messages[47]},
-                                    otherwise = "unknown_code",
+                                {{128}, 30},
+                                {{136}, 31},
+                                {{129}, 32},
+                                {{140}, 33},
+                                {{160}, 34},
+                                {{161}, 35},
+                                {{162}, 36},
+                                {{173}, 37},
+                                {{163}, 38},
+                                {{164}, 39},
+                                {{165}, 40},
+                                {{166}, 41},
+                                {{167}, 42},
+                                {{168}, 43},
+                                {
+                                    {176},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {{{10}, 44}, {{12}, 45}, {{14}, 46}},
+                                        otherwise = "unknown_code",
+                                    },
                                 },
-                                [177] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {[10] = messages[48], [12] = messages[49], [14] = messages[50]},
-                                    otherwise = "unknown_code",
+                                {
+                                    {177},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {{{10}, 47}, {{12}, 48}, {{14}, 49}},
+                                        otherwise = "unknown_code",
+                                    },
                                 },
-                                [144] = messages[51],
-                                [145] = messages[52],
-                                [25] = messages[53],
-                                [146] = messages[54],
-                                [148] = messages[55],
-                                [149] = messages[56],
-                                [154] = messages[57],
-                                [155] = messages[58],
-                                [156] = messages[59],
-                                [157] = messages[60],
+                                {{144}, 50},
+                                {{145}, 51},
+                                {{25}, 52},
+                                {{146}, 53},
+                                {{148}, 54},
+                                {{149}, 55},
+                                {{154}, 56},
+                                {{155}, 57},
+                                {{156}, 58},
+                                {{157}, 59},
                             },
                             otherwise = "unknown_code",
                         },
                     },
-                    otherwise = "wrong_length",
                 },
+                otherwise = "wrong_length",
             },
         },
-    }
-end)()
+    },
+})
 
-editions[3] = (function()
-    local types, layouts, messages = {}, {}, {}
-    types[1] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "lock", [1] = "release", [16] = "read"},
-    }
-    types[2] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = -850.0,
-        high = 850.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[3] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        limited = true,
-        low = -2048.0,
-        high = 2048.0,
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+editions[3] = codec.edition({
+    name = "v2.36-2024-11",
+    reply_within = 250000.0,
+    types = {
+        {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
+        {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
+            },
+            limits = {-2048.0, 2048.0},
         },
-    }
-    types[4] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176/s",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[5] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[6] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = true,
-        unit = "\194\176/s",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[7] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "clockwise", [1] = "counterclockwise"},
-    }
-    types[8] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[9] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[10] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[11] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[12] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "locked", [1] = "released"},
-    }
-    types[13] = {
-        width = 8,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176C",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[14] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = -1000.0,
-        high = 1000.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[15] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+        {
+            width = 32,
+            encoding = "signed",
+            unit = "\194\176/s",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-    }
-    types[16] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176/s",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[17] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        limited = true,
-        low = 0.0,
-        high = 65535.0,
-        scale_by = "encoder_bits",
-        linear = {
-            ["14"] = {factor = 45.0, addend = 0.0, divisor = 2048.0},
-            ["15"] = {factor = 45.0, addend = 0.0, divisor = 4096.0},
-            ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
+        {
+            width = 32,
+            encoding = "signed",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-    }
-    types[18] = {
-        width = 56,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[19] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[20] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "V",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[21] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[22] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "on", [16] = "off"},
-    }
-    types[23] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        flags = {
-            {bit = 0, name = "low_voltage", label = "Low-voltage protection"},
-            {bit = 1, name = "over_voltage", label = "Over-voltage protection"},
-            {bit = 2, name = "driver_overheat", label = "Drive over-temperature"},
-            {bit = 3, name = "motor_overheat", label = "Motor over-temperature"},
-            {bit = 4, name = "over_current", label = "Motor over-current"},
-            {bit = 5, name = "short_circuit", label = "Motor short circuit"},
-            {bit = 6, name = "stall", label = "Motor stall"},
-            {bit = 7, name = "input_lost", label = "Input signal timeout"},
+        {width = 16, encoding = "unsigned", unit = "\194\176/s"},
+        {width = 8, encoding = "unsigned", enum = {{0, "clockwise"}, {1, "counterclockwise"}}},
+        {
+            width = 32,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-        named = {
-            [0] = true,
-            [1] = true,
-            [2] = true,
-            [3] = true,
-            [4] = true,
-            [5] = true,
-            [6] = true,
-            [7] = true,
-        },
-    }
-    types[24] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
-        },
-    }
-    layouts[1] = {fields = {}}
-    layouts[2] = {fields = {}}
-    layouts[3] = {fields = {}}
-    layouts[4] = {
-        fields = {
-            {
-                name = "action",
-                label = "Brake action",
-                filter = "action",
-                type = types[1],
-                elements = {{{2, 1, 256, 1}}},
+        {width = 16, encoding = "unsigned"},
+        {width = 16, encoding = "signed"},
+        {width = 32, encoding = "signed"},
+        {width = 8, encoding = "unsigned", enum = {{0, "locked"}, {1, "released"}}},
+        {width = 8, encoding = "signed", unit = "\194\176C"},
+        {width = 16, encoding = "signed", limits = {-1000.0, 1000.0}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
             },
         },
-    }
-    layouts[5] = {
-        fields = {
-            {
-                name = "power",
-                label = "Open-loop control value",
-                filter = "power",
-                type = types[2],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {width = 16, encoding = "signed", unit = "\194\176/s"},
+        {
+            width = 16,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {
+                by = "encoder_bits",
+                cases = {
+                    ["14"] = {factor = 45.0, addend = 0.0, divisor = 2048.0},
+                    ["15"] = {factor = 45.0, addend = 0.0, divisor = 4096.0},
+                    ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
+                },
             },
         },
-    }
-    layouts[6] = {
-        fields = {
-            {
-                name = "iq",
-                label = "Target torque current",
-                filter = "iq",
-                type = types[3],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {
+            width = 56,
+            encoding = "signed",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 32,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "V",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {width = 8, encoding = "unsigned", enum = {{0, "on"}, {16, "off"}}},
+        {
+            width = 8,
+            encoding = "unsigned",
+            flags = {
+                {0, "low_voltage", "Low-voltage protection"},
+                {1, "over_voltage", "Over-voltage protection"},
+                {2, "driver_overheat", "Drive over-temperature"},
+                {3, "motor_overheat", "Motor over-temperature"},
+                {4, "over_current", "Motor over-current"},
+                {5, "short_circuit", "Motor short circuit"},
+                {6, "stall", "Motor stall"},
+                {7, "input_lost", "Input signal timeout"},
             },
         },
-    }
-    layouts[7] = {
-        fields = {
-            {
-                name = "iq_limit",
-                label = "Torque current limit",
-                filter = "iq_limit",
-                type = types[3],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "speed",
-                label = "Target speed",
-                filter = "speed",
-                type = types[4],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
             },
         },
-    }
-    layouts[8] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Target multi-turn angle",
-                filter = "angle",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+    },
+    layouts = {
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {{name = "action", type = 0, elements = {{{1, 0, 8, 0}}}, label = "Brake action"}},
+        },
+        {
+            fields = {
+                {
+                    name = "power",
+                    type = 1,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Open-loop control value",
+                },
             },
         },
-    }
-    layouts[9] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "angle",
-                label = "Target multi-turn angle",
-                filter = "angle",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "iq",
+                    type = 2,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Target torque current",
+                },
             },
         },
-    }
-    layouts[10] = {
-        fields = {
-            {
-                name = "spin_direction",
-                label = "Direction of rotation",
-                filter = "spin_direction",
-                type = types[7],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "angle",
-                label = "Target single-turn angle",
-                filter = "angle",
-                type = types[8],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "iq_limit",
+                    type = 2,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Torque current limit",
+                },
+                {
+                    name = "speed",
+                    type = 3,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target speed",
+                },
             },
         },
-    }
-    layouts[11] = {
-        fields = {
-            {
-                name = "spin_direction",
-                label = "Direction of rotation",
-                filter = "spin_direction",
-                type = types[7],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "angle",
-                label = "Target single-turn angle",
-                filter = "angle",
-                type = types[8],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target multi-turn angle",
+                },
             },
         },
-    }
-    layouts[12] = {
-        fields = {
-            {
-                name = "increment",
-                label = "Angle increment",
-                filter = "increment",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "angle",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target multi-turn angle",
+                },
             },
         },
-    }
-    layouts[13] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "increment",
-                label = "Angle increment",
-                filter = "increment",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "spin_direction",
+                    type = 6,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Direction of rotation",
+                },
+                {
+                    name = "angle",
+                    type = 7,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target single-turn angle",
+                },
             },
         },
-    }
-    layouts[14] = {fields = {}}
-    layouts[15] = {fields = {}}
-    layouts[16] = {fields = {}}
-    layouts[17] = {fields = {}}
-    layouts[18] = {fields = {}}
-    layouts[19] = {fields = {}}
-    layouts[20] = {fields = {}}
-    layouts[21] = {fields = {}}
-    layouts[22] = {
-        fields = {
-            {
-                name = "kp",
-                label = "Kp",
-                filter = "kp",
-                type = types[9],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "ki",
-                label = "Ki",
-                filter = "ki",
-                type = types[9],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "kd",
-                label = "Kd",
-                filter = "kd",
-                type = types[9],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "spin_direction",
+                    type = 6,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Direction of rotation",
+                },
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "angle",
+                    type = 7,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target single-turn angle",
+                },
             },
         },
-    }
-    layouts[23] = {
-        fields = {
-            {
-                name = "max_torque_current",
-                label = "Maximum torque current",
-                filter = "max_torque_current",
-                type = types[10],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "increment",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle increment",
+                },
             },
         },
-    }
-    layouts[24] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Maximum speed",
-                filter = "max_speed",
-                type = types[11],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "increment",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle increment",
+                },
             },
         },
-    }
-    layouts[25] = {
-        fields = {
-            {
-                name = "max_angle",
-                label = "Angle limit",
-                filter = "max_angle",
-                type = types[11],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {
+                {name = "kp", type = 8, elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}}, label = "Kp"},
+                {name = "ki", type = 8, elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}}, label = "Ki"},
+                {name = "kd", type = 8, elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}}, label = "Kd"},
             },
         },
-    }
-    layouts[26] = {
-        fields = {
-            {
-                name = "current_ramp",
-                label = "Current ramp",
-                filter = "current_ramp",
-                type = types[11],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_torque_current",
+                    type = 9,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Maximum torque current",
+                },
             },
         },
-    }
-    layouts[27] = {
-        fields = {
-            {
-                name = "speed_ramp",
-                label = "Speed ramp",
-                filter = "speed_ramp",
-                type = types[11],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 10,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Maximum speed",
+                },
             },
         },
-    }
-    layouts[28] = {fields = {}}
-    layouts[29] = {fields = {}}
-    layouts[30] = {fields = {}}
-    layouts[31] = {fields = {}}
-    layouts[32] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Multi-turn angle of the present position",
-                filter = "angle",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_angle",
+                    type = 10,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle limit",
+                },
             },
         },
-    }
-    layouts[33] = {fields = {}}
-    layouts[34] = {fields = {}}
-    layouts[35] = {fields = {}}
-    layouts[36] = {fields = {}}
-    layouts[37] = {
-        fields = {
-            {
-                name = "state",
-                label = "Brake state",
-                filter = "state",
-                type = types[12],
-                elements = {{{2, 1, 256, 1}}},
+        {
+            fields = {
+                {
+                    name = "current_ramp",
+                    type = 10,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Current ramp",
+                },
             },
         },
-    }
-    layouts[38] = {
-        parameter = "series",
-        choices = {MS = true, MF = true, MH = true, MG = true},
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[13],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "power",
-                label = "Output power",
-                filter = "power",
-                type = types[14],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-                only = {MS = true},
-            },
-            {
-                name = "iq",
-                label = "Torque current",
-                filter = "iq",
-                type = types[15],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-                only = {MF = true, MH = true, MG = true},
-            },
-            {
-                name = "speed",
-                label = "Motor speed",
-                filter = "speed",
-                type = types[16],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "encoder",
-                label = "Encoder position",
-                filter = "encoder",
-                type = types[17],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "speed_ramp",
+                    type = 10,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Speed ramp",
+                },
             },
         },
-    }
-    layouts[39] = {
-        fields = {
-            {
-                name = "encoder",
-                label = "Encoder position",
-                filter = "encoder",
-                type = types[17],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "encoder_measured",
-                label = "Raw encoder position",
-                filter = "encoder_measured",
-                type = types[17],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "encoder_offset",
-                label = "Encoder offset",
-                filter = "encoder_offset",
-                type = types[17],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Multi-turn angle of the present position",
+                },
             },
         },
-    }
-    layouts[40] = {
-        fields = {
-            {
-                name = "encoder_offset",
-                label = "Written encoder offset",
-                filter = "encoder_offset",
-                type = types[17],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {{name = "state", type = 11, elements = {{{1, 0, 8, 0}}}, label = "Brake state"}}},
+        {
+            parameter = "series",
+            values = {"MS", "MF", "MH", "MG"},
+            fields = {
+                {
+                    name = "temperature",
+                    type = 12,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "power",
+                    type = 13,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    only = {"MS"},
+                    label = "Output power",
+                },
+                {
+                    name = "iq",
+                    type = 14,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    only = {"MF", "MH", "MG"},
+                    label = "Torque current",
+                },
+                {
+                    name = "speed",
+                    type = 15,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Motor speed",
+                },
+                {
+                    name = "encoder",
+                    type = 16,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder position",
+                },
             },
         },
-    }
-    layouts[41] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Multi-turn angle",
-                filter = "angle",
-                type = types[18],
-                elements = {
+        {
+            fields = {
+                {
+                    name = "encoder",
+                    type = 16,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Encoder position",
+                },
+                {
+                    name = "encoder_measured",
+                    type = 16,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Raw encoder position",
+                },
+                {
+                    name = "encoder_offset",
+                    type = 16,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder offset",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "encoder_offset",
+                    type = 16,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Written encoder offset",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 17,
+                    elements = {
+                        {
+                            {1, 0, 8, 0},
+                            {2, 0, 8, 8},
+                            {3, 0, 8, 16},
+                            {4, 0, 8, 24},
+                            {5, 0, 8, 32},
+                            {6, 0, 8, 40},
+                            {7, 0, 8, 48},
+                        },
+                    },
+                    label = "Multi-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 18,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Single-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "temperature",
+                    type = 12,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "voltage",
+                    type = 19,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Supply voltage",
+                },
+                {
+                    name = "current",
+                    type = 20,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Supply current",
+                },
+                {
+                    name = "motor_state",
+                    type = 21,
+                    elements = {{{6, 0, 8, 0}}},
+                    label = "Motor state",
+                },
+                {name = "errors", type = 22, elements = {{{7, 0, 8, 0}}}, label = "Errors"},
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "temperature",
+                    type = 12,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "phase_a",
+                    type = 23,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Phase A current",
+                },
+                {
+                    name = "phase_b",
+                    type = 23,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Phase B current",
+                },
+                {
+                    name = "phase_c",
+                    type = 23,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Phase C current",
+                },
+            },
+        },
+    },
+    messages = {
+        {
+            command = "motor_off",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {128}}},
+            layout = 0,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_on",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {136}}},
+            layout = 1,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_stop",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {129}}},
+            layout = 2,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "brake",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {140}}},
+            layout = 3,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_power",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MS"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {160}}},
+            layout = 4,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_torque",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MF", "MH", "MG"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {161}}},
+            layout = 5,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {162}}},
+            layout = 6,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "move_to_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {163}}},
+            layout = 7,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_to_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {164}}},
+            layout = 8,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "turn_to_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {165}}},
+            layout = 9,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "turn_to_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {166}}},
+            layout = 10,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {167}}},
+            layout = 11,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_by_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {168}}},
+            layout = 12,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_angle_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 13,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_speed_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {11}},
+            },
+            layout = 14,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_current_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 15,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_max_torque_current",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {30}},
+            },
+            layout = 16,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_max_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {32}},
+            },
+            layout = 17,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_max_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {34}},
+            },
+            layout = 18,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_current_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {36}},
+            },
+            layout = 19,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_speed_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {38}},
+            },
+            layout = 20,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_angle_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_speed_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {11}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_current_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_max_torque_current",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {30}},
+            },
+            layout = 22,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_max_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {32}},
+            },
+            layout = 23,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_max_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {34}},
+            },
+            layout = 24,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_current_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {36}},
+            },
+            layout = 25,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_speed_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {38}},
+            },
+            layout = 26,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_encoder",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {144}}},
+            layout = 27,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "write_position_as_zero_rom",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {25}}},
+            layout = 28,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_multi_turn_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {146}}},
+            layout = 29,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_single_turn_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {148}}},
+            layout = 30,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "set_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {149}}},
+            layout = 31,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_status_1",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154}}},
+            layout = 32,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "clear_errors",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {155}}},
+            layout = 33,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_2",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {156}}},
+            layout = 34,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_3",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MF", "MH", "MG"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {157}}},
+            layout = 35,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_off",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {128}}},
+            layout = 0,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_on",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {136}}},
+            layout = 1,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_stop",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {129}}},
+            layout = 2,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "brake",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {140}}},
+            layout = 36,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_power",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {160}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "set_torque",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {161}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "set_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {162}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "move_to_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {163}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "move_to_angle_at_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {164}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "turn_to_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {165}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "turn_to_angle_at_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {166}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {167}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle_at_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {168}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_angle_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_speed_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {11}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_current_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_max_torque_current",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {30}},
+            },
+            layout = 22,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_max_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {32}},
+            },
+            layout = 23,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_max_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {34}},
+            },
+            layout = 24,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_current_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {36}},
+            },
+            layout = 25,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_speed_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {38}},
+            },
+            layout = 26,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_angle_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_speed_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {11}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_current_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_max_torque_current",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {30}},
+            },
+            layout = 22,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_max_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {32}},
+            },
+            layout = 23,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_max_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {34}},
+            },
+            layout = 24,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_current_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {36}},
+            },
+            layout = 25,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_speed_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {38}},
+            },
+            layout = 26,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_encoder",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {144}}},
+            layout = 38,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "write_position_as_zero_rom",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {25}}},
+            layout = 39,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}},
+        },
+        {
+            command = "read_multi_turn_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {146}}},
+            layout = 40,
+            reserved = {},
+        },
+        {
+            command = "read_single_turn_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {148}}},
+            layout = 41,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "set_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {149}}},
+            layout = 31,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_status_1",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154}}},
+            layout = 42,
+            reserved = {},
+        },
+        {
+            command = "clear_errors",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {155}}},
+            layout = 42,
+            reserved = {},
+        },
+        {
+            command = "read_status_2",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {156}}},
+            layout = 37,
+            reserved = {},
+        },
+        {
+            command = "read_status_3",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {157}}},
+            layout = 43,
+            reserved = {},
+        },
+    },
+    answers = {
+        {request = 0, reply = 38, echo = true},
+        {request = 1, reply = 39, echo = true},
+        {request = 2, reply = 40, echo = true},
+        {request = 3, reply = 41},
+        {request = 4, reply = 42, distinct = true},
+        {request = 5, reply = 43, distinct = true},
+        {request = 6, reply = 44, distinct = true},
+        {request = 7, reply = 45, distinct = true},
+        {request = 8, reply = 46, distinct = true},
+        {request = 9, reply = 47, distinct = true},
+        {request = 10, reply = 48},
+        {request = 11, reply = 49, distinct = true},
+        {request = 12, reply = 50, distinct = true},
+        {request = 13, reply = 51, distinct = true},
+        {request = 14, reply = 52, distinct = true},
+        {request = 15, reply = 53, distinct = true},
+        {request = 16, reply = 54, distinct = true},
+        {request = 17, reply = 55, distinct = true},
+        {request = 18, reply = 56, distinct = true},
+        {request = 19, reply = 57, distinct = true},
+        {request = 20, reply = 58, distinct = true},
+        {request = 21, reply = 59},
+        {request = 22, reply = 60},
+        {request = 23, reply = 61},
+        {request = 24, reply = 62},
+        {request = 25, reply = 63},
+        {request = 26, reply = 64},
+        {request = 27, reply = 65},
+        {request = 28, reply = 66},
+        {request = 29, reply = 67, distinct = true},
+        {request = 30, reply = 68, distinct = true},
+        {request = 31, reply = 69, distinct = true},
+        {request = 32, reply = 70, distinct = true},
+        {request = 33, reply = 71, echo = true},
+        {request = 34, reply = 72, distinct = true},
+        {request = 35, reply = 73, distinct = true},
+        {request = 36, reply = 74, distinct = true},
+        {request = 37, reply = 75, distinct = true},
+    },
+    explained = {},
+    requests = {
+        {
+            base = 320,
+            nodes = {1, 32},
+            plan = {
+                on = "length",
+                cases = {
                     {
-                        {2, 1, 256, 1},
-                        {3, 1, 256, 256},
-                        {4, 1, 256, 65536},
-                        {5, 1, 256, 16777216},
-                        {6, 1, 256, 1, true},
-                        {7, 1, 256, 256, true},
-                        {8, 1, 256, 65536, true},
-                    },
-                },
-            },
-        },
-    }
-    layouts[42] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Single-turn angle",
-                filter = "angle",
-                type = types[19],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[43] = {
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[13],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "voltage",
-                label = "Supply voltage",
-                filter = "voltage",
-                type = types[20],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "current",
-                label = "Supply current",
-                filter = "current",
-                type = types[21],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "motor_state",
-                label = "Motor state",
-                filter = "motor_state",
-                type = types[22],
-                elements = {{{7, 1, 256, 1}}},
-            },
-            {
-                name = "errors",
-                label = "Errors",
-                filter = "errors",
-                type = types[23],
-                elements = {{{8, 1, 256, 1}}},
-            },
-        },
-    }
-    layouts[44] = {
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[13],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "phase_a",
-                label = "Phase A current",
-                filter = "phase_a",
-                type = types[24],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "phase_b",
-                label = "Phase B current",
-                filter = "phase_b",
-                type = types[24],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "phase_c",
-                label = "Phase C current",
-                filter = "phase_c",
-                type = types[24],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
-            },
-        },
-    }
-    messages[1] = {
-        command = "motor_off",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[128] = true}}},
-        layout = layouts[1],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[2] = {
-        command = "motor_on",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[136] = true}}},
-        layout = layouts[2],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[3] = {
-        command = "motor_stop",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[129] = true}}},
-        layout = layouts[3],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[4] = {
-        command = "brake",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[140] = true}}},
-        layout = layouts[4],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[5] = {
-        command = "set_power",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[160] = true}}},
-        layout = layouts[5],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[6] = {
-        command = "set_torque",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[161] = true}}},
-        layout = layouts[6],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[7] = {
-        command = "set_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[162] = true}}},
-        layout = layouts[7],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[8] = {
-        command = "move_to_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[163] = true}}},
-        layout = layouts[8],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[9] = {
-        command = "move_to_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[164] = true}}},
-        layout = layouts[9],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[10] = {
-        command = "turn_to_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[165] = true}}},
-        layout = layouts[10],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[11] = {
-        command = "turn_to_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[166] = true}}},
-        layout = layouts[11],
-        reserved = {},
-    }
-    messages[12] = {
-        command = "move_by_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[167] = true}}},
-        layout = layouts[12],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[13] = {
-        command = "move_by_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[168] = true}}},
-        layout = layouts[13],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[14] = {
-        command = "read_control_parameter_angle_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[14],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[15] = {
-        command = "read_control_parameter_speed_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[15],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[16] = {
-        command = "read_control_parameter_current_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[16],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[17] = {
-        command = "read_control_parameter_max_torque_current",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[30] = true}},
-        },
-        layout = layouts[17],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[18] = {
-        command = "read_control_parameter_max_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[32] = true}},
-        },
-        layout = layouts[18],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[19] = {
-        command = "read_control_parameter_max_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[34] = true}},
-        },
-        layout = layouts[19],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[20] = {
-        command = "read_control_parameter_current_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[36] = true}},
-        },
-        layout = layouts[20],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[21] = {
-        command = "read_control_parameter_speed_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[38] = true}},
-        },
-        layout = layouts[21],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[22] = {
-        command = "write_control_parameter_ram_angle_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[23] = {
-        command = "write_control_parameter_ram_speed_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[24] = {
-        command = "write_control_parameter_ram_current_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[25] = {
-        command = "write_control_parameter_ram_max_torque_current",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[30] = true}},
-        },
-        layout = layouts[23],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[26] = {
-        command = "write_control_parameter_ram_max_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[32] = true}},
-        },
-        layout = layouts[24],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[27] = {
-        command = "write_control_parameter_ram_max_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[34] = true}},
-        },
-        layout = layouts[25],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[28] = {
-        command = "write_control_parameter_ram_current_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[36] = true}},
-        },
-        layout = layouts[26],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[29] = {
-        command = "write_control_parameter_ram_speed_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[38] = true}},
-        },
-        layout = layouts[27],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[30] = {
-        command = "read_encoder",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[144] = true}}},
-        layout = layouts[28],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[31] = {
-        command = "write_position_as_zero_rom",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[25] = true}}},
-        layout = layouts[29],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[32] = {
-        command = "read_multi_turn_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[146] = true}}},
-        layout = layouts[30],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[33] = {
-        command = "read_single_turn_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[148] = true}}},
-        layout = layouts[31],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[34] = {
-        command = "set_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[149] = true}}},
-        layout = layouts[32],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[35] = {
-        command = "read_status_1",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true}}},
-        layout = layouts[33],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[36] = {
-        command = "clear_errors",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[155] = true}}},
-        layout = layouts[34],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[37] = {
-        command = "read_status_2",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[156] = true}}},
-        layout = layouts[35],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[38] = {
-        command = "read_status_3",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[157] = true}}},
-        layout = layouts[36],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[39] = {
-        command = "motor_off",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[128] = true}}},
-        layout = layouts[1],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[40] = {
-        command = "motor_on",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[136] = true}}},
-        layout = layouts[2],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[41] = {
-        command = "motor_stop",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[129] = true}}},
-        layout = layouts[3],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[42] = {
-        command = "brake",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[140] = true}}},
-        layout = layouts[37],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[43] = {
-        command = "set_power",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[160] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[44] = {
-        command = "set_torque",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[161] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[45] = {
-        command = "set_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[162] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[46] = {
-        command = "move_to_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[163] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[47] = {
-        command = "move_to_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[164] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[48] = {
-        command = "turn_to_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[165] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[49] = {
-        command = "turn_to_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[166] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[50] = {
-        command = "move_by_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[167] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[51] = {
-        command = "move_by_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[168] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[52] = {
-        command = "read_control_parameter_angle_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[53] = {
-        command = "read_control_parameter_speed_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[54] = {
-        command = "read_control_parameter_current_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[55] = {
-        command = "read_control_parameter_max_torque_current",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[30] = true}},
-        },
-        layout = layouts[23],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[56] = {
-        command = "read_control_parameter_max_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[32] = true}},
-        },
-        layout = layouts[24],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[57] = {
-        command = "read_control_parameter_max_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[34] = true}},
-        },
-        layout = layouts[25],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[58] = {
-        command = "read_control_parameter_current_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[36] = true}},
-        },
-        layout = layouts[26],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[59] = {
-        command = "read_control_parameter_speed_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[38] = true}},
-        },
-        layout = layouts[27],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[60] = {
-        command = "write_control_parameter_ram_angle_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[61] = {
-        command = "write_control_parameter_ram_speed_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[62] = {
-        command = "write_control_parameter_ram_current_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[63] = {
-        command = "write_control_parameter_ram_max_torque_current",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[30] = true}},
-        },
-        layout = layouts[23],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[64] = {
-        command = "write_control_parameter_ram_max_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[32] = true}},
-        },
-        layout = layouts[24],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[65] = {
-        command = "write_control_parameter_ram_max_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[34] = true}},
-        },
-        layout = layouts[25],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[66] = {
-        command = "write_control_parameter_ram_current_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[36] = true}},
-        },
-        layout = layouts[26],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[67] = {
-        command = "write_control_parameter_ram_speed_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[38] = true}},
-        },
-        layout = layouts[27],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[68] = {
-        command = "read_encoder",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[144] = true}}},
-        layout = layouts[39],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[69] = {
-        command = "write_position_as_zero_rom",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[25] = true}}},
-        layout = layouts[40],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}},
-    }
-    messages[70] = {
-        command = "read_multi_turn_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[146] = true}}},
-        layout = layouts[41],
-        reserved = {},
-    }
-    messages[71] = {
-        command = "read_single_turn_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[148] = true}}},
-        layout = layouts[42],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[72] = {
-        command = "set_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[149] = true}}},
-        layout = layouts[32],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[73] = {
-        command = "read_status_1",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true}}},
-        layout = layouts[43],
-        reserved = {},
-    }
-    messages[74] = {
-        command = "clear_errors",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[155] = true}}},
-        layout = layouts[43],
-        reserved = {},
-    }
-    messages[75] = {
-        command = "read_status_2",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[156] = true}}},
-        layout = layouts[38],
-        reserved = {},
-    }
-    messages[76] = {
-        command = "read_status_3",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[157] = true}}},
-        layout = layouts[44],
-        reserved = {},
-    }
-    messages[1].reply = messages[39]
-    messages[1].nodes = {}
-    messages[1].echo = true
-    messages[1].distinct = false
-    messages[2].reply = messages[40]
-    messages[2].nodes = {}
-    messages[2].echo = true
-    messages[2].distinct = false
-    messages[3].reply = messages[41]
-    messages[3].nodes = {}
-    messages[3].echo = true
-    messages[3].distinct = false
-    messages[4].reply = messages[42]
-    messages[4].nodes = {}
-    messages[4].echo = false
-    messages[4].distinct = false
-    messages[5].reply = messages[43]
-    messages[5].nodes = {}
-    messages[5].echo = false
-    messages[5].distinct = true
-    messages[6].reply = messages[44]
-    messages[6].nodes = {}
-    messages[6].echo = false
-    messages[6].distinct = true
-    messages[7].reply = messages[45]
-    messages[7].nodes = {}
-    messages[7].echo = false
-    messages[7].distinct = true
-    messages[8].reply = messages[46]
-    messages[8].nodes = {}
-    messages[8].echo = false
-    messages[8].distinct = true
-    messages[9].reply = messages[47]
-    messages[9].nodes = {}
-    messages[9].echo = false
-    messages[9].distinct = true
-    messages[10].reply = messages[48]
-    messages[10].nodes = {}
-    messages[10].echo = false
-    messages[10].distinct = true
-    messages[11].reply = messages[49]
-    messages[11].nodes = {}
-    messages[11].echo = false
-    messages[11].distinct = false
-    messages[12].reply = messages[50]
-    messages[12].nodes = {}
-    messages[12].echo = false
-    messages[12].distinct = true
-    messages[13].reply = messages[51]
-    messages[13].nodes = {}
-    messages[13].echo = false
-    messages[13].distinct = true
-    messages[14].reply = messages[52]
-    messages[14].nodes = {}
-    messages[14].echo = false
-    messages[14].distinct = true
-    messages[15].reply = messages[53]
-    messages[15].nodes = {}
-    messages[15].echo = false
-    messages[15].distinct = true
-    messages[16].reply = messages[54]
-    messages[16].nodes = {}
-    messages[16].echo = false
-    messages[16].distinct = true
-    messages[17].reply = messages[55]
-    messages[17].nodes = {}
-    messages[17].echo = false
-    messages[17].distinct = true
-    messages[18].reply = messages[56]
-    messages[18].nodes = {}
-    messages[18].echo = false
-    messages[18].distinct = true
-    messages[19].reply = messages[57]
-    messages[19].nodes = {}
-    messages[19].echo = false
-    messages[19].distinct = true
-    messages[20].reply = messages[58]
-    messages[20].nodes = {}
-    messages[20].echo = false
-    messages[20].distinct = true
-    messages[21].reply = messages[59]
-    messages[21].nodes = {}
-    messages[21].echo = false
-    messages[21].distinct = true
-    messages[22].reply = messages[60]
-    messages[22].nodes = {}
-    messages[22].echo = false
-    messages[22].distinct = false
-    messages[23].reply = messages[61]
-    messages[23].nodes = {}
-    messages[23].echo = false
-    messages[23].distinct = false
-    messages[24].reply = messages[62]
-    messages[24].nodes = {}
-    messages[24].echo = false
-    messages[24].distinct = false
-    messages[25].reply = messages[63]
-    messages[25].nodes = {}
-    messages[25].echo = false
-    messages[25].distinct = false
-    messages[26].reply = messages[64]
-    messages[26].nodes = {}
-    messages[26].echo = false
-    messages[26].distinct = false
-    messages[27].reply = messages[65]
-    messages[27].nodes = {}
-    messages[27].echo = false
-    messages[27].distinct = false
-    messages[28].reply = messages[66]
-    messages[28].nodes = {}
-    messages[28].echo = false
-    messages[28].distinct = false
-    messages[29].reply = messages[67]
-    messages[29].nodes = {}
-    messages[29].echo = false
-    messages[29].distinct = false
-    messages[30].reply = messages[68]
-    messages[30].nodes = {}
-    messages[30].echo = false
-    messages[30].distinct = true
-    messages[31].reply = messages[69]
-    messages[31].nodes = {}
-    messages[31].echo = false
-    messages[31].distinct = true
-    messages[32].reply = messages[70]
-    messages[32].nodes = {}
-    messages[32].echo = false
-    messages[32].distinct = true
-    messages[33].reply = messages[71]
-    messages[33].nodes = {}
-    messages[33].echo = false
-    messages[33].distinct = true
-    messages[34].reply = messages[72]
-    messages[34].nodes = {}
-    messages[34].echo = true
-    messages[34].distinct = false
-    messages[35].reply = messages[73]
-    messages[35].nodes = {}
-    messages[35].echo = false
-    messages[35].distinct = true
-    messages[36].reply = messages[74]
-    messages[36].nodes = {}
-    messages[36].echo = false
-    messages[36].distinct = true
-    messages[37].reply = messages[75]
-    messages[37].nodes = {}
-    messages[37].echo = false
-    messages[37].distinct = true
-    messages[38].reply = messages[76]
-    messages[38].nodes = {}
-    messages[38].echo = false
-    messages[38].distinct = true
-    return {
-        name = "v2.36-2024-11",
-        reply_within = 250000.0,
-        messages = messages,
-        answers = {},
-        requests = {
-            {
-                base = 320,
-                step = 1,
-                first = 1,
-                last = 32,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {
-                    on = "length",
-                    cases = {
-                        [8] = {
-                            on = {{1, 1, 256, 1}},
+                        {8},
+                        {
+                            on = {{0, 0, 8, 0}},
                             cases = {
-                                [128] = messages[1],
-                                [136] = messages[2],
-                                [129] = messages[3],
-                                [140] = messages[4],
-                                [160] = messages[5],
-                                [161] = messages[6],
-                                [162] = messages[7],
-                                [163] = messages[8],
-                                [164] = messages[9],
-                                [165] = messages[10],
-                                [166] = messages[11],
-                                [167] = messages[12],
-                                [168] = messages[13],
-                                [192] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [10] = messages[14],
-                                        [11] = messages[15],
-                                        [12] = messages[16],
-                                        [30] = messages[17],
-                                        [32] = messages[18],
-                                        [34] = messages[19],
-                                        [36] = messages[20],
-                                        [38] = messages[21],
+                                {{128}, 0},
+                                {{136}, 1},
+                                {{129}, 2},
+                                {{140}, 3},
+                                {{160}, 4},
+                                {{161}, 5},
+                                {{162}, 6},
+                                {{163}, 7},
+                                {{164}, 8},
+                                {{165}, 9},
+                                {{166}, 10},
+                                {{167}, 11},
+                                {{168}, 12},
+                                {
+                                    {192},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {{10}, 13},
+                                            {{11}, 14},
+                                            {{12}, 15},
+                                            {{30}, 16},
+                                            {{32}, 17},
+                                            {{34}, 18},
+                                            {{36}, 19},
+                                            {{38}, 20},
+                                        },
+                                        otherwise = "unknown_code",
                                     },
-                                    otherwise = "unknown_code",
                                 },
-                                [193] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [10] = messages[22],
-                                        [11] = messages[23],
-                                        [12] = messages[24],
-                                        [30] = messages[25],
-                                        [32] = messages[26],
-                                        [34] = messages[27],
-                                        [36] = messages[28],
-                                        [38] = messages[29],
+                                {
+                                    {193},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {{10}, 21},
+                                            {{11}, 22},
+                                            {{12}, 23},
+                                            {{30}, 24},
+                                            {{32}, 25},
+                                            {{34}, 26},
+                                            {{36}, 27},
+                                            {{38}, 28},
+                                        },
+                                        otherwise = "unknown_code",
                                     },
-                                    otherwise = "unknown_code",
                                 },
-                                [144] = messages[30],
-                                [25] = messages[31],
-                                [146] = messages[32],
-                                [148] = messages[33],
-                                [149] = messages[34],
-                                [154] = messages[35],
-                                [155] = messages[36],
-                                [156] = messages[37],
-                                [157] = messages[38],
+                                {{144}, 29},
+                                {{25}, 30},
+                                {{146}, 31},
+                                {{148}, 32},
+                                {{149}, 33},
+                                {{154}, 34},
+                                {{155}, 35},
+                                {{156}, 36},
+                                {{157}, 37},
                             },
                             otherwise = "unknown_code",
                         },
                     },
-                    otherwise = "wrong_length",
                 },
+                otherwise = "wrong_length",
             },
         },
-        replies = {
-            {
-                base = 384,
-                step = 1,
-                first = 1,
-                last = 32,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {
-                    on = "length",
-                    cases = {
-                        [8] = {
-                            on = {{1, 1, 256, 1}},
+    },
+    replies = {
+        {
+            base = 384,
+            nodes = {1, 32},
+            plan = {
+                on = "length",
+                cases = {
+                    {
+                        {8},
+                        {
+                            on = {{0, 0, 8, 0}},
                             cases = {
-                                [128] = messages[39],
-                                [136] = messages[40],
-                                [129] = messages[41],
-                                [140] = messages[42],
-                                [160] = messages[43],
-                                [161] = messages[44],
-                                [162] = messages[45],
-                                [163] = messages[46],
-                                [164] = messages[47],
-                                [165] = messages[48],
-                                [166] = messages[49],
-                                [167] = messages[50],
-                                [168] = messages[51],
-                                [192] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [10] = messages[52],
-                                        [11] = messages[53],
-                                        [12] = messages[54],
-                                        [30] = messages[55],
-                                        [32] = messages[56],
-                                        [34] = messages[57],
-                                        [36] = messages[58],
-                                        [38] = messages[59],
+                                {{128}, 38},
+                                {{136}, 39},
+                                {{129}, 40},
+                                {{140}, 41},
+                                {{160}, 42},
+                                {{161}, 43},
+                                {{162}, 44},
+                                {{163}, 45},
+                                {{164}, 46},
+                                {{165}, 47},
+                                {{166}, 48},
+                                {{167}, 49},
+                                {{168}, 50},
+                                {
+                                    {192},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {{10}, 51},
+                                            {{11}, 52},
+                                            {{12}, 53},
+                                            {{30}, 54},
+                                            {{32}, 55},
+                                            {{34}, 56},
+                                            {{36}, 57},
+                                            {{38}, 58},
+                                        },
+                                        otherwise = "unknown_code",
                                     },
-                                    otherwise = "unknown_code",
                                 },
-                                [193] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [10] = messages[60],
-                                        [11] = messages[61],
-                                        [12] = messages[62],
-                                        [30] = messages[63],
-                                        [32] = messages[64],
-                                        [34] = messages[65],
-                                        [36] = messages[66],
-                                        [38] = messages[67],
+                                {
+                                    {193},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {{10}, 59},
+                                            {{11}, 60},
+                                            {{12}, 61},
+                                            {{30}, 62},
+                                            {{32}, 63},
+                                            {{34}, 64},
+                                            {{36}, 65},
+                                            {{38}, 66},
+                                        },
+                                        otherwise = "unknown_code",
                                     },
-                                    otherwise = "unknown_code",
                                 },
-                                [144] = messages[68],
-                                [25] = messages[69],
-                                [146] = messages[70],
-                                [148] = messages[71],
-                                [149] = messages[72],
-                                [154] = messages[73],
-                                [155] = messages[74],
-                                [156] = messages[75],
-                                [157] = messages[76],
+                                {{144}, 67},
+                                {{25}, 68},
+                                {{146}, 69},
+                                {{148}, 70},
+                                {{149}, 71},
+                                {{154}, 72},
+                                {{155}, 73},
+                                {{156}, 74},
+                                {{157}, 75},
                             },
                             otherwise = "unknown_code",
                         },
                     },
-                    otherwise = "wrong_length",
                 },
+                otherwise = "wrong_length",
             },
         },
-    }
-end)()
+    },
+})
 
-editions[4] = (function()
-    local types, layouts, messages = {}, {}, {}
-    types[1] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "lock", [1] = "release", [16] = "read"},
-    }
-    types[2] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = -850.0,
-        high = 850.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[3] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        limited = true,
-        low = -2048.0,
-        high = 2048.0,
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+editions[4] = codec.edition({
+    name = "v2.36-2025-03",
+    reply_within = 250000.0,
+    types = {
+        {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
+        {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
+            },
+            limits = {-2048.0, 2048.0},
         },
-    }
-    types[4] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176/s",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[5] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[6] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = true,
-        unit = "\194\176/s",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[7] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "clockwise", [1] = "counterclockwise"},
-    }
-    types[8] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[9] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        low = 0.0,
-        high = 2000.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[10] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = 0.0,
-        high = 2000.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[11] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = 0.0,
-        high = 600000.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[12] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[13] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = 0.0,
-        high = 600000.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[14] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        low = 0.0,
-        high = 32.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[15] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "no_bus", [1] = "rs485", [2] = "can"},
-    }
-    types[16] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {
-            [0] = "bps_9600",
-            [1] = "bps_19200",
-            [2] = "bps_38400",
-            [3] = "bps_57600",
-            [4] = "bps_115200",
-            [5] = "bps_230400",
-            [6] = "bps_460800",
-            [7] = "bps_921600",
-            [8] = "bps_1000000",
-            [9] = "bps_2000000",
-            [10] = "bps_4000000",
+        {
+            width = 32,
+            encoding = "signed",
+            unit = "\194\176/s",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-    }
-    types[17] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "kbps_100", [1] = "kbps_125", [2] = "kbps_250", [3] = "kbps_500", [4] = "kbps_1000"},
-    }
-    types[18] = {
-        width = 32,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = 0.0,
-        high = 2147483647.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[19] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = 0.0,
-        high = 30000.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[20] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[21] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "locked", [1] = "released"},
-    }
-    types[22] = {
-        width = 8,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176C",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[23] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        limited = true,
-        low = -1000.0,
-        high = 1000.0,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[24] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+        {
+            width = 32,
+            encoding = "signed",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-    }
-    types[25] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = true,
-        unit = "\194\176/s",
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[26] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        limited = true,
-        low = 0.0,
-        high = 65535.0,
-        scale_by = "encoder_bits",
-        linear = {
-            ["14"] = {factor = 45.0, addend = 0.0, divisor = 2048.0},
-            ["15"] = {factor = 45.0, addend = 0.0, divisor = 4096.0},
-            ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
+        {width = 16, encoding = "unsigned", unit = "\194\176/s"},
+        {width = 8, encoding = "unsigned", enum = {{0, "clockwise"}, {1, "counterclockwise"}}},
+        {
+            width = 32,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
         },
-    }
-    types[27] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[28] = {
-        width = 16,
-        signed = false,
-        float = false,
-        plain = true,
-        linear = {identity = true, factor = 1, addend = 0, divisor = 1},
-    }
-    types[29] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        flags = {
-            {bit = 0, name = "succeeded", label = "Calibration successful"},
-            {bit = 4, name = "phase_reversed", label = "Detected phase sequence is reversed"},
-        },
-        named = {[0] = true, [4] = true},
-    }
-    types[30] = {
-        width = 56,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[31] = {
-        width = 32,
-        signed = false,
-        float = false,
-        plain = false,
-        unit = "\194\176",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[32] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "V",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[33] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
-    }
-    types[34] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "on", [16] = "off"},
-    }
-    types[35] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        flags = {
-            {bit = 0, name = "low_voltage", label = "Low-voltage protection"},
-            {bit = 1, name = "over_voltage", label = "Over-voltage protection"},
-            {bit = 2, name = "driver_overheat", label = "Drive over-temperature"},
-            {bit = 3, name = "motor_overheat", label = "Motor over-temperature"},
-            {bit = 4, name = "over_current", label = "Motor over-current"},
-            {bit = 5, name = "short_circuit", label = "Motor short circuit"},
-            {bit = 6, name = "stall", label = "Motor stall"},
-            {bit = 7, name = "input_lost", label = "Input signal timeout"},
-        },
-        named = {
-            [0] = true,
-            [1] = true,
-            [2] = true,
-            [3] = true,
-            [4] = true,
-            [5] = true,
-            [6] = true,
-            [7] = true,
-        },
-    }
-    types[36] = {
-        width = 16,
-        signed = true,
-        float = false,
-        plain = false,
-        unit = "A",
-        scale_by = "series",
-        linear = {
-            MS = false,
-            MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
-            MH = false,
-            MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
-        },
-    }
-    types[37] = {
-        width = 8,
-        signed = false,
-        float = false,
-        plain = true,
-        limited = true,
-        enum = {[0] = "failed", [1] = "saved"},
-    }
-    layouts[1] = {fields = {}}
-    layouts[2] = {fields = {}}
-    layouts[3] = {fields = {}}
-    layouts[4] = {
-        fields = {
-            {
-                name = "action",
-                label = "Brake action",
-                filter = "action",
-                type = types[1],
-                elements = {{{2, 1, 256, 1}}},
+        {width = 16, encoding = "unsigned", limits = {0.0, 2000.0}},
+        {width = 16, encoding = "signed", limits = {0.0, 2000.0}},
+        {width = 32, encoding = "signed", limits = {0.0, 600000.0}},
+        {width = 32, encoding = "signed"},
+        {width = 32, encoding = "signed", limits = {0.0, 600000.0}},
+        {width = 8, encoding = "unsigned", limits = {0.0, 32.0}},
+        {width = 8, encoding = "unsigned", enum = {{0, "no_bus"}, {1, "rs485"}, {2, "can"}}},
+        {
+            width = 8,
+            encoding = "unsigned",
+            enum = {
+                {0, "bps_9600"},
+                {1, "bps_19200"},
+                {2, "bps_38400"},
+                {3, "bps_57600"},
+                {4, "bps_115200"},
+                {5, "bps_230400"},
+                {6, "bps_460800"},
+                {7, "bps_921600"},
+                {8, "bps_1000000"},
+                {9, "bps_2000000"},
+                {10, "bps_4000000"},
             },
         },
-    }
-    layouts[5] = {
-        fields = {
-            {
-                name = "power",
-                label = "Open-loop control value",
-                filter = "power",
-                type = types[2],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {
+            width = 8,
+            encoding = "unsigned",
+            enum = {{0, "kbps_100"}, {1, "kbps_125"}, {2, "kbps_250"}, {3, "kbps_500"}, {4, "kbps_1000"}},
+        },
+        {width = 32, encoding = "signed", limits = {0.0, 2147483647.0}},
+        {width = 16, encoding = "signed", limits = {0.0, 30000.0}},
+        {width = 8, encoding = "unsigned"},
+        {width = 8, encoding = "unsigned", enum = {{0, "locked"}, {1, "released"}}},
+        {width = 8, encoding = "signed", unit = "\194\176C"},
+        {width = 16, encoding = "signed", limits = {-1000.0, 1000.0}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
             },
         },
-    }
-    layouts[6] = {
-        fields = {
-            {
-                name = "iq",
-                label = "Target torque current",
-                filter = "iq",
-                type = types[3],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {width = 16, encoding = "signed", unit = "\194\176/s"},
+        {
+            width = 16,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {
+                by = "encoder_bits",
+                cases = {
+                    ["14"] = {factor = 45.0, addend = 0.0, divisor = 2048.0},
+                    ["15"] = {factor = 45.0, addend = 0.0, divisor = 4096.0},
+                    ["16"] = {factor = 45.0, addend = 0.0, divisor = 8192.0},
+                },
             },
         },
-    }
-    layouts[7] = {
-        fields = {
-            {
-                name = "iq_limit",
-                label = "Torque current limit",
-                filter = "iq_limit",
-                type = types[3],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "speed",
-                label = "Target speed",
-                filter = "speed",
-                type = types[4],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {width = 32, encoding = "unsigned"},
+        {width = 16, encoding = "unsigned"},
+        {
+            width = 8,
+            encoding = "unsigned",
+            flags = {
+                {0, "succeeded", "Calibration successful"},
+                {4, "phase_reversed", "Detected phase sequence is reversed"},
             },
         },
-    }
-    layouts[8] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Target multi-turn angle",
-                filter = "angle",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            width = 56,
+            encoding = "signed",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 32,
+            encoding = "unsigned",
+            unit = "\194\176",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "V",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {factor = 1.0, addend = 0.0, divisor = 100.0},
+        },
+        {width = 8, encoding = "unsigned", enum = {{0, "on"}, {16, "off"}}},
+        {
+            width = 8,
+            encoding = "unsigned",
+            flags = {
+                {0, "low_voltage", "Low-voltage protection"},
+                {1, "over_voltage", "Over-voltage protection"},
+                {2, "driver_overheat", "Drive over-temperature"},
+                {3, "motor_overheat", "Motor over-temperature"},
+                {4, "over_current", "Motor over-current"},
+                {5, "short_circuit", "Motor short circuit"},
+                {6, "stall", "Motor stall"},
+                {7, "input_lost", "Input signal timeout"},
             },
         },
-    }
-    layouts[9] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "angle",
-                label = "Target multi-turn angle",
-                filter = "angle",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            width = 16,
+            encoding = "signed",
+            unit = "A",
+            linear = {
+                by = "series",
+                cases = {
+                    MS = false,
+                    MF = {factor = 33.0, addend = 0.0, divisor = 4096.0},
+                    MH = false,
+                    MG = {factor = 33.0, addend = 0.0, divisor = 2048.0},
+                },
             },
         },
-    }
-    layouts[10] = {
-        fields = {
-            {
-                name = "spin_direction",
-                label = "Direction of rotation",
-                filter = "spin_direction",
-                type = types[7],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "angle",
-                label = "Target single-turn angle",
-                filter = "angle",
-                type = types[8],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {width = 8, encoding = "unsigned", enum = {{0, "failed"}, {1, "saved"}}},
+    },
+    layouts = {
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {{name = "action", type = 0, elements = {{{1, 0, 8, 0}}}, label = "Brake action"}},
+        },
+        {
+            fields = {
+                {
+                    name = "power",
+                    type = 1,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Open-loop control value",
+                },
             },
         },
-    }
-    layouts[11] = {
-        fields = {
-            {
-                name = "spin_direction",
-                label = "Direction of rotation",
-                filter = "spin_direction",
-                type = types[7],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "angle",
-                label = "Target single-turn angle",
-                filter = "angle",
-                type = types[8],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "iq",
+                    type = 2,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Target torque current",
+                },
             },
         },
-    }
-    layouts[12] = {
-        fields = {
-            {
-                name = "increment",
-                label = "Angle increment",
-                filter = "increment",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "iq_limit",
+                    type = 2,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Torque current limit",
+                },
+                {
+                    name = "speed",
+                    type = 3,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target speed",
+                },
             },
         },
-    }
-    layouts[13] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit of the movement",
-                filter = "max_speed",
-                type = types[6],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "increment",
-                label = "Angle increment",
-                filter = "increment",
-                type = types[5],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target multi-turn angle",
+                },
             },
         },
-    }
-    layouts[14] = {fields = {}}
-    layouts[15] = {fields = {}}
-    layouts[16] = {fields = {}}
-    layouts[17] = {fields = {}}
-    layouts[18] = {fields = {}}
-    layouts[19] = {fields = {}}
-    layouts[20] = {fields = {}}
-    layouts[21] = {fields = {}}
-    layouts[22] = {
-        fields = {
-            {
-                name = "kp",
-                label = "Kp",
-                filter = "kp",
-                type = types[9],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "ki",
-                label = "Ki",
-                filter = "ki",
-                type = types[9],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "kd",
-                label = "Kd",
-                filter = "kd",
-                type = types[9],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "angle",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target multi-turn angle",
+                },
             },
         },
-    }
-    layouts[23] = {
-        fields = {
-            {
-                name = "max_torque_current",
-                label = "Torque current limit",
-                filter = "max_torque_current",
-                type = types[10],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "spin_direction",
+                    type = 6,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Direction of rotation",
+                },
+                {
+                    name = "angle",
+                    type = 7,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target single-turn angle",
+                },
             },
         },
-    }
-    layouts[24] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Speed limit",
-                filter = "max_speed",
-                type = types[11],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "spin_direction",
+                    type = 6,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Direction of rotation",
+                },
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "angle",
+                    type = 7,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Target single-turn angle",
+                },
             },
         },
-    }
-    layouts[25] = {
-        fields = {
-            {
-                name = "upper_angle",
-                label = "Upper angle limit",
-                filter = "upper_angle",
-                type = types[12],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "increment",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle increment",
+                },
             },
         },
-    }
-    layouts[26] = {
-        fields = {
-            {
-                name = "lower_angle",
-                label = "Lower angle limit",
-                filter = "lower_angle",
-                type = types[12],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 5,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Speed limit of the movement",
+                },
+                {
+                    name = "increment",
+                    type = 4,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Angle increment",
+                },
             },
         },
-    }
-    layouts[27] = {
-        fields = {
-            {
-                name = "speed_ramp",
-                label = "Speed ramp",
-                filter = "speed_ramp",
-                type = types[13],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {
+                {name = "kp", type = 8, elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}}, label = "Kp"},
+                {name = "ki", type = 8, elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}}, label = "Ki"},
+                {name = "kd", type = 8, elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}}, label = "Kd"},
             },
         },
-    }
-    layouts[28] = {fields = {}}
-    layouts[29] = {fields = {}}
-    layouts[30] = {fields = {}}
-    layouts[31] = {fields = {}}
-    layouts[32] = {fields = {}}
-    layouts[33] = {fields = {}}
-    layouts[34] = {fields = {}}
-    layouts[35] = {fields = {}}
-    layouts[36] = {fields = {}}
-    layouts[37] = {fields = {}}
-    layouts[38] = {fields = {}}
-    layouts[39] = {fields = {}}
-    layouts[40] = {fields = {}}
-    layouts[41] = {fields = {}}
-    layouts[42] = {fields = {}}
-    layouts[43] = {fields = {}}
-    layouts[44] = {fields = {}}
-    layouts[45] = {fields = {}}
-    layouts[46] = {fields = {}}
-    layouts[47] = {fields = {}}
-    layouts[48] = {fields = {}}
-    layouts[49] = {fields = {}}
-    layouts[50] = {
-        fields = {
-            {
-                name = "driver_id",
-                label = "Node id of the drive",
-                filter = "driver_id",
-                type = types[14],
-                elements = {{{5, 1, 256, 1}}},
+        {
+            fields = {
+                {
+                    name = "max_torque_current",
+                    type = 9,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Torque current limit",
+                },
             },
         },
-    }
-    layouts[51] = {
-        fields = {
-            {
-                name = "bus_type",
-                label = "Bus type",
-                filter = "bus_type",
-                type = types[15],
-                elements = {{{5, 1, 256, 1}}},
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 10,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Speed limit",
+                },
             },
         },
-    }
-    layouts[52] = {
-        fields = {
-            {
-                name = "rs485_baud_rate",
-                label = "RS485 bit rate",
-                filter = "rs485_baud_rate",
-                type = types[16],
-                elements = {{{5, 1, 256, 1}}},
+        {
+            fields = {
+                {
+                    name = "upper_angle",
+                    type = 11,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Upper angle limit",
+                },
             },
         },
-    }
-    layouts[53] = {
-        fields = {
-            {
-                name = "can_baud_rate",
-                label = "CAN bit rate",
-                filter = "can_baud_rate",
-                type = types[17],
-                elements = {{{5, 1, 256, 1}}},
+        {
+            fields = {
+                {
+                    name = "lower_angle",
+                    type = 11,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Lower angle limit",
+                },
             },
         },
-    }
-    layouts[54] = {
-        fields = {
-            {
-                name = "max_power",
-                label = "Maximum power",
-                filter = "max_power",
-                type = types[10],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "speed_ramp",
+                    type = 12,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Speed ramp",
+                },
             },
         },
-    }
-    layouts[55] = {
-        fields = {
-            {
-                name = "max_speed",
-                label = "Maximum speed",
-                filter = "max_speed",
-                type = types[11],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {fields = {}},
+        {
+            fields = {
+                {
+                    name = "driver_id",
+                    type = 13,
+                    elements = {{{4, 0, 8, 0}}},
+                    label = "Node id of the drive",
+                },
             },
         },
-    }
-    layouts[56] = {
-        fields = {
-            {
-                name = "max_angle",
-                label = "Maximum angle",
-                filter = "max_angle",
-                type = types[18],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {fields = {{name = "bus_type", type = 14, elements = {{{4, 0, 8, 0}}}, label = "Bus type"}}},
+        {
+            fields = {
+                {
+                    name = "rs485_baud_rate",
+                    type = 15,
+                    elements = {{{4, 0, 8, 0}}},
+                    label = "RS485 bit rate",
+                },
             },
         },
-    }
-    layouts[57] = {
-        fields = {
-            {
-                name = "current_ramp",
-                label = "Current ramp",
-                filter = "current_ramp",
-                type = types[19],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "can_baud_rate",
+                    type = 16,
+                    elements = {{{4, 0, 8, 0}}},
+                    label = "CAN bit rate",
+                },
             },
         },
-    }
-    layouts[58] = {
-        fields = {
-            {
-                name = "speed_ramp",
-                label = "Speed ramp",
-                filter = "speed_ramp",
-                type = types[13],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
+        {
+            fields = {
+                {
+                    name = "max_power",
+                    type = 9,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Maximum power",
+                },
             },
         },
-    }
-    layouts[59] = {
-        fields = {
-            {
-                name = "group",
-                label = "Fixed byte",
-                type = types[20],
-                elements = {{{2, 1, 256, 1}}},
-                fixed = true,
-                constant = 5,
-            },
-            {
-                name = "key",
-                label = "Fixed byte",
-                type = types[20],
-                elements = {{{3, 1, 256, 1}}},
-                fixed = true,
-                constant = 250,
+        {
+            fields = {
+                {
+                    name = "max_speed",
+                    type = 10,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Maximum speed",
+                },
             },
         },
-    }
-    layouts[60] = {
-        fields = {
-            {
-                name = "state",
-                label = "Brake state",
-                filter = "state",
-                type = types[21],
-                elements = {{{2, 1, 256, 1}}},
+        {
+            fields = {
+                {
+                    name = "max_angle",
+                    type = 17,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Maximum angle",
+                },
             },
         },
-    }
-    layouts[61] = {
-        parameter = "series",
-        choices = {MS = true, MF = true, MH = true, MG = true},
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[22],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "power",
-                label = "Output power",
-                filter = "power",
-                type = types[23],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-                only = {MS = true},
-            },
-            {
-                name = "iq",
-                label = "Torque current",
-                filter = "iq",
-                type = types[24],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-                only = {MF = true, MH = true, MG = true},
-            },
-            {
-                name = "speed",
-                label = "Motor speed",
-                filter = "speed",
-                type = types[25],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "encoder",
-                label = "Encoder position",
-                filter = "encoder",
-                type = types[26],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "current_ramp",
+                    type = 18,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Current ramp",
+                },
             },
         },
-    }
-    layouts[62] = {
-        fields = {
-            {
-                name = "encoder",
-                label = "Encoder position",
-                filter = "encoder",
-                type = types[26],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "encoder_measured",
-                label = "Raw encoder position",
-                filter = "encoder_measured",
-                type = types[26],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "encoder_offset",
-                label = "Encoder offset",
-                filter = "encoder_offset",
-                type = types[26],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {
+            fields = {
+                {
+                    name = "speed_ramp",
+                    type = 12,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Speed ramp",
+                },
             },
         },
-    }
-    layouts[63] = {
-        fields = {
-            {
-                name = "align_value",
-                label = "Calibration value",
-                filter = "align_value",
-                type = types[27],
-                elements = {{{2, 1, 256, 1}, {3, 1, 256, 256}, {4, 1, 256, 65536}, {5, 1, 256, 16777216}}},
-            },
-            {
-                name = "align_ratio",
-                label = "Calibration ratio",
-                filter = "align_ratio",
-                type = types[28],
-                elements = {{{6, 1, 256, 1}, {7, 1, 256, 256}}},
-            },
-            {
-                name = "align_state",
-                label = "Calibration state",
-                filter = "align_state",
-                type = types[29],
-                elements = {{{8, 1, 256, 1}}},
+        {
+            fields = {
+                {
+                    name = "group",
+                    type = 19,
+                    elements = {{{1, 0, 8, 0}}},
+                    fixed = 5,
+                    constant = true,
+                    label = "Fixed byte",
+                },
+                {
+                    name = "key",
+                    type = 19,
+                    elements = {{{2, 0, 8, 0}}},
+                    fixed = 250,
+                    constant = true,
+                    label = "Fixed byte",
+                },
             },
         },
-    }
-    layouts[64] = {
-        fields = {
-            {
-                name = "encoder_offset",
-                label = "Written encoder offset",
-                filter = "encoder_offset",
-                type = types[26],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
+        {fields = {{name = "state", type = 20, elements = {{{1, 0, 8, 0}}}, label = "Brake state"}}},
+        {
+            parameter = "series",
+            values = {"MS", "MF", "MH", "MG"},
+            fields = {
+                {
+                    name = "temperature",
+                    type = 21,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "power",
+                    type = 22,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    only = {"MS"},
+                    label = "Output power",
+                },
+                {
+                    name = "iq",
+                    type = 23,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    only = {"MF", "MH", "MG"},
+                    label = "Torque current",
+                },
+                {
+                    name = "speed",
+                    type = 24,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Motor speed",
+                },
+                {
+                    name = "encoder",
+                    type = 25,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder position",
+                },
             },
         },
-    }
-    layouts[65] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Multi-turn angle",
-                filter = "angle",
-                type = types[30],
-                elements = {
+        {
+            fields = {
+                {
+                    name = "encoder",
+                    type = 25,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Encoder position",
+                },
+                {
+                    name = "encoder_measured",
+                    type = 25,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Raw encoder position",
+                },
+                {
+                    name = "encoder_offset",
+                    type = 25,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Encoder offset",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "align_value",
+                    type = 26,
+                    elements = {{{1, 0, 8, 0}, {2, 0, 8, 8}, {3, 0, 8, 16}, {4, 0, 8, 24}}},
+                    label = "Calibration value",
+                },
+                {
+                    name = "align_ratio",
+                    type = 27,
+                    elements = {{{5, 0, 8, 0}, {6, 0, 8, 8}}},
+                    label = "Calibration ratio",
+                },
+                {
+                    name = "align_state",
+                    type = 28,
+                    elements = {{{7, 0, 8, 0}}},
+                    label = "Calibration state",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "encoder_offset",
+                    type = 25,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Written encoder offset",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 29,
+                    elements = {
+                        {
+                            {1, 0, 8, 0},
+                            {2, 0, 8, 8},
+                            {3, 0, 8, 16},
+                            {4, 0, 8, 24},
+                            {5, 0, 8, 32},
+                            {6, 0, 8, 40},
+                            {7, 0, 8, 48},
+                        },
+                    },
+                    label = "Multi-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "angle",
+                    type = 30,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}, {6, 0, 8, 16}, {7, 0, 8, 24}}},
+                    label = "Single-turn angle",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "temperature",
+                    type = 21,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "voltage",
+                    type = 31,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Supply voltage",
+                },
+                {
+                    name = "current",
+                    type = 32,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Supply current",
+                },
+                {
+                    name = "motor_state",
+                    type = 33,
+                    elements = {{{6, 0, 8, 0}}},
+                    label = "Motor state",
+                },
+                {name = "errors", type = 34, elements = {{{7, 0, 8, 0}}}, label = "Errors"},
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "temperature",
+                    type = 21,
+                    elements = {{{1, 0, 8, 0}}},
+                    label = "Motor temperature",
+                },
+                {
+                    name = "phase_a",
+                    type = 35,
+                    elements = {{{2, 0, 8, 0}, {3, 0, 8, 8}}},
+                    label = "Phase A current",
+                },
+                {
+                    name = "phase_b",
+                    type = 35,
+                    elements = {{{4, 0, 8, 0}, {5, 0, 8, 8}}},
+                    label = "Phase B current",
+                },
+                {
+                    name = "phase_c",
+                    type = 35,
+                    elements = {{{6, 0, 8, 0}, {7, 0, 8, 8}}},
+                    label = "Phase C current",
+                },
+            },
+        },
+        {
+            fields = {
+                {
+                    name = "group",
+                    type = 19,
+                    elements = {{{1, 0, 8, 0}}},
+                    fixed = 5,
+                    constant = true,
+                    label = "Fixed byte",
+                },
+                {
+                    name = "result",
+                    type = 36,
+                    elements = {{{2, 0, 8, 0}}},
+                    label = "Result of saving",
+                },
+            },
+        },
+    },
+    messages = {
+        {
+            command = "motor_off",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {128}}},
+            layout = 0,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_on",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {136}}},
+            layout = 1,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_stop",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {129}}},
+            layout = 2,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "brake",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {140}}},
+            layout = 3,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_power",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MS"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {160}}},
+            layout = 4,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_torque",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MF", "MH", "MG"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {161}}},
+            layout = 5,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {162}}},
+            layout = 6,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "move_to_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {163}}},
+            layout = 7,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_to_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {164}}},
+            layout = 8,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "turn_to_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {165}}},
+            layout = 9,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "turn_to_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {166}}},
+            layout = 10,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {167}}},
+            layout = 11,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "move_by_angle_at_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {168}}},
+            layout = 12,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_angle_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 13,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_speed_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {11}},
+            },
+            layout = 14,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_current_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 15,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_max_torque_current",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {30}},
+            },
+            layout = 16,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_max_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {32}},
+            },
+            layout = 17,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_upper_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {34}},
+            },
+            layout = 18,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_lower_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {35}},
+            },
+            layout = 19,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_speed_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {38}},
+            },
+            layout = 20,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_angle_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_speed_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {11}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_current_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_max_torque_current",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {30}},
+            },
+            layout = 22,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_max_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {32}},
+            },
+            layout = 23,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_upper_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {34}},
+            },
+            layout = 24,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_lower_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {35}},
+            },
+            layout = 25,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_speed_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {38}},
+            },
+            layout = 26,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_encoder",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {144}}},
+            layout = 27,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "calibrate_encoder",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {24}}},
+            layout = 28,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "write_position_as_zero_rom",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {25}}},
+            layout = 29,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_multi_turn_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {146}}},
+            layout = 30,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_single_turn_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {148}}},
+            layout = 31,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "set_zero_ram",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {149}}},
+            layout = 32,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_1",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154}}},
+            layout = 33,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "clear_errors",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {155}}},
+            layout = 34,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_2",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {156}}},
+            layout = 35,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_3",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            only = {series = {"MF", "MH", "MG"}},
+            keys = {{segments = {{0, 0, 8, 0}}, values = {157}}},
+            layout = 36,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_stored_setting_driver_id",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {10}},
+            },
+            layout = 37,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_bus_type",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {11}},
+            },
+            layout = 38,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_rs485_baud_rate",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {12}},
+            },
+            layout = 39,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_can_baud_rate",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {13}},
+            },
+            layout = 40,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_max_power",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {176}},
+            },
+            layout = 41,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_max_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {178}},
+            },
+            layout = 42,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_max_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {180}},
+            },
+            layout = 43,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_current_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {186}},
+            },
+            layout = 44,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_speed_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {188}},
+            },
+            layout = 45,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_angle_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {160}},
+            },
+            layout = 46,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_speed_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {164}},
+            },
+            layout = 47,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_current_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {168}},
+            },
+            layout = 48,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_driver_id",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {10}},
+            },
+            layout = 49,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_bus_type",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {11}},
+            },
+            layout = 50,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_rs485_baud_rate",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {12}},
+            },
+            layout = 51,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_can_baud_rate",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {13}},
+            },
+            layout = 52,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_max_power",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {176}},
+            },
+            layout = 53,
+            reserved = {{3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_max_speed",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {178}},
+            },
+            layout = 54,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_max_angle",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {180}},
+            },
+            layout = 55,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_current_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {186}},
+            },
+            layout = 56,
+            reserved = {{3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_speed_ramp",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {188}},
+            },
+            layout = 57,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_angle_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {160}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "stage_stored_setting_speed_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {164}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "stage_stored_setting_current_pid",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {168}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "save_stored_settings",
+            direction = "request",
+            base = 320,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {68}}},
+            layout = 58,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "motor_off",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {128}}},
+            layout = 0,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_on",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {136}}},
+            layout = 1,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "motor_stop",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {129}}},
+            layout = 2,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "brake",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {140}}},
+            layout = 59,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "set_power",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {160}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "set_torque",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {161}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "set_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {162}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "move_to_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {163}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "move_to_angle_at_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {164}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "turn_to_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {165}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "turn_to_angle_at_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {166}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {167}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "move_by_angle_at_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {168}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_angle_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_speed_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {11}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_current_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "read_control_parameter_max_torque_current",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {30}},
+            },
+            layout = 22,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_max_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {32}},
+            },
+            layout = 23,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_upper_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {34}},
+            },
+            layout = 24,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_lower_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {35}},
+            },
+            layout = 25,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_control_parameter_speed_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {192}},
+                {segments = {{1, 0, 8, 0}}, values = {38}},
+            },
+            layout = 26,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_angle_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {10}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_speed_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {11}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_current_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {12}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "write_control_parameter_ram_max_torque_current",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {30}},
+            },
+            layout = 22,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_max_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {32}},
+            },
+            layout = 23,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_upper_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {34}},
+            },
+            layout = 24,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_lower_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {35}},
+            },
+            layout = 25,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "write_control_parameter_ram_speed_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {193}},
+                {segments = {{1, 0, 8, 0}}, values = {38}},
+            },
+            layout = 26,
+            reserved = {{2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "read_encoder",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {144}}},
+            layout = 61,
+            reserved = {{1, 0, 8, 0}},
+        },
+        {
+            command = "calibrate_encoder",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {24}}},
+            layout = 62,
+            reserved = {},
+        },
+        {
+            command = "write_position_as_zero_rom",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {25}}},
+            layout = 63,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}},
+        },
+        {
+            command = "read_multi_turn_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {146}}},
+            layout = 64,
+            reserved = {},
+        },
+        {
+            command = "read_single_turn_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {148}}},
+            layout = 65,
+            reserved = {{1, 0, 8, 0}, {2, 0, 8, 0}, {3, 0, 8, 0}},
+        },
+        {
+            command = "set_zero_ram",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {149}}},
+            layout = 32,
+            reserved = {
+                {1, 0, 8, 0},
+                {2, 0, 8, 0},
+                {3, 0, 8, 0},
+                {4, 0, 8, 0},
+                {5, 0, 8, 0},
+                {6, 0, 8, 0},
+                {7, 0, 8, 0},
+            },
+        },
+        {
+            command = "read_status_1",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {154}}},
+            layout = 66,
+            reserved = {},
+        },
+        {
+            command = "clear_errors",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {155}}},
+            layout = 66,
+            reserved = {},
+        },
+        {
+            command = "read_status_2",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {156}}},
+            layout = 60,
+            reserved = {},
+        },
+        {
+            command = "read_status_3",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {157}}},
+            layout = 67,
+            reserved = {},
+        },
+        {
+            command = "read_stored_setting_driver_id",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {10}},
+            },
+            layout = 49,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_bus_type",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {11}},
+            },
+            layout = 50,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_rs485_baud_rate",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {12}},
+            },
+            layout = 51,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_can_baud_rate",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {13}},
+            },
+            layout = 52,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_max_power",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {176}},
+            },
+            layout = 53,
+            reserved = {{3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_max_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {178}},
+            },
+            layout = 54,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_max_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {180}},
+            },
+            layout = 55,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_current_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {186}},
+            },
+            layout = 56,
+            reserved = {{3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_speed_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {188}},
+            },
+            layout = 57,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "read_stored_setting_angle_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {160}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "read_stored_setting_speed_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {164}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "read_stored_setting_current_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {64}},
+                {segments = {{1, 0, 8, 0}}, values = {168}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "stage_stored_setting_driver_id",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {10}},
+            },
+            layout = 49,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_bus_type",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {11}},
+            },
+            layout = 50,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_rs485_baud_rate",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {12}},
+            },
+            layout = 51,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_can_baud_rate",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {13}},
+            },
+            layout = 52,
+            reserved = {{3, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_max_power",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {176}},
+            },
+            layout = 53,
+            reserved = {{3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_max_speed",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {178}},
+            },
+            layout = 54,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_max_angle",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {180}},
+            },
+            layout = 55,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_current_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {186}},
+            },
+            layout = 56,
+            reserved = {{3, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_speed_ramp",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {5}},
+                {segments = {{2, 0, 8, 0}}, values = {188}},
+            },
+            layout = 57,
+            reserved = {{3, 0, 8, 0}},
+        },
+        {
+            command = "stage_stored_setting_angle_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {160}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "stage_stored_setting_speed_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {164}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "stage_stored_setting_current_pid",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {
+                {segments = {{0, 0, 8, 0}}, values = {66}},
+                {segments = {{1, 0, 8, 0}}, values = {168}},
+            },
+            layout = 21,
+            reserved = {},
+        },
+        {
+            command = "save_stored_settings",
+            direction = "reply",
+            base = 384,
+            nodes = {1, 32},
+            length = 8,
+            keys = {{segments = {{0, 0, 8, 0}}, values = {68}}},
+            layout = 68,
+            reserved = {{3, 0, 8, 0}, {4, 0, 8, 0}, {5, 0, 8, 0}, {6, 0, 8, 0}, {7, 0, 8, 0}},
+        },
+    },
+    answers = {
+        {request = 0, reply = 64, echo = true},
+        {request = 1, reply = 65, echo = true},
+        {request = 2, reply = 66, echo = true},
+        {request = 3, reply = 67},
+        {request = 4, reply = 68, distinct = true},
+        {request = 5, reply = 69, distinct = true},
+        {request = 6, reply = 70, distinct = true},
+        {request = 7, reply = 71, distinct = true},
+        {request = 8, reply = 72, distinct = true},
+        {request = 9, reply = 73, distinct = true},
+        {request = 10, reply = 74},
+        {request = 11, reply = 75, distinct = true},
+        {request = 12, reply = 76, distinct = true},
+        {request = 13, reply = 77, distinct = true},
+        {request = 14, reply = 78, distinct = true},
+        {request = 15, reply = 79, distinct = true},
+        {request = 16, reply = 80, distinct = true},
+        {request = 17, reply = 81, distinct = true},
+        {request = 18, reply = 82, distinct = true},
+        {request = 19, reply = 83, distinct = true},
+        {request = 20, reply = 84, distinct = true},
+        {request = 21, reply = 85},
+        {request = 22, reply = 86},
+        {request = 23, reply = 87},
+        {request = 24, reply = 88},
+        {request = 25, reply = 89},
+        {request = 26, reply = 90},
+        {request = 27, reply = 91},
+        {request = 28, reply = 92},
+        {request = 29, reply = 93, distinct = true},
+        {request = 30, reply = 94, distinct = true, reply_within = 10000000000.0},
+        {request = 31, reply = 95, distinct = true},
+        {request = 32, reply = 96, distinct = true},
+        {request = 33, reply = 97, distinct = true},
+        {request = 34, reply = 98, echo = true},
+        {request = 35, reply = 99, distinct = true},
+        {request = 36, reply = 100, distinct = true},
+        {request = 37, reply = 101, distinct = true},
+        {request = 38, reply = 102, distinct = true},
+        {request = 39, reply = 103, distinct = true},
+        {request = 40, reply = 104, distinct = true},
+        {request = 41, reply = 105, distinct = true},
+        {request = 42, reply = 106, distinct = true},
+        {request = 43, reply = 107, distinct = true},
+        {request = 44, reply = 108, distinct = true},
+        {request = 45, reply = 109, distinct = true},
+        {request = 46, reply = 110, distinct = true},
+        {request = 47, reply = 111, distinct = true},
+        {request = 48, reply = 112, distinct = true},
+        {request = 49, reply = 113, distinct = true},
+        {request = 50, reply = 114, distinct = true},
+        {request = 51, reply = 115},
+        {request = 52, reply = 116},
+        {request = 53, reply = 117},
+        {request = 54, reply = 118},
+        {request = 55, reply = 119},
+        {request = 56, reply = 120},
+        {request = 57, reply = 121},
+        {request = 58, reply = 122},
+        {request = 59, reply = 123},
+        {request = 60, reply = 124},
+        {request = 61, reply = 125},
+        {request = 62, reply = 126},
+        {request = 63, reply = 127},
+    },
+    explained = {},
+    requests = {
+        {
+            base = 320,
+            nodes = {1, 32},
+            plan = {
+                on = "length",
+                cases = {
                     {
-                        {2, 1, 256, 1},
-                        {3, 1, 256, 256},
-                        {4, 1, 256, 65536},
-                        {5, 1, 256, 16777216},
-                        {6, 1, 256, 1, true},
-                        {7, 1, 256, 256, true},
-                        {8, 1, 256, 65536, true},
-                    },
-                },
-            },
-        },
-    }
-    layouts[66] = {
-        fields = {
-            {
-                name = "angle",
-                label = "Single-turn angle",
-                filter = "angle",
-                type = types[31],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}, {7, 1, 256, 65536}, {8, 1, 256, 16777216}}},
-            },
-        },
-    }
-    layouts[67] = {
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[22],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "voltage",
-                label = "Supply voltage",
-                filter = "voltage",
-                type = types[32],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "current",
-                label = "Supply current",
-                filter = "current",
-                type = types[33],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "motor_state",
-                label = "Motor state",
-                filter = "motor_state",
-                type = types[34],
-                elements = {{{7, 1, 256, 1}}},
-            },
-            {
-                name = "errors",
-                label = "Errors",
-                filter = "errors",
-                type = types[35],
-                elements = {{{8, 1, 256, 1}}},
-            },
-        },
-    }
-    layouts[68] = {
-        fields = {
-            {
-                name = "temperature",
-                label = "Motor temperature",
-                filter = "temperature",
-                type = types[22],
-                elements = {{{2, 1, 256, 1}}},
-            },
-            {
-                name = "phase_a",
-                label = "Phase A current",
-                filter = "phase_a",
-                type = types[36],
-                elements = {{{3, 1, 256, 1}, {4, 1, 256, 256}}},
-            },
-            {
-                name = "phase_b",
-                label = "Phase B current",
-                filter = "phase_b",
-                type = types[36],
-                elements = {{{5, 1, 256, 1}, {6, 1, 256, 256}}},
-            },
-            {
-                name = "phase_c",
-                label = "Phase C current",
-                filter = "phase_c",
-                type = types[36],
-                elements = {{{7, 1, 256, 1}, {8, 1, 256, 256}}},
-            },
-        },
-    }
-    layouts[69] = {
-        fields = {
-            {
-                name = "group",
-                label = "Fixed byte",
-                type = types[20],
-                elements = {{{2, 1, 256, 1}}},
-                fixed = true,
-                constant = 5,
-            },
-            {
-                name = "result",
-                label = "Result of saving",
-                filter = "result",
-                type = types[37],
-                elements = {{{3, 1, 256, 1}}},
-            },
-        },
-    }
-    messages[1] = {
-        command = "motor_off",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[128] = true}}},
-        layout = layouts[1],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[2] = {
-        command = "motor_on",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[136] = true}}},
-        layout = layouts[2],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[3] = {
-        command = "motor_stop",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[129] = true}}},
-        layout = layouts[3],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[4] = {
-        command = "brake",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[140] = true}}},
-        layout = layouts[4],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[5] = {
-        command = "set_power",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[160] = true}}},
-        layout = layouts[5],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[6] = {
-        command = "set_torque",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[161] = true}}},
-        layout = layouts[6],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[7] = {
-        command = "set_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[162] = true}}},
-        layout = layouts[7],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[8] = {
-        command = "move_to_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[163] = true}}},
-        layout = layouts[8],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[9] = {
-        command = "move_to_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[164] = true}}},
-        layout = layouts[9],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[10] = {
-        command = "turn_to_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[165] = true}}},
-        layout = layouts[10],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[11] = {
-        command = "turn_to_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[166] = true}}},
-        layout = layouts[11],
-        reserved = {},
-    }
-    messages[12] = {
-        command = "move_by_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[167] = true}}},
-        layout = layouts[12],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[13] = {
-        command = "move_by_angle_at_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[168] = true}}},
-        layout = layouts[13],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[14] = {
-        command = "read_control_parameter_angle_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[14],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[15] = {
-        command = "read_control_parameter_speed_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[15],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[16] = {
-        command = "read_control_parameter_current_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[16],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[17] = {
-        command = "read_control_parameter_max_torque_current",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[30] = true}},
-        },
-        layout = layouts[17],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[18] = {
-        command = "read_control_parameter_max_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[32] = true}},
-        },
-        layout = layouts[18],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[19] = {
-        command = "read_control_parameter_upper_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[34] = true}},
-        },
-        layout = layouts[19],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[20] = {
-        command = "read_control_parameter_lower_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[35] = true}},
-        },
-        layout = layouts[20],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[21] = {
-        command = "read_control_parameter_speed_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[38] = true}},
-        },
-        layout = layouts[21],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[22] = {
-        command = "write_control_parameter_ram_angle_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[23] = {
-        command = "write_control_parameter_ram_speed_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[24] = {
-        command = "write_control_parameter_ram_current_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[25] = {
-        command = "write_control_parameter_ram_max_torque_current",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[30] = true}},
-        },
-        layout = layouts[23],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[26] = {
-        command = "write_control_parameter_ram_max_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[32] = true}},
-        },
-        layout = layouts[24],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[27] = {
-        command = "write_control_parameter_ram_upper_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[34] = true}},
-        },
-        layout = layouts[25],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[28] = {
-        command = "write_control_parameter_ram_lower_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[35] = true}},
-        },
-        layout = layouts[26],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[29] = {
-        command = "write_control_parameter_ram_speed_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[38] = true}},
-        },
-        layout = layouts[27],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[30] = {
-        command = "read_encoder",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[144] = true}}},
-        layout = layouts[28],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[31] = {
-        command = "calibrate_encoder",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[24] = true}}},
-        layout = layouts[29],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[32] = {
-        command = "write_position_as_zero_rom",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[25] = true}}},
-        layout = layouts[30],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[33] = {
-        command = "read_multi_turn_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[146] = true}}},
-        layout = layouts[31],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[34] = {
-        command = "read_single_turn_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[148] = true}}},
-        layout = layouts[32],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[35] = {
-        command = "set_zero_ram",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[149] = true}}},
-        layout = layouts[33],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[36] = {
-        command = "read_status_1",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true}}},
-        layout = layouts[34],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[37] = {
-        command = "clear_errors",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[155] = true}}},
-        layout = layouts[35],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[38] = {
-        command = "read_status_2",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[156] = true}}},
-        layout = layouts[36],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[39] = {
-        command = "read_status_3",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[157] = true}}},
-        layout = layouts[37],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[40] = {
-        command = "read_stored_setting_driver_id",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[38],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[41] = {
-        command = "read_stored_setting_bus_type",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[39],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[42] = {
-        command = "read_stored_setting_rs485_baud_rate",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[40],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[43] = {
-        command = "read_stored_setting_can_baud_rate",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[13] = true}},
-        },
-        layout = layouts[41],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[44] = {
-        command = "read_stored_setting_max_power",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[176] = true}},
-        },
-        layout = layouts[42],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[45] = {
-        command = "read_stored_setting_max_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[178] = true}},
-        },
-        layout = layouts[43],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[46] = {
-        command = "read_stored_setting_max_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[180] = true}},
-        },
-        layout = layouts[44],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[47] = {
-        command = "read_stored_setting_current_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[186] = true}},
-        },
-        layout = layouts[45],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[48] = {
-        command = "read_stored_setting_speed_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[188] = true}},
-        },
-        layout = layouts[46],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[49] = {
-        command = "read_stored_setting_angle_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[160] = true}},
-        },
-        layout = layouts[47],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[50] = {
-        command = "read_stored_setting_speed_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[164] = true}},
-        },
-        layout = layouts[48],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[51] = {
-        command = "read_stored_setting_current_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[168] = true}},
-        },
-        layout = layouts[49],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[52] = {
-        command = "stage_stored_setting_driver_id",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[50],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[53] = {
-        command = "stage_stored_setting_bus_type",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[51],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[54] = {
-        command = "stage_stored_setting_rs485_baud_rate",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[52],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[55] = {
-        command = "stage_stored_setting_can_baud_rate",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[13] = true}},
-        },
-        layout = layouts[53],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[56] = {
-        command = "stage_stored_setting_max_power",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[176] = true}},
-        },
-        layout = layouts[54],
-        reserved = {{4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[57] = {
-        command = "stage_stored_setting_max_speed",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[178] = true}},
-        },
-        layout = layouts[55],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[58] = {
-        command = "stage_stored_setting_max_angle",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[180] = true}},
-        },
-        layout = layouts[56],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[59] = {
-        command = "stage_stored_setting_current_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[186] = true}},
-        },
-        layout = layouts[57],
-        reserved = {{4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[60] = {
-        command = "stage_stored_setting_speed_ramp",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[188] = true}},
-        },
-        layout = layouts[58],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[61] = {
-        command = "stage_stored_setting_angle_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[160] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[62] = {
-        command = "stage_stored_setting_speed_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[164] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[63] = {
-        command = "stage_stored_setting_current_pid",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[168] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[64] = {
-        command = "save_stored_settings",
-        direction = "request",
-        length = 8,
-        base = 320,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[68] = true}}},
-        layout = layouts[59],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[65] = {
-        command = "motor_off",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[128] = true}}},
-        layout = layouts[1],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[66] = {
-        command = "motor_on",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[136] = true}}},
-        layout = layouts[2],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[67] = {
-        command = "motor_stop",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[129] = true}}},
-        layout = layouts[3],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[68] = {
-        command = "brake",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[140] = true}}},
-        layout = layouts[60],
-        reserved = {
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[69] = {
-        command = "set_power",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[160] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[70] = {
-        command = "set_torque",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[161] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[71] = {
-        command = "set_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[162] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[72] = {
-        command = "move_to_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[163] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[73] = {
-        command = "move_to_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[164] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[74] = {
-        command = "turn_to_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[165] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[75] = {
-        command = "turn_to_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[166] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[76] = {
-        command = "move_by_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[167] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[77] = {
-        command = "move_by_angle_at_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[168] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[78] = {
-        command = "read_control_parameter_angle_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[79] = {
-        command = "read_control_parameter_speed_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[80] = {
-        command = "read_control_parameter_current_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[81] = {
-        command = "read_control_parameter_max_torque_current",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[30] = true}},
-        },
-        layout = layouts[23],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[82] = {
-        command = "read_control_parameter_max_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[32] = true}},
-        },
-        layout = layouts[24],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[83] = {
-        command = "read_control_parameter_upper_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[34] = true}},
-        },
-        layout = layouts[25],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[84] = {
-        command = "read_control_parameter_lower_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[35] = true}},
-        },
-        layout = layouts[26],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[85] = {
-        command = "read_control_parameter_speed_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[192] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[38] = true}},
-        },
-        layout = layouts[27],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[86] = {
-        command = "write_control_parameter_ram_angle_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[87] = {
-        command = "write_control_parameter_ram_speed_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[88] = {
-        command = "write_control_parameter_ram_current_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[89] = {
-        command = "write_control_parameter_ram_max_torque_current",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[30] = true}},
-        },
-        layout = layouts[23],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[90] = {
-        command = "write_control_parameter_ram_max_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[32] = true}},
-        },
-        layout = layouts[24],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[91] = {
-        command = "write_control_parameter_ram_upper_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[34] = true}},
-        },
-        layout = layouts[25],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[92] = {
-        command = "write_control_parameter_ram_lower_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[35] = true}},
-        },
-        layout = layouts[26],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[93] = {
-        command = "write_control_parameter_ram_speed_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[193] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[38] = true}},
-        },
-        layout = layouts[27],
-        reserved = {{3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[94] = {
-        command = "read_encoder",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[144] = true}}},
-        layout = layouts[62],
-        reserved = {{2, 1, 256, 0}},
-    }
-    messages[95] = {
-        command = "calibrate_encoder",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[24] = true}}},
-        layout = layouts[63],
-        reserved = {},
-    }
-    messages[96] = {
-        command = "write_position_as_zero_rom",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[25] = true}}},
-        layout = layouts[64],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}},
-    }
-    messages[97] = {
-        command = "read_multi_turn_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[146] = true}}},
-        layout = layouts[65],
-        reserved = {},
-    }
-    messages[98] = {
-        command = "read_single_turn_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[148] = true}}},
-        layout = layouts[66],
-        reserved = {{2, 1, 256, 0}, {3, 1, 256, 0}, {4, 1, 256, 0}},
-    }
-    messages[99] = {
-        command = "set_zero_ram",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[149] = true}}},
-        layout = layouts[33],
-        reserved = {
-            {2, 1, 256, 0},
-            {3, 1, 256, 0},
-            {4, 1, 256, 0},
-            {5, 1, 256, 0},
-            {6, 1, 256, 0},
-            {7, 1, 256, 0},
-            {8, 1, 256, 0},
-        },
-    }
-    messages[100] = {
-        command = "read_status_1",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[154] = true}}},
-        layout = layouts[67],
-        reserved = {},
-    }
-    messages[101] = {
-        command = "clear_errors",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[155] = true}}},
-        layout = layouts[67],
-        reserved = {},
-    }
-    messages[102] = {
-        command = "read_status_2",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[156] = true}}},
-        layout = layouts[61],
-        reserved = {},
-    }
-    messages[103] = {
-        command = "read_status_3",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[157] = true}}},
-        layout = layouts[68],
-        reserved = {},
-    }
-    messages[104] = {
-        command = "read_stored_setting_driver_id",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[50],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[105] = {
-        command = "read_stored_setting_bus_type",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[51],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[106] = {
-        command = "read_stored_setting_rs485_baud_rate",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[52],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[107] = {
-        command = "read_stored_setting_can_baud_rate",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[13] = true}},
-        },
-        layout = layouts[53],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[108] = {
-        command = "read_stored_setting_max_power",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[176] = true}},
-        },
-        layout = layouts[54],
-        reserved = {{4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[109] = {
-        command = "read_stored_setting_max_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[178] = true}},
-        },
-        layout = layouts[55],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[110] = {
-        command = "read_stored_setting_max_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[180] = true}},
-        },
-        layout = layouts[56],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[111] = {
-        command = "read_stored_setting_current_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[186] = true}},
-        },
-        layout = layouts[57],
-        reserved = {{4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[112] = {
-        command = "read_stored_setting_speed_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[188] = true}},
-        },
-        layout = layouts[58],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[113] = {
-        command = "read_stored_setting_angle_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[160] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[114] = {
-        command = "read_stored_setting_speed_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[164] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[115] = {
-        command = "read_stored_setting_current_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[64] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[168] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[116] = {
-        command = "stage_stored_setting_driver_id",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[10] = true}},
-        },
-        layout = layouts[50],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[117] = {
-        command = "stage_stored_setting_bus_type",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[11] = true}},
-        },
-        layout = layouts[51],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[118] = {
-        command = "stage_stored_setting_rs485_baud_rate",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[12] = true}},
-        },
-        layout = layouts[52],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[119] = {
-        command = "stage_stored_setting_can_baud_rate",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[13] = true}},
-        },
-        layout = layouts[53],
-        reserved = {{4, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[120] = {
-        command = "stage_stored_setting_max_power",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[176] = true}},
-        },
-        layout = layouts[54],
-        reserved = {{4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[121] = {
-        command = "stage_stored_setting_max_speed",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[178] = true}},
-        },
-        layout = layouts[55],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[122] = {
-        command = "stage_stored_setting_max_angle",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[180] = true}},
-        },
-        layout = layouts[56],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[123] = {
-        command = "stage_stored_setting_current_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[186] = true}},
-        },
-        layout = layouts[57],
-        reserved = {{4, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[124] = {
-        command = "stage_stored_setting_speed_ramp",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[5] = true}},
-            {segments = {{3, 1, 256, 1}}, values = {[188] = true}},
-        },
-        layout = layouts[58],
-        reserved = {{4, 1, 256, 0}},
-    }
-    messages[125] = {
-        command = "stage_stored_setting_angle_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[160] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[126] = {
-        command = "stage_stored_setting_speed_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[164] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[127] = {
-        command = "stage_stored_setting_current_pid",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {
-            {segments = {{1, 1, 256, 1}}, values = {[66] = true}},
-            {segments = {{2, 1, 256, 1}}, values = {[168] = true}},
-        },
-        layout = layouts[22],
-        reserved = {},
-    }
-    messages[128] = {
-        command = "save_stored_settings",
-        direction = "reply",
-        length = 8,
-        base = 384,
-        step = 1,
-        first = 1,
-        last = 32,
-        extended = false,
-        remote = false,
-        filled = {},
-        keys = {{segments = {{1, 1, 256, 1}}, values = {[68] = true}}},
-        layout = layouts[69],
-        reserved = {{4, 1, 256, 0}, {5, 1, 256, 0}, {6, 1, 256, 0}, {7, 1, 256, 0}, {8, 1, 256, 0}},
-    }
-    messages[1].reply = messages[65]
-    messages[1].nodes = {}
-    messages[1].echo = true
-    messages[1].distinct = false
-    messages[2].reply = messages[66]
-    messages[2].nodes = {}
-    messages[2].echo = true
-    messages[2].distinct = false
-    messages[3].reply = messages[67]
-    messages[3].nodes = {}
-    messages[3].echo = true
-    messages[3].distinct = false
-    messages[4].reply = messages[68]
-    messages[4].nodes = {}
-    messages[4].echo = false
-    messages[4].distinct = false
-    messages[5].reply = messages[69]
-    messages[5].nodes = {}
-    messages[5].echo = false
-    messages[5].distinct = true
-    messages[6].reply = messages[70]
-    messages[6].nodes = {}
-    messages[6].echo = false
-    messages[6].distinct = true
-    messages[7].reply = messages[71]
-    messages[7].nodes = {}
-    messages[7].echo = false
-    messages[7].distinct = true
-    messages[8].reply = messages[72]
-    messages[8].nodes = {}
-    messages[8].echo = false
-    messages[8].distinct = true
-    messages[9].reply = messages[73]
-    messages[9].nodes = {}
-    messages[9].echo = false
-    messages[9].distinct = true
-    messages[10].reply = messages[74]
-    messages[10].nodes = {}
-    messages[10].echo = false
-    messages[10].distinct = true
-    messages[11].reply = messages[75]
-    messages[11].nodes = {}
-    messages[11].echo = false
-    messages[11].distinct = false
-    messages[12].reply = messages[76]
-    messages[12].nodes = {}
-    messages[12].echo = false
-    messages[12].distinct = true
-    messages[13].reply = messages[77]
-    messages[13].nodes = {}
-    messages[13].echo = false
-    messages[13].distinct = true
-    messages[14].reply = messages[78]
-    messages[14].nodes = {}
-    messages[14].echo = false
-    messages[14].distinct = true
-    messages[15].reply = messages[79]
-    messages[15].nodes = {}
-    messages[15].echo = false
-    messages[15].distinct = true
-    messages[16].reply = messages[80]
-    messages[16].nodes = {}
-    messages[16].echo = false
-    messages[16].distinct = true
-    messages[17].reply = messages[81]
-    messages[17].nodes = {}
-    messages[17].echo = false
-    messages[17].distinct = true
-    messages[18].reply = messages[82]
-    messages[18].nodes = {}
-    messages[18].echo = false
-    messages[18].distinct = true
-    messages[19].reply = messages[83]
-    messages[19].nodes = {}
-    messages[19].echo = false
-    messages[19].distinct = true
-    messages[20].reply = messages[84]
-    messages[20].nodes = {}
-    messages[20].echo = false
-    messages[20].distinct = true
-    messages[21].reply = messages[85]
-    messages[21].nodes = {}
-    messages[21].echo = false
-    messages[21].distinct = true
-    messages[22].reply = messages[86]
-    messages[22].nodes = {}
-    messages[22].echo = false
-    messages[22].distinct = false
-    messages[23].reply = messages[87]
-    messages[23].nodes = {}
-    messages[23].echo = false
-    messages[23].distinct = false
-    messages[24].reply = messages[88]
-    messages[24].nodes = {}
-    messages[24].echo = false
-    messages[24].distinct = false
-    messages[25].reply = messages[89]
-    messages[25].nodes = {}
-    messages[25].echo = false
-    messages[25].distinct = false
-    messages[26].reply = messages[90]
-    messages[26].nodes = {}
-    messages[26].echo = false
-    messages[26].distinct = false
-    messages[27].reply = messages[91]
-    messages[27].nodes = {}
-    messages[27].echo = false
-    messages[27].distinct = false
-    messages[28].reply = messages[92]
-    messages[28].nodes = {}
-    messages[28].echo = false
-    messages[28].distinct = false
-    messages[29].reply = messages[93]
-    messages[29].nodes = {}
-    messages[29].echo = false
-    messages[29].distinct = false
-    messages[30].reply = messages[94]
-    messages[30].nodes = {}
-    messages[30].echo = false
-    messages[30].distinct = true
-    messages[31].reply = messages[95]
-    messages[31].nodes = {}
-    messages[31].echo = false
-    messages[31].distinct = true
-    messages[31].reply_within = 10000000000.0
-    messages[32].reply = messages[96]
-    messages[32].nodes = {}
-    messages[32].echo = false
-    messages[32].distinct = true
-    messages[33].reply = messages[97]
-    messages[33].nodes = {}
-    messages[33].echo = false
-    messages[33].distinct = true
-    messages[34].reply = messages[98]
-    messages[34].nodes = {}
-    messages[34].echo = false
-    messages[34].distinct = true
-    messages[35].reply = messages[99]
-    messages[35].nodes = {}
-    messages[35].echo = true
-    messages[35].distinct = false
-    messages[36].reply = messages[100]
-    messages[36].nodes = {}
-    messages[36].echo = false
-    messages[36].distinct = true
-    messages[37].reply = messages[101]
-    messages[37].nodes = {}
-    messages[37].echo = false
-    messages[37].distinct = true
-    messages[38].reply = messages[102]
-    messages[38].nodes = {}
-    messages[38].echo = false
-    messages[38].distinct = true
-    messages[39].reply = messages[103]
-    messages[39].nodes = {}
-    messages[39].echo = false
-    messages[39].distinct = true
-    messages[40].reply = messages[104]
-    messages[40].nodes = {}
-    messages[40].echo = false
-    messages[40].distinct = true
-    messages[41].reply = messages[105]
-    messages[41].nodes = {}
-    messages[41].echo = false
-    messages[41].distinct = true
-    messages[42].reply = messages[106]
-    messages[42].nodes = {}
-    messages[42].echo = false
-    messages[42].distinct = true
-    messages[43].reply = messages[107]
-    messages[43].nodes = {}
-    messages[43].echo = false
-    messages[43].distinct = true
-    messages[44].reply = messages[108]
-    messages[44].nodes = {}
-    messages[44].echo = false
-    messages[44].distinct = true
-    messages[45].reply = messages[109]
-    messages[45].nodes = {}
-    messages[45].echo = false
-    messages[45].distinct = true
-    messages[46].reply = messages[110]
-    messages[46].nodes = {}
-    messages[46].echo = false
-    messages[46].distinct = true
-    messages[47].reply = messages[111]
-    messages[47].nodes = {}
-    messages[47].echo = false
-    messages[47].distinct = true
-    messages[48].reply = messages[112]
-    messages[48].nodes = {}
-    messages[48].echo = false
-    messages[48].distinct = true
-    messages[49].reply = messages[113]
-    messages[49].nodes = {}
-    messages[49].echo = false
-    messages[49].distinct = true
-    messages[50].reply = messages[114]
-    messages[50].nodes = {}
-    messages[50].echo = false
-    messages[50].distinct = true
-    messages[51].reply = messages[115]
-    messages[51].nodes = {}
-    messages[51].echo = false
-    messages[51].distinct = true
-    messages[52].reply = messages[116]
-    messages[52].nodes = {}
-    messages[52].echo = false
-    messages[52].distinct = false
-    messages[53].reply = messages[117]
-    messages[53].nodes = {}
-    messages[53].echo = false
-    messages[53].distinct = false
-    messages[54].reply = messages[118]
-    messages[54].nodes = {}
-    messages[54].echo = false
-    messages[54].distinct = false
-    messages[55].reply = messages[119]
-    messages[55].nodes = {}
-    messages[55].echo = false
-    messages[55].distinct = false
-    messages[56].reply = messages[120]
-    messages[56].nodes = {}
-    messages[56].echo = false
-    messages[56].distinct = false
-    messages[57].reply = messages[121]
-    messages[57].nodes = {}
-    messages[57].echo = false
-    messages[57].distinct = false
-    messages[58].reply = messages[122]
-    messages[58].nodes = {}
-    messages[58].echo = false
-    messages[58].distinct = false
-    messages[59].reply = messages[123]
-    messages[59].nodes = {}
-    messages[59].echo = false
-    messages[59].distinct = false
-    messages[60].reply = messages[124]
-    messages[60].nodes = {}
-    messages[60].echo = false
-    messages[60].distinct = false
-    messages[61].reply = messages[125]
-    messages[61].nodes = {}
-    messages[61].echo = false
-    messages[61].distinct = false
-    messages[62].reply = messages[126]
-    messages[62].nodes = {}
-    messages[62].echo = false
-    messages[62].distinct = false
-    messages[63].reply = messages[127]
-    messages[63].nodes = {}
-    messages[63].echo = false
-    messages[63].distinct = false
-    messages[64].reply = messages[128]
-    messages[64].nodes = {}
-    messages[64].echo = false
-    messages[64].distinct = false
-    return {
-        name = "v2.36-2025-03",
-        reply_within = 250000.0,
-        messages = messages,
-        answers = {},
-        requests = {
-            {
-                base = 320,
-                step = 1,
-                first = 1,
-                last = 32,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {
-                    on = "length",
-                    cases = {
-                        [8] = {
-                            on = {{1, 1, 256, 1}},
+                        {8},
+                        {
+                            on = {{0, 0, 8, 0}},
                             cases = {
-                                [128] = messages[1],
-                                [136] = messages[2],
-                                [129] = messages[3],
-                                [140] = messages[4],
-                                [160] = messages[5],
-                                [161] = messages[6],
-                                [162] = messages[7],
-                                [163] = messages[8],
-                                [164] = messages[9],
-                                [165] = messages[10],
-                                [166] = messages[11],
-                                [167] = messages[12],
-                                [168] = messages[13],
-                                [192] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [10] = messages[14],
-                                        [11] = messages[15],
-                                        [12] = messages[16],
-                                        [30] = messages[17],
-                                        [32] = messages[18],
-                                        [34] = messages[19],
-                                        [35] = messages[20],
-                                        [38] = messages[21],
-                                    },
-                                    otherwise = "unknown_code",
-                                },
-                                [193] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [10] = messages[22],
-                                        [11] = messages[23],
-                                        [12] = messages[24],
-                                        [30] = messages[25],
-                                        [32] = messages[26],
-                                        [34] = messages[27],
-                                        [35] = messages[28],
-                                        [38] = messages[29],
-                                    },
-                                    otherwise = "unknown_code",
-                                },
-                                [144] = messages[30],
-                                [24] = messages[31],
-                                [25] = messages[32],
-                                [146] = messages[33],
-                                [148] = messages[34],
-                                [149] = messages[35],
-                                [154] = messages[36],
-                                [155] = messages[37],
-                                [156] = messages[38],
-                                [157] = messages[39],
-                                [64] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [5] = {
-                                            on = {{3, 1, 256, 1}},
-                                            cases = {
-                                                [10] = messages[40],
-                                                [11] = messages[41],
-                                                [12] = messages[42],
-                                                [13] = messages[43],
-                                                [176] = messages[44],
-                                                [178] = messages[45],
-                                                [180] = messages[46],
-                                                [186] = messages[47],
-                                                [188] = messages[48],
-                                            },
-                                            otherwise = "unknown_code",
+                                {{128}, 0},
+                                {{136}, 1},
+                                {{129}, 2},
+                                {{140}, 3},
+                                {{160}, 4},
+                                {{161}, 5},
+                                {{162}, 6},
+                                {{163}, 7},
+                                {{164}, 8},
+                                {{165}, 9},
+                                {{166}, 10},
+                                {{167}, 11},
+                                {{168}, 12},
+                                {
+                                    {192},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {{10}, 13},
+                                            {{11}, 14},
+                                            {{12}, 15},
+                                            {{30}, 16},
+                                            {{32}, 17},
+                                            {{34}, 18},
+                                            {{35}, 19},
+                                            {{38}, 20},
                                         },
-                                        [160] = messages[49],
-                                        [164] = messages[50],
-                                        [168] = messages[51],
+                                        otherwise = "unknown_code",
                                     },
-                                    otherwise = "unknown_code",
                                 },
-                                [66] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [5] = {
-                                            on = {{3, 1, 256, 1}},
-                                            cases = {
-                                                [10] = messages[52],
-                                                [11] = messages[53],
-                                                [12] = messages[54],
-                                                [13] = messages[55],
-                                                [176] = messages[56],
-                                                [178] = messages[57],
-                                                [180] = messages[58],
-                                                [186] = messages[59],
-                                                [188] = messages[60],
-                                            },
-                                            otherwise = "unknown_code",
+                                {
+                                    {193},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {{10}, 21},
+                                            {{11}, 22},
+                                            {{12}, 23},
+                                            {{30}, 24},
+                                            {{32}, 25},
+                                            {{34}, 26},
+                                            {{35}, 27},
+                                            {{38}, 28},
                                         },
-                                        [160] = messages[61],
-                                        [164] = messages[62],
-                                        [168] = messages[63],
+                                        otherwise = "unknown_code",
                                     },
-                                    otherwise = "unknown_code",
                                 },
-                                [68] = messages[64],
+                                {{144}, 29},
+                                {{24}, 30},
+                                {{25}, 31},
+                                {{146}, 32},
+                                {{148}, 33},
+                                {{149}, 34},
+                                {{154}, 35},
+                                {{155}, 36},
+                                {{156}, 37},
+                                {{157}, 38},
+                                {
+                                    {64},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {
+                                                {5},
+                                                {
+                                                    on = {{2, 0, 8, 0}},
+                                                    cases = {
+                                                        {{10}, 39},
+                                                        {{11}, 40},
+                                                        {{12}, 41},
+                                                        {{13}, 42},
+                                                        {{176}, 43},
+                                                        {{178}, 44},
+                                                        {{180}, 45},
+                                                        {{186}, 46},
+                                                        {{188}, 47},
+                                                    },
+                                                    otherwise = "unknown_code",
+                                                },
+                                            },
+                                            {{160}, 48},
+                                            {{164}, 49},
+                                            {{168}, 50},
+                                        },
+                                        otherwise = "unknown_code",
+                                    },
+                                },
+                                {
+                                    {66},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {
+                                                {5},
+                                                {
+                                                    on = {{2, 0, 8, 0}},
+                                                    cases = {
+                                                        {{10}, 51},
+                                                        {{11}, 52},
+                                                        {{12}, 53},
+                                                        {{13}, 54},
+                                                        {{176}, 55},
+                                                        {{178}, 56},
+                                                        {{180}, 57},
+                                                        {{186}, 58},
+                                                        {{188}, 59},
+                                                    },
+                                                    otherwise = "unknown_code",
+                                                },
+                                            },
+                                            {{160}, 60},
+                                            {{164}, 61},
+                                            {{168}, 62},
+                                        },
+                                        otherwise = "unknown_code",
+                                    },
+                                },
+                                {{68}, 63},
                             },
                             otherwise = "unknown_code",
                         },
                     },
-                    otherwise = "wrong_length",
                 },
+                otherwise = "wrong_length",
             },
         },
-        replies = {
-            {
-                base = 384,
-                step = 1,
-                first = 1,
-                last = 32,
-                extended = false,
-                remote = false,
-                filled = {},
-                plan = {
-                    on = "length",
-                    cases = {
-                        [8] = {
-                            on = {{1, 1, 256, 1}},
+    },
+    replies = {
+        {
+            base = 384,
+            nodes = {1, 32},
+            plan = {
+                on = "length",
+                cases = {
+                    {
+                        {8},
+                        {
+                            on = {{0, 0, 8, 0}},
                             cases = {
-                                [128] = messages[65],
-                                [136] = messages[66],
-                                [129] = messages[67],
-                                [140] = messages[68],
-                                [160] = messages[69],
-                                [161] = messages[70],
-                                [162] = messages[71],
-                                [163] = messages[72],
-                                [164] = messages[73],
-                                [165] = messages[74],
-                                [166] = messages[75],
-                                [167] = messages[76],
-                                [168] = messages[77],
-                                [192] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [10] = messages[78],
-                                        [11] = messages[79],
-                                        [12] = messages[80],
-                                        [30] = messages[81],
-                                        [32] = messages[82],
-                                        [34] = messages[83],
-                                        [35] = messages[84],
-                                        [38] = messages[85],
-                                    },
-                                    otherwise = "unknown_code",
-                                },
-                                [193] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [10] = messages[86],
-                                        [11] = messages[87],
-                                        [12] = messages[88],
-                                        [30] = messages[89],
-                                        [32] = messages[90],
-                                        [34] = messages[91],
-                                        [35] = messages[92],
-                                        [38] = messages[93],
-                                    },
-                                    otherwise = "unknown_code",
-                                },
-                                [144] = messages[94],
-                                [24] = messages[95],
-                                [25] = messages[96],
-                                [146] = messages[97],
-                                [148] = messages[98],
-                                [149] = messages[99],
-                                [154] = messages[100],
-                                [155] = messages[101],
-                                [156] = messages[102],
-                                [157] = messages[103],
-                                [64] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [5] = {
-                                            on = {{3, 1, 256, 1}},
-                                            cases = {
-                                                [10] = messages[104],
-                                                [11] = messages[105],
-                                                [12] = messages[106],
-                                                [13] = messages[107],
-                                                [176] = messages[108],
-                                                [178] = messages[109],
-                                                [180] = messages[110],
-                                                [186] = messages[111],
-                                                [188] = messages[112],
-                                            },
-                                            otherwise = "unknown_code",
+                                {{128}, 64},
+                                {{136}, 65},
+                                {{129}, 66},
+                                {{140}, 67},
+                                {{160}, 68},
+                                {{161}, 69},
+                                {{162}, 70},
+                                {{163}, 71},
+                                {{164}, 72},
+                                {{165}, 73},
+                                {{166}, 74},
+                                {{167}, 75},
+                                {{168}, 76},
+                                {
+                                    {192},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {{10}, 77},
+                                            {{11}, 78},
+                                            {{12}, 79},
+                                            {{30}, 80},
+                                            {{32}, 81},
+                                            {{34}, 82},
+                                            {{35}, 83},
+                                            {{38}, 84},
                                         },
-                                        [160] = messages[113],
-                                        [164] = messages[114],
-                                        [168] = messages[115],
+                                        otherwise = "unknown_code",
                                     },
-                                    otherwise = "unknown_code",
                                 },
-                                [66] = {
-                                    on = {{2, 1, 256, 1}},
-                                    cases = {
-                                        [5] = {
-                                            on = {{3, 1, 256, 1}},
-                                            cases = {
-                                                [10] = messages[116],
-                                                [11] = messages[117],
-                                                [12] = messages[118],
-                                                [13] = messages[119],
-                                                [176] = messages[120],
-                                                [178] = messages[121],
-                                                [180] = messages[122],
-                                                [186] = messages[123],
-                                                [188] = messages[124],
-                                            },
-                                            otherwise = "unknown_code",
+                                {
+                                    {193},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {{10}, 85},
+                                            {{11}, 86},
+                                            {{12}, 87},
+                                            {{30}, 88},
+                                            {{32}, 89},
+                                            {{34}, 90},
+                                            {{35}, 91},
+                                            {{38}, 92},
                                         },
-                                        [160] = messages[125],
-                                        [164] = messages[126],
-                                        [168] = messages[127],
+                                        otherwise = "unknown_code",
                                     },
-                                    otherwise = "unknown_code",
                                 },
-                                [68] = messages[128],
+                                {{144}, 93},
+                                {{24}, 94},
+                                {{25}, 95},
+                                {{146}, 96},
+                                {{148}, 97},
+                                {{149}, 98},
+                                {{154}, 99},
+                                {{155}, 100},
+                                {{156}, 101},
+                                {{157}, 102},
+                                {
+                                    {64},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {
+                                                {5},
+                                                {
+                                                    on = {{2, 0, 8, 0}},
+                                                    cases = {
+                                                        {{10}, 103},
+                                                        {{11}, 104},
+                                                        {{12}, 105},
+                                                        {{13}, 106},
+                                                        {{176}, 107},
+                                                        {{178}, 108},
+                                                        {{180}, 109},
+                                                        {{186}, 110},
+                                                        {{188}, 111},
+                                                    },
+                                                    otherwise = "unknown_code",
+                                                },
+                                            },
+                                            {{160}, 112},
+                                            {{164}, 113},
+                                            {{168}, 114},
+                                        },
+                                        otherwise = "unknown_code",
+                                    },
+                                },
+                                {
+                                    {66},
+                                    {
+                                        on = {{1, 0, 8, 0}},
+                                        cases = {
+                                            {
+                                                {5},
+                                                {
+                                                    on = {{2, 0, 8, 0}},
+                                                    cases = {
+                                                        {{10}, 115},
+                                                        {{11}, 116},
+                                                        {{12}, 117},
+                                                        {{13}, 118},
+                                                        {{176}, 119},
+                                                        {{178}, 120},
+                                                        {{180}, 121},
+                                                        {{186}, 122},
+                                                        {{188}, 123},
+                                                    },
+                                                    otherwise = "unknown_code",
+                                                },
+                                            },
+                                            {{160}, 124},
+                                            {{164}, 125},
+                                            {{168}, 126},
+                                        },
+                                        otherwise = "unknown_code",
+                                    },
+                                },
+                                {{68}, 127},
                             },
                             otherwise = "unknown_code",
                         },
                     },
-                    otherwise = "wrong_length",
                 },
+                otherwise = "wrong_length",
             },
         },
-    }
-end)()
+    },
+})
 
 local family = {
     name = "mwd_motor",
@@ -10988,51 +8124,139 @@ local family = {
         },
     },
     fields = {
-        {name = "power", label = "Open-loop control value", kind = "int32", flags = {}},
-        {name = "iq", label = "Target torque current", kind = "double", raw = "int32", flags = {}},
-        {name = "speed", label = "Target speed", kind = "double", raw = "int32", flags = {}},
+        {
+            name = "power",
+            field = "power",
+            label = "Open-loop control value",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "iq",
+            field = "iq",
+            label = "Target torque current",
+            kind = "double",
+            raw = "int32",
+            flags = {},
+        },
+        {
+            name = "speed",
+            field = "speed",
+            label = "Target speed",
+            kind = "double",
+            raw = "int32",
+            flags = {},
+        },
         {
             name = "angle",
+            field = "angle",
             label = "Target multi-turn angle",
             kind = "double",
             raw = "int64",
             flags = {},
         },
-        {name = "max_speed", label = "Speed limit of the movement", kind = "int32", flags = {}},
+        {
+            name = "max_speed",
+            field = "max_speed",
+            label = "Speed limit of the movement",
+            kind = "int32",
+            flags = {},
+        },
         {
             name = "spin_direction",
+            field = "spin_direction",
             label = "Direction of rotation",
             kind = "uint32",
             members = {[0] = "clockwise", [1] = "counterclockwise"},
             flags = {},
         },
-        {name = "increment", label = "Angle increment", kind = "double", raw = "int32", flags = {}},
-        {name = "angle_kp", label = "Position loop, P", kind = "uint32", flags = {}},
-        {name = "angle_ki", label = "Position loop, I", kind = "uint32", flags = {}},
-        {name = "speed_kp", label = "Speed loop, P", kind = "uint32", flags = {}},
-        {name = "speed_ki", label = "Speed loop, I", kind = "uint32", flags = {}},
-        {name = "iq_kp", label = "Torque loop, P", kind = "uint32", flags = {}},
-        {name = "iq_ki", label = "Torque loop, I", kind = "uint32", flags = {}},
-        {name = "acceleration", label = "Acceleration", kind = "int32", flags = {}},
+        {
+            name = "increment",
+            field = "increment",
+            label = "Angle increment",
+            kind = "double",
+            raw = "int32",
+            flags = {},
+        },
+        {
+            name = "angle_kp",
+            field = "angle_kp",
+            label = "Position loop, P",
+            kind = "uint32",
+            flags = {},
+        },
+        {
+            name = "angle_ki",
+            field = "angle_ki",
+            label = "Position loop, I",
+            kind = "uint32",
+            flags = {},
+        },
+        {
+            name = "speed_kp",
+            field = "speed_kp",
+            label = "Speed loop, P",
+            kind = "uint32",
+            flags = {},
+        },
+        {
+            name = "speed_ki",
+            field = "speed_ki",
+            label = "Speed loop, I",
+            kind = "uint32",
+            flags = {},
+        },
+        {name = "iq_kp", field = "iq_kp", label = "Torque loop, P", kind = "uint32", flags = {}},
+        {name = "iq_ki", field = "iq_ki", label = "Torque loop, I", kind = "uint32", flags = {}},
+        {
+            name = "acceleration",
+            field = "acceleration",
+            label = "Acceleration",
+            kind = "int32",
+            flags = {},
+        },
         {
             name = "encoder_offset",
+            field = "encoder_offset",
             label = "Encoder offset",
             kind = "double",
             raw = "uint32",
             flags = {},
         },
-        {name = "temperature", label = "Motor temperature", kind = "int32", flags = {}},
-        {name = "encoder", label = "Encoder position", kind = "double", raw = "uint32", flags = {}},
+        {
+            name = "temperature",
+            field = "temperature",
+            label = "Motor temperature",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "encoder",
+            field = "encoder",
+            label = "Encoder position",
+            kind = "double",
+            raw = "uint32",
+            flags = {},
+        },
         {
             name = "encoder_measured",
+            field = "encoder_measured",
             label = "Raw encoder position",
             kind = "double",
             raw = "uint32",
             flags = {},
         },
-        {name = "voltage", label = "Voltage", kind = "double", raw = "int32", flags = {}},
+        {
+            name = "voltage",
+            field = "voltage",
+            label = "Voltage",
+            kind = "double",
+            raw = "int32",
+            flags = {},
+        },
         {
             name = "errors",
+            field = "errors",
             label = "Errors",
             kind = "uint32",
             flags = {
@@ -11059,11 +8283,33 @@ local family = {
                 {name = "input_lost", filter = "input_lost", label = "Input signal timeout"},
             },
         },
-        {name = "phase_a", label = "Phase A current", kind = "double", raw = "int32", flags = {}},
-        {name = "phase_b", label = "Phase B current", kind = "double", raw = "int32", flags = {}},
-        {name = "phase_c", label = "Phase C current", kind = "double", raw = "int32", flags = {}},
+        {
+            name = "phase_a",
+            field = "phase_a",
+            label = "Phase A current",
+            kind = "double",
+            raw = "int32",
+            flags = {},
+        },
+        {
+            name = "phase_b",
+            field = "phase_b",
+            label = "Phase B current",
+            kind = "double",
+            raw = "int32",
+            flags = {},
+        },
+        {
+            name = "phase_c",
+            field = "phase_c",
+            label = "Phase C current",
+            kind = "double",
+            raw = "int32",
+            flags = {},
+        },
         {
             name = "action",
+            field = "action",
             label = "Brake action",
             kind = "uint32",
             members = {[0] = "lock", [1] = "release", [16] = "read"},
@@ -11071,41 +8317,106 @@ local family = {
         },
         {
             name = "iq_limit",
+            field = "iq_limit",
             label = "Torque current limit",
             kind = "double",
             raw = "int32",
             flags = {},
         },
-        {name = "torque_limit", label = "Torque limit", kind = "int32", flags = {}},
-        {name = "acceleration_limit", label = "Acceleration limit", kind = "int32", flags = {}},
-        {name = "speed_limit", label = "Speed limit", kind = "int32", flags = {}},
+        {
+            name = "torque_limit",
+            field = "torque_limit",
+            label = "Torque limit",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "acceleration_limit",
+            field = "acceleration_limit",
+            label = "Acceleration limit",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "speed_limit",
+            field = "speed_limit",
+            label = "Speed limit",
+            kind = "int32",
+            flags = {},
+        },
         {
             name = "state",
+            field = "state",
             label = "Brake state",
             kind = "uint32",
             members = {[0] = "locked", [1] = "released"},
             flags = {},
         },
-        {name = "current", label = "Supply current", kind = "double", raw = "int32", flags = {}},
+        {
+            name = "current",
+            field = "current",
+            label = "Supply current",
+            kind = "double",
+            raw = "int32",
+            flags = {},
+        },
         {
             name = "motor_state",
+            field = "motor_state",
             label = "Motor state",
             kind = "uint32",
             members = {[0] = "on", [16] = "off"},
             flags = {},
         },
-        {name = "kp", label = "Kp", kind = "uint32", flags = {}},
-        {name = "ki", label = "Ki", kind = "uint32", flags = {}},
-        {name = "kd", label = "Kd", kind = "uint32", flags = {}},
-        {name = "max_torque_current", label = "Maximum torque current", kind = "int32", flags = {}},
-        {name = "max_angle", label = "Angle limit", kind = "int32", flags = {}},
-        {name = "current_ramp", label = "Current ramp", kind = "int32", flags = {}},
-        {name = "speed_ramp", label = "Speed ramp", kind = "int32", flags = {}},
-        {name = "upper_angle", label = "Upper angle limit", kind = "int32", flags = {}},
-        {name = "lower_angle", label = "Lower angle limit", kind = "int32", flags = {}},
-        {name = "driver_id", label = "Node id of the drive", kind = "uint32", flags = {}},
+        {name = "kp", field = "kp", label = "Kp", kind = "uint32", flags = {}},
+        {name = "ki", field = "ki", label = "Ki", kind = "uint32", flags = {}},
+        {name = "kd", field = "kd", label = "Kd", kind = "uint32", flags = {}},
+        {
+            name = "max_torque_current",
+            field = "max_torque_current",
+            label = "Maximum torque current",
+            kind = "int32",
+            flags = {},
+        },
+        {name = "max_angle", field = "max_angle", label = "Angle limit", kind = "int32", flags = {}},
+        {
+            name = "current_ramp",
+            field = "current_ramp",
+            label = "Current ramp",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "speed_ramp",
+            field = "speed_ramp",
+            label = "Speed ramp",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "upper_angle",
+            field = "upper_angle",
+            label = "Upper angle limit",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "lower_angle",
+            field = "lower_angle",
+            label = "Lower angle limit",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "driver_id",
+            field = "driver_id",
+            label = "Node id of the drive",
+            kind = "uint32",
+            flags = {},
+        },
         {
             name = "bus_type",
+            field = "bus_type",
             label = "Bus type",
             kind = "uint32",
             members = {[0] = "no_bus", [1] = "rs485", [2] = "can"},
@@ -11113,6 +8424,7 @@ local family = {
         },
         {
             name = "rs485_baud_rate",
+            field = "rs485_baud_rate",
             label = "RS485 bit rate",
             kind = "uint32",
             members = {
@@ -11132,6 +8444,7 @@ local family = {
         },
         {
             name = "can_baud_rate",
+            field = "can_baud_rate",
             label = "CAN bit rate",
             kind = "uint32",
             members = {
@@ -11143,11 +8456,30 @@ local family = {
             },
             flags = {},
         },
-        {name = "max_power", label = "Maximum power", kind = "int32", flags = {}},
-        {name = "align_value", label = "Calibration value", kind = "uint32", flags = {}},
-        {name = "align_ratio", label = "Calibration ratio", kind = "uint32", flags = {}},
+        {
+            name = "max_power",
+            field = "max_power",
+            label = "Maximum power",
+            kind = "int32",
+            flags = {},
+        },
+        {
+            name = "align_value",
+            field = "align_value",
+            label = "Calibration value",
+            kind = "uint32",
+            flags = {},
+        },
+        {
+            name = "align_ratio",
+            field = "align_ratio",
+            label = "Calibration ratio",
+            kind = "uint32",
+            flags = {},
+        },
         {
             name = "align_state",
+            field = "align_state",
             label = "Calibration state",
             kind = "uint32",
             flags = {
@@ -11161,6 +8493,7 @@ local family = {
         },
         {
             name = "result",
+            field = "result",
             label = "Result of saving",
             kind = "uint32",
             members = {[0] = "failed", [1] = "saved"},
@@ -11237,23 +8570,23 @@ local function integer_field(kind, name, label, members)
     return ProtoField[kind](named(name), label, base.DEC, members)
 end
 
-for _, one in ipairs(family.fields) do
-    local made = { flags = {}, kind = one.kind, raw_kind = one.raw }
-    if one.kind == "double" then
-        made.value = ProtoField.double(named(one.name), one.label)
+for _, entry in ipairs(family.fields) do
+    local made = { flags = {}, kind = entry.kind, raw_kind = entry.raw }
+    if entry.kind == "double" then
+        made.value = ProtoField.double(named(entry.name), entry.label)
     else
-        made.value = integer_field(one.kind, one.name, one.label, one.members)
+        made.value = integer_field(entry.kind, entry.name, entry.label, entry.members)
     end
     all_fields[#all_fields + 1] = made.value
-    if one.raw then
-        made.raw = integer_field(one.raw, one.name .. ".raw", one.label .. " (raw)")
+    if entry.raw then
+        made.raw = integer_field(entry.raw, entry.name .. ".raw", entry.label .. " (raw)")
         all_fields[#all_fields + 1] = made.raw
     end
-    for _, flag in ipairs(one.flags) do
-        made.flags[flag.name] = ProtoField.bool(named(one.name .. "." .. flag.filter), flag.label)
+    for _, flag in ipairs(entry.flags) do
+        made.flags[flag.name] = ProtoField.bool(named(entry.name .. "." .. flag.filter), flag.label)
         all_fields[#all_fields + 1] = made.flags[flag.name]
     end
-    proto_fields[one.name] = made
+    proto_fields[entry.field] = made
 end
 proto.fields = all_fields
 proto.experts = all_experts
@@ -11340,18 +8673,18 @@ end
 -- One entry of the preference `nodes`, such as `1-4, 7: EDITION NAME=VALUE`.
 local function set_nodes(entry)
     local list, rest = entry:match("^([^:]*):?(.*)$")
-    local one = { edition = settings.edition, parameters = {} }
+    local listed = { edition = settings.edition, parameters = {} }
     for name, value in pairs(settings.parameters) do
-        one.parameters[name] = value
+        listed.parameters[name] = value
     end
     for word in rest:gmatch("%S+") do
         local name, value = word:match("^(.-)=(.*)$")
         local parameter = name and named(family.parameters, name)
         local edition = not name and named(family.editions, word)
         if parameter then
-            set_parameter(one.parameters, parameter, value)
+            set_parameter(listed.parameters, parameter, value)
         elseif edition then
-            one.edition = edition
+            listed.edition = edition
         else
             mistake("nodes: unknown " .. word)
         end
@@ -11362,7 +8695,7 @@ local function set_nodes(entry)
         last = tonumber(last) or first
         if first and last - first < 65536 then
             for node = first, last do
-                settings.nodes[node] = one
+                settings.nodes[node] = listed
             end
         else
             mistake("nodes: invalid " .. part)
@@ -11407,8 +8740,8 @@ end
 local function find_edition(frame)
     local used = { settings.edition }
     for _, edition in ipairs(family.editions) do
-        for _, one in pairs(settings.nodes) do
-            if one.edition == edition and edition ~= settings.edition then
+        for _, listed in pairs(settings.nodes) do
+            if listed.edition == edition and edition ~= settings.edition then
                 used[#used + 1] = edition
                 break
             end
@@ -11437,8 +8770,8 @@ local function of_id(frame)
     return ids[key]
 end
 
-local function last(found)
-    return found[#found] and found[#found].value
+local function last(values)
+    return values[#values] and values[#values].value
 end
 
 local function read_frame(tvb)
@@ -11464,9 +8797,9 @@ local MARKS = { [P2P_DIR_SENT] = "sent", [P2P_DIR_RECV] = "received" }
 
 local function judge(frame, pinfo, known)
     local time = frame_time().value
-    local found = interface()
+    local source = interface()
     return directions.judge(state, known.edition, known.only, frame, {
-        bus = found and found.value or 0,
+        bus = source and source.value or 0,
         time = { time.secs, time.nsecs },
         mark = prefs.marks ~= 2 and MARKS[pinfo.p2p_dir] or nil,
         trusts_marks = prefs.marks == 1,
@@ -11524,53 +8857,53 @@ local function shown_number(number)
     return tostring(number)
 end
 
-local function shown_value(one)
-    local type_ = one.field.type
+local function shown_value(decoded)
+    local type_ = decoded.field.type
     if type_.flags then
-        return #one.value > 0 and table.concat(one.value, ", ") or "none"
+        return #decoded.value > 0 and table.concat(decoded.value, ", ") or "none"
     end
     if type_.enum then
-        return one.value or ("unknown " .. shown_integer(one.raw))
+        return decoded.value or ("unknown " .. shown_integer(decoded.raw))
     end
-    if one.value == nil then
-        return "raw " .. shown_integer(one.raw)
+    if decoded.value == nil then
+        return "raw " .. shown_integer(decoded.raw)
     end
-    local text = type_.plain and shown_integer(one.raw) or shown_number(one.value)
+    local text = type_.plain and shown_integer(decoded.raw) or shown_number(decoded.value)
     return type_.unit and text .. " " .. type_.unit or text
 end
 
-local function label_of(one)
-    return one.index and string.format("%s[%d]", one.field.label, one.index) or one.field.label
+local function label_of(decoded)
+    return decoded.index and string.format("%s[%d]", decoded.field.label, decoded.index) or decoded.field.label
 end
 
-local function add_field(tree, tvb, one)
-    local known = proto_fields[one.field.filter]
-    local range = range_of(tvb, one.segments)
-    local text = label_of(one) .. ": " .. shown_value(one)
+local function add_field(tree, tvb, decoded)
+    local known = proto_fields[decoded.field.name]
+    local range = range_of(tvb, decoded.segments)
+    local text = label_of(decoded) .. ": " .. shown_value(decoded)
     local item
     if known.kind ~= "double" then
-        item = add(tree, known.value, range, integer(known.kind, one.raw))
+        item = add(tree, known.value, range, integer(known.kind, decoded.raw))
     else
-        local number = one.value
-        if one.field.type.enum or one.field.type.flags then
-            number = one.raw.number
+        local number = decoded.value
+        if decoded.field.type.enum or decoded.field.type.flags then
+            number = decoded.raw.number
         end
         if number then
             item = add(tree, known.value, range, number)
         end
-        local raw = add(item or tree, known.raw, range, integer(known.raw_kind, one.raw))
-        raw:set_text(label_of(one) .. " (raw): " .. shown_integer(one.raw))
+        local raw = add(item or tree, known.raw, range, integer(known.raw_kind, decoded.raw))
+        raw:set_text(label_of(decoded) .. " (raw): " .. shown_integer(decoded.raw))
         item = item or raw
     end
     item:set_text(text)
-    for _, flag in ipairs(one.field.type.flags or {}) do
-        local is_set = codec.has_flag(one.raw, flag.bit)
+    for _, flag in ipairs(decoded.field.type.flags or {}) do
+        local is_set = codec.has_flag(decoded.raw, flag.bit)
         add(item, known.flags[flag.name], range, is_set):set_text(flag.label .. ": " .. (is_set and "1" or "0"))
     end
-    if one.reason == "missing_parameter" then
+    if decoded.reason == "missing_parameter" then
         item:add_proto_expert_info(experts.parameter)
     end
-    return one.field.name .. (one.index and "[" .. one.index .. "]" or "") .. " " .. shown_value(one)
+    return decoded.field.name .. (decoded.index and "[" .. decoded.index .. "]" or "") .. " " .. shown_value(decoded)
 end
 
 local function reject(tree, reason, text)
@@ -11629,8 +8962,8 @@ local function add_frame(tree, tvb, pinfo, result)
         if not fields then
             texts[1] = reject(tree, reason, parameter and reason .. ": " .. parameter)
         else
-            for _, one in ipairs(fields) do
-                texts[#texts + 1] = add_field(tree, tvb, one)
+            for _, decoded in ipairs(fields) do
+                texts[#texts + 1] = add_field(tree, tvb, decoded)
             end
         end
     end

@@ -74,7 +74,7 @@ class Questions:
 
     def _about(self, message: Message) -> Iterator[Question]:
         """Questions about one message; its kinds of questions take turns."""
-        kinds = [self._frames(message), self._raws(message), self._given_values(message)]
+        kinds = [self._frames(message), self._raws(message), self._given_values(message), self._mistakes(message)]
         if message.direction is Direction.REQUEST:
             kinds.append(self._replies(message))
         for group in itertools.zip_longest(*kinds):
@@ -252,6 +252,15 @@ class Questions:
             for parameters in (known, unknown) if unknown != known else (known,):
                 given = (*_start(message), message.id.nodes[-1] + 1, largest, self._having(message, parameters))
                 yield Question("encode raw", "encode_raw", given)
+
+    def _mistakes(self, message: Message) -> Iterator[Question]:
+        """Several mistakes at once: a node that does not exist, no parameters, and only invalid raw integers."""
+        nodes = message.id.nodes
+        for parameters in (self._known(message), self._having(message, {})):
+            fields = self._encoders.for_parameters(parameters).fields(message) or {}
+            invalid = {name: _largest(field) for name, field in fields.items()}
+            for node in (None,) if nodes is None else (nodes[0], nodes[-1] + 1):
+                yield Question("several mistakes", "encode_raw", (*_start(message), node, invalid, parameters))
 
     def _given_values(self, message: Message) -> Iterator[Question]:
         """Values at the limits of every field, ties, and what is no number."""

@@ -246,6 +246,19 @@ def test_a_partition_by_bus_and_time_gives_the_same_rows(package: Package) -> No
     assert _decoded(package, buses, "motion_feedback").sort_by("time").equals(expected)
 
 
+def test_longer_frames_than_the_edition_has(package: Package) -> None:
+    """Frames of CAN FD among others are rejected for their length; both readers give them all their bytes."""
+    data = [bytes([0x9A, *range(1, length)]) for length in (8, 20, 8)]
+    frames = package.runtime.frames([0x141] * 3, data, 0)
+    rows = [{"time": 0, "id": 0x141, "data": item, "direction": "request"} for item in data]
+    batch = pa.RecordBatch.from_pylist(rows, schema=pa.schema([package.arrow.INPUT.field(n) for n in rows[0]]))
+    for read in (frames, package.arrow.frames_of(batch)):
+        assert [row.tobytes()[:length] for row, length in zip(read.data, read.length, strict=True)] == data
+        wanted = package.edition.decoder(PARAMETERS).decode(package.runtime.frames([0x141], data[:1], 0)).message[0]
+        found = package.edition.decoder(PARAMETERS).decode(read)
+        assert list(found.message) == [wanted, package.runtime.Refusal.WRONG_LENGTH, wanted]
+
+
 def test_a_batch_with_wrong_columns_is_an_error(package: Package) -> None:
     decoder, whole = package.edition.decoder(PARAMETERS), package.input()
     strings = pa.array(["x"] * whole.num_rows)

@@ -100,8 +100,8 @@ def test_numbers_are_exact() -> None:
     )
     assert quotients == wanted
     assert [Fraction(int(n), int(d)) for n, d in ratios] == [Fraction(one) for one in doubles]
-    notations = [Fraction(3, 10), Fraction(-25, 2), Fraction(1, 10**7), 2000, Fraction(1, 3), Fraction(33, 4096), 7]
-    assert [Fraction(int(n), int(d)) for n, d in rationals] == notations
+    notations = [Fraction(text) for text in ("3/10", "-25/2", "1e-7", "2000", "1/3", "33/4096", "7")]
+    assert rationals == [[str(one.numerator), str(one.denominator)] for one in notations]
     assert rounded == [1, 2, -1, -3, 0, 2**51]
     assert nearest == [1, -2, -3, 2]
     assert whole == [[-4, -3], [3, 4], [-2, -2]]

@@ -83,19 +83,12 @@ export const {
     { width: 16, encoding: "signed", unit: "A", linear: { divisor: 64 } },
   ],
   layouts: [
-    { name: "motor_off", fields: [] },
-    { name: "motor_on", fields: [] },
-    { name: "motor_stop", fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [{ name: "power", type: 0, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
+    { fields: [{ name: "iq", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "set_power_request",
-      fields: [{ name: "power", type: 0, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "set_torque_request",
-      fields: [{ name: "iq", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "set_speed_request",
       fields: [
         {
           name: "speed",
@@ -105,7 +98,6 @@ export const {
       ],
     },
     {
-      name: "move_to_angle_request",
       fields: [
         {
           name: "angle",
@@ -115,7 +107,6 @@ export const {
       ],
     },
     {
-      name: "move_to_angle_at_speed_request",
       fields: [
         { name: "max_speed", type: 4, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -126,7 +117,6 @@ export const {
       ],
     },
     {
-      name: "turn_to_angle_request",
       fields: [
         { name: "spin_direction", type: 5, elements: [[[1, 0, 8, 0]]] },
         {
@@ -137,7 +127,6 @@ export const {
       ],
     },
     {
-      name: "turn_to_angle_at_speed_request",
       fields: [
         { name: "spin_direction", type: 5, elements: [[[1, 0, 8, 0]]] },
         { name: "max_speed", type: 4, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -149,7 +138,6 @@ export const {
       ],
     },
     {
-      name: "move_by_angle_request",
       fields: [
         {
           name: "increment",
@@ -159,7 +147,6 @@ export const {
       ],
     },
     {
-      name: "move_by_angle_at_speed_request",
       fields: [
         { name: "max_speed", type: 4, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -169,9 +156,8 @@ export const {
         },
       ],
     },
-    { name: "read_pid_request", fields: [] },
+    { fields: [] },
     {
-      name: "pid_gains",
       fields: [
         { name: "angle_kp", type: 7, elements: [[[2, 0, 8, 0]]] },
         { name: "angle_ki", type: 7, elements: [[[3, 0, 8, 0]]] },
@@ -181,9 +167,8 @@ export const {
         { name: "iq_ki", type: 7, elements: [[[7, 0, 8, 0]]] },
       ],
     },
-    { name: "read_acceleration_request", fields: [] },
+    { fields: [] },
     {
-      name: "write_acceleration_ram",
       fields: [
         {
           name: "acceleration",
@@ -192,21 +177,17 @@ export const {
         },
       ],
     },
-    { name: "read_encoder_request", fields: [] },
+    { fields: [] },
+    { fields: [{ name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
     {
-      name: "write_encoder_offset_rom",
-      fields: [{ name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-    },
-    { name: "write_position_as_zero_rom_request", fields: [] },
-    { name: "read_multi_turn_angle_request", fields: [] },
-    { name: "read_single_turn_angle_request", fields: [] },
-    { name: "clear_angle", fields: [] },
-    { name: "read_status_1_request", fields: [] },
-    { name: "clear_errors_request", fields: [] },
-    { name: "read_status_2_request", fields: [] },
-    { name: "read_status_3_request", fields: [] },
-    {
-      name: "broadcast_torque_request",
       fields: [
         {
           name: "iq",
@@ -217,13 +198,11 @@ export const {
             [[4, 0, 8, 0], [5, 0, 8, 8]],
             [[6, 0, 8, 0], [7, 0, 8, 8]],
           ],
-          array: true,
           indices: [1, 2, 3, 4],
         },
       ],
     },
     {
-      name: "motion_feedback",
       parameter: "series",
       values: ["MS", "MF", "MH", "MG"],
       fields: [
@@ -235,7 +214,6 @@ export const {
       ],
     },
     {
-      name: "read_acceleration_reply",
       fields: [
         {
           name: "acceleration",
@@ -245,19 +223,14 @@ export const {
       ],
     },
     {
-      name: "read_encoder_reply",
       fields: [
         { name: "encoder", type: 9, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         { name: "encoder_measured", type: 9, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
         { name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
       ],
     },
+    { fields: [{ name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
     {
-      name: "write_position_as_zero_rom_reply",
-      fields: [{ name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-    },
-    {
-      name: "read_multi_turn_angle_reply",
       fields: [
         {
           name: "angle",
@@ -277,7 +250,6 @@ export const {
       ],
     },
     {
-      name: "read_single_turn_angle_reply",
       fields: [
         {
           name: "angle",
@@ -287,7 +259,6 @@ export const {
       ],
     },
     {
-      name: "status_1",
       fields: [
         { name: "temperature", type: 11, elements: [[[1, 0, 8, 0]]] },
         { name: "voltage", type: 15, elements: [[[3, 0, 8, 0], [4, 0, 8, 8]]] },
@@ -295,7 +266,6 @@ export const {
       ],
     },
     {
-      name: "read_status_3_reply",
       fields: [
         { name: "temperature", type: 11, elements: [[[1, 0, 8, 0]]] },
         { name: "phase_a", type: 17, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },

@@ -98,20 +98,13 @@ export const {
     },
   ],
   layouts: [
-    { name: "motor_off", fields: [] },
-    { name: "motor_on", fields: [] },
-    { name: "motor_stop", fields: [] },
-    { name: "brake_request", fields: [{ name: "action", type: 0, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [{ name: "action", type: 0, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [{ name: "power", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
+    { fields: [{ name: "iq", type: 2, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "set_power_request",
-      fields: [{ name: "power", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "set_torque_request",
-      fields: [{ name: "iq", type: 2, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "set_speed_request",
       fields: [
         {
           name: "speed",
@@ -121,7 +114,6 @@ export const {
       ],
     },
     {
-      name: "set_speed_limited_request",
       fields: [
         { name: "iq_limit", type: 2, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -132,7 +124,6 @@ export const {
       ],
     },
     {
-      name: "move_to_angle_request",
       fields: [
         {
           name: "angle",
@@ -142,7 +133,6 @@ export const {
       ],
     },
     {
-      name: "move_to_angle_at_speed_request",
       fields: [
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -153,7 +143,6 @@ export const {
       ],
     },
     {
-      name: "turn_to_angle_request",
       fields: [
         { name: "spin_direction", type: 6, elements: [[[1, 0, 8, 0]]] },
         {
@@ -164,7 +153,6 @@ export const {
       ],
     },
     {
-      name: "turn_to_angle_at_speed_request",
       fields: [
         { name: "spin_direction", type: 6, elements: [[[1, 0, 8, 0]]] },
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -176,7 +164,6 @@ export const {
       ],
     },
     {
-      name: "move_by_angle_request",
       fields: [
         {
           name: "increment",
@@ -186,7 +173,6 @@ export const {
       ],
     },
     {
-      name: "move_by_angle_at_speed_request",
       fields: [
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -196,15 +182,11 @@ export const {
         },
       ],
     },
-    { name: "read_control_parameter_torque_limit_request", fields: [] },
-    { name: "read_control_parameter_acceleration_limit_request", fields: [] },
-    { name: "read_control_parameter_speed_limit_request", fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [{ name: "torque_limit", type: 8, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "control_parameters_torque_limit",
-      fields: [{ name: "torque_limit", type: 8, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "control_parameters_acceleration_limit",
       fields: [
         {
           name: "acceleration_limit",
@@ -214,7 +196,6 @@ export const {
       ],
     },
     {
-      name: "control_parameters_speed_limit",
       fields: [
         {
           name: "speed_limit",
@@ -223,16 +204,12 @@ export const {
         },
       ],
     },
-    { name: "read_encoder_request", fields: [] },
+    { fields: [] },
+    { fields: [{ name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
     {
-      name: "write_encoder_offset_rom",
-      fields: [{ name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-    },
-    { name: "write_position_as_zero_rom_request", fields: [] },
-    { name: "read_multi_turn_angle_request", fields: [] },
-    { name: "read_single_turn_angle_request", fields: [] },
-    {
-      name: "set_angle",
       fields: [
         {
           name: "angle",
@@ -241,13 +218,12 @@ export const {
         },
       ],
     },
-    { name: "read_status_1_request", fields: [] },
-    { name: "clear_errors_request", fields: [] },
-    { name: "read_status_2_request", fields: [] },
-    { name: "read_status_3_request", fields: [] },
-    { name: "brake_reply", fields: [{ name: "state", type: 11, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [{ name: "state", type: 11, elements: [[[1, 0, 8, 0]]] }] },
     {
-      name: "motion_feedback",
       parameter: "series",
       values: ["MS", "MF", "MH", "MG"],
       fields: [
@@ -259,19 +235,14 @@ export const {
       ],
     },
     {
-      name: "read_encoder_reply",
       fields: [
         { name: "encoder", type: 10, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         { name: "encoder_measured", type: 10, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
         { name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
       ],
     },
+    { fields: [{ name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
     {
-      name: "write_position_as_zero_rom_reply",
-      fields: [{ name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-    },
-    {
-      name: "read_multi_turn_angle_reply",
       fields: [
         {
           name: "angle",
@@ -291,7 +262,6 @@ export const {
       ],
     },
     {
-      name: "read_single_turn_angle_reply",
       fields: [
         {
           name: "angle",
@@ -301,7 +271,6 @@ export const {
       ],
     },
     {
-      name: "status_1",
       fields: [
         { name: "temperature", type: 12, elements: [[[1, 0, 8, 0]]] },
         { name: "voltage", type: 18, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -311,7 +280,6 @@ export const {
       ],
     },
     {
-      name: "read_status_3_reply",
       fields: [
         { name: "temperature", type: 12, elements: [[[1, 0, 8, 0]]] },
         { name: "phase_a", type: 22, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },

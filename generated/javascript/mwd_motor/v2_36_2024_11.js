@@ -112,20 +112,13 @@ export const {
     },
   ],
   layouts: [
-    { name: "motor_off", fields: [] },
-    { name: "motor_on", fields: [] },
-    { name: "motor_stop", fields: [] },
-    { name: "brake_request", fields: [{ name: "action", type: 0, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [{ name: "action", type: 0, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [{ name: "power", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
+    { fields: [{ name: "iq", type: 2, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "set_power_request",
-      fields: [{ name: "power", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "set_torque_request",
-      fields: [{ name: "iq", type: 2, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "set_speed_request",
       fields: [
         { name: "iq_limit", type: 2, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -136,7 +129,6 @@ export const {
       ],
     },
     {
-      name: "move_to_angle_request",
       fields: [
         {
           name: "angle",
@@ -146,7 +138,6 @@ export const {
       ],
     },
     {
-      name: "move_to_angle_at_speed_request",
       fields: [
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -157,7 +148,6 @@ export const {
       ],
     },
     {
-      name: "turn_to_angle_request",
       fields: [
         { name: "spin_direction", type: 6, elements: [[[1, 0, 8, 0]]] },
         {
@@ -168,7 +158,6 @@ export const {
       ],
     },
     {
-      name: "turn_to_angle_at_speed_request",
       fields: [
         { name: "spin_direction", type: 6, elements: [[[1, 0, 8, 0]]] },
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -180,7 +169,6 @@ export const {
       ],
     },
     {
-      name: "move_by_angle_request",
       fields: [
         {
           name: "increment",
@@ -190,7 +178,6 @@ export const {
       ],
     },
     {
-      name: "move_by_angle_at_speed_request",
       fields: [
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -200,28 +187,23 @@ export const {
         },
       ],
     },
-    { name: "read_control_parameter_angle_pid_request", fields: [] },
-    { name: "read_control_parameter_speed_pid_request", fields: [] },
-    { name: "read_control_parameter_current_pid_request", fields: [] },
-    { name: "read_control_parameter_max_torque_current_request", fields: [] },
-    { name: "read_control_parameter_max_speed_request", fields: [] },
-    { name: "read_control_parameter_max_angle_request", fields: [] },
-    { name: "read_control_parameter_current_ramp_request", fields: [] },
-    { name: "read_control_parameter_speed_ramp_request", fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
     {
-      name: "pid_gains",
       fields: [
         { name: "kp", type: 8, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         { name: "ki", type: 8, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
         { name: "kd", type: 8, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
       ],
     },
+    { fields: [{ name: "max_torque_current", type: 9, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "control_parameters_max_torque_current",
-      fields: [{ name: "max_torque_current", type: 9, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "control_parameters_max_speed",
       fields: [
         {
           name: "max_speed",
@@ -231,7 +213,6 @@ export const {
       ],
     },
     {
-      name: "control_parameters_max_angle",
       fields: [
         {
           name: "max_angle",
@@ -241,7 +222,6 @@ export const {
       ],
     },
     {
-      name: "control_parameters_current_ramp",
       fields: [
         {
           name: "current_ramp",
@@ -251,7 +231,6 @@ export const {
       ],
     },
     {
-      name: "control_parameters_speed_ramp",
       fields: [
         {
           name: "speed_ramp",
@@ -260,12 +239,11 @@ export const {
         },
       ],
     },
-    { name: "read_encoder_request", fields: [] },
-    { name: "write_position_as_zero_rom_request", fields: [] },
-    { name: "read_multi_turn_angle_request", fields: [] },
-    { name: "read_single_turn_angle_request", fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
     {
-      name: "set_angle",
       fields: [
         {
           name: "angle",
@@ -274,13 +252,12 @@ export const {
         },
       ],
     },
-    { name: "read_status_1_request", fields: [] },
-    { name: "clear_errors_request", fields: [] },
-    { name: "read_status_2_request", fields: [] },
-    { name: "read_status_3_request", fields: [] },
-    { name: "brake_reply", fields: [{ name: "state", type: 11, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [{ name: "state", type: 11, elements: [[[1, 0, 8, 0]]] }] },
     {
-      name: "motion_feedback",
       parameter: "series",
       values: ["MS", "MF", "MH", "MG"],
       fields: [
@@ -292,19 +269,14 @@ export const {
       ],
     },
     {
-      name: "read_encoder_reply",
       fields: [
         { name: "encoder", type: 16, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         { name: "encoder_measured", type: 16, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
         { name: "encoder_offset", type: 16, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
       ],
     },
+    { fields: [{ name: "encoder_offset", type: 16, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
     {
-      name: "write_position_as_zero_rom_reply",
-      fields: [{ name: "encoder_offset", type: 16, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-    },
-    {
-      name: "read_multi_turn_angle_reply",
       fields: [
         {
           name: "angle",
@@ -324,7 +296,6 @@ export const {
       ],
     },
     {
-      name: "read_single_turn_angle_reply",
       fields: [
         {
           name: "angle",
@@ -334,7 +305,6 @@ export const {
       ],
     },
     {
-      name: "status_1",
       fields: [
         { name: "temperature", type: 12, elements: [[[1, 0, 8, 0]]] },
         { name: "voltage", type: 19, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -344,7 +314,6 @@ export const {
       ],
     },
     {
-      name: "read_status_3_reply",
       fields: [
         { name: "temperature", type: 12, elements: [[[1, 0, 8, 0]]] },
         { name: "phase_a", type: 23, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },

@@ -149,20 +149,13 @@ export const {
     { width: 8, encoding: "unsigned", enum: [[0, "failed"], [1, "saved"]] },
   ],
   layouts: [
-    { name: "motor_off", fields: [] },
-    { name: "motor_on", fields: [] },
-    { name: "motor_stop", fields: [] },
-    { name: "brake_request", fields: [{ name: "action", type: 0, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [{ name: "action", type: 0, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [{ name: "power", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
+    { fields: [{ name: "iq", type: 2, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "set_power_request",
-      fields: [{ name: "power", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "set_torque_request",
-      fields: [{ name: "iq", type: 2, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "set_speed_request",
       fields: [
         { name: "iq_limit", type: 2, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -173,7 +166,6 @@ export const {
       ],
     },
     {
-      name: "move_to_angle_request",
       fields: [
         {
           name: "angle",
@@ -183,7 +175,6 @@ export const {
       ],
     },
     {
-      name: "move_to_angle_at_speed_request",
       fields: [
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -194,7 +185,6 @@ export const {
       ],
     },
     {
-      name: "turn_to_angle_request",
       fields: [
         { name: "spin_direction", type: 6, elements: [[[1, 0, 8, 0]]] },
         {
@@ -205,7 +195,6 @@ export const {
       ],
     },
     {
-      name: "turn_to_angle_at_speed_request",
       fields: [
         { name: "spin_direction", type: 6, elements: [[[1, 0, 8, 0]]] },
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -217,7 +206,6 @@ export const {
       ],
     },
     {
-      name: "move_by_angle_request",
       fields: [
         {
           name: "increment",
@@ -227,7 +215,6 @@ export const {
       ],
     },
     {
-      name: "move_by_angle_at_speed_request",
       fields: [
         { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         {
@@ -237,28 +224,23 @@ export const {
         },
       ],
     },
-    { name: "read_control_parameter_angle_pid_request", fields: [] },
-    { name: "read_control_parameter_speed_pid_request", fields: [] },
-    { name: "read_control_parameter_current_pid_request", fields: [] },
-    { name: "read_control_parameter_max_torque_current_request", fields: [] },
-    { name: "read_control_parameter_max_speed_request", fields: [] },
-    { name: "read_control_parameter_upper_angle_request", fields: [] },
-    { name: "read_control_parameter_lower_angle_request", fields: [] },
-    { name: "read_control_parameter_speed_ramp_request", fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
     {
-      name: "pid_gains",
       fields: [
         { name: "kp", type: 8, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         { name: "ki", type: 8, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
         { name: "kd", type: 8, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
       ],
     },
+    { fields: [{ name: "max_torque_current", type: 9, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "control_parameters_max_torque_current",
-      fields: [{ name: "max_torque_current", type: 9, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "control_parameters_max_speed",
       fields: [
         {
           name: "max_speed",
@@ -268,7 +250,6 @@ export const {
       ],
     },
     {
-      name: "control_parameters_upper_angle",
       fields: [
         {
           name: "upper_angle",
@@ -278,7 +259,6 @@ export const {
       ],
     },
     {
-      name: "control_parameters_lower_angle",
       fields: [
         {
           name: "lower_angle",
@@ -288,7 +268,6 @@ export const {
       ],
     },
     {
-      name: "control_parameters_speed_ramp",
       fields: [
         {
           name: "speed_ramp",
@@ -297,50 +276,34 @@ export const {
         },
       ],
     },
-    { name: "read_encoder_request", fields: [] },
-    { name: "calibrate_encoder_request", fields: [] },
-    { name: "write_position_as_zero_rom_request", fields: [] },
-    { name: "read_multi_turn_angle_request", fields: [] },
-    { name: "read_single_turn_angle_request", fields: [] },
-    { name: "set_zero_ram", fields: [] },
-    { name: "read_status_1_request", fields: [] },
-    { name: "clear_errors_request", fields: [] },
-    { name: "read_status_2_request", fields: [] },
-    { name: "read_status_3_request", fields: [] },
-    { name: "read_stored_setting_driver_id_request", fields: [] },
-    { name: "read_stored_setting_bus_type_request", fields: [] },
-    { name: "read_stored_setting_rs485_baud_rate_request", fields: [] },
-    { name: "read_stored_setting_can_baud_rate_request", fields: [] },
-    { name: "read_stored_setting_max_power_request", fields: [] },
-    { name: "read_stored_setting_max_speed_request", fields: [] },
-    { name: "read_stored_setting_max_angle_request", fields: [] },
-    { name: "read_stored_setting_current_ramp_request", fields: [] },
-    { name: "read_stored_setting_speed_ramp_request", fields: [] },
-    { name: "read_stored_setting_angle_pid_request", fields: [] },
-    { name: "read_stored_setting_speed_pid_request", fields: [] },
-    { name: "read_stored_setting_current_pid_request", fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [] },
+    { fields: [{ name: "driver_id", type: 13, elements: [[[4, 0, 8, 0]]] }] },
+    { fields: [{ name: "bus_type", type: 14, elements: [[[4, 0, 8, 0]]] }] },
+    { fields: [{ name: "rs485_baud_rate", type: 15, elements: [[[4, 0, 8, 0]]] }] },
+    { fields: [{ name: "can_baud_rate", type: 16, elements: [[[4, 0, 8, 0]]] }] },
+    { fields: [{ name: "max_power", type: 9, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "stored_settings_driver_id",
-      fields: [{ name: "driver_id", type: 13, elements: [[[4, 0, 8, 0]]] }],
-    },
-    {
-      name: "stored_settings_bus_type",
-      fields: [{ name: "bus_type", type: 14, elements: [[[4, 0, 8, 0]]] }],
-    },
-    {
-      name: "stored_settings_rs485_baud_rate",
-      fields: [{ name: "rs485_baud_rate", type: 15, elements: [[[4, 0, 8, 0]]] }],
-    },
-    {
-      name: "stored_settings_can_baud_rate",
-      fields: [{ name: "can_baud_rate", type: 16, elements: [[[4, 0, 8, 0]]] }],
-    },
-    {
-      name: "stored_settings_max_power",
-      fields: [{ name: "max_power", type: 9, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "stored_settings_max_speed",
       fields: [
         {
           name: "max_speed",
@@ -350,7 +313,6 @@ export const {
       ],
     },
     {
-      name: "stored_settings_max_angle",
       fields: [
         {
           name: "max_angle",
@@ -359,12 +321,8 @@ export const {
         },
       ],
     },
+    { fields: [{ name: "current_ramp", type: 18, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
     {
-      name: "stored_settings_current_ramp",
-      fields: [{ name: "current_ramp", type: 18, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-    },
-    {
-      name: "stored_settings_speed_ramp",
       fields: [
         {
           name: "speed_ramp",
@@ -374,15 +332,13 @@ export const {
       ],
     },
     {
-      name: "save_stored_settings_request",
       fields: [
         { name: "group", type: 19, elements: [[[1, 0, 8, 0]]], fixed: 5, constant: true },
         { name: "key", type: 19, elements: [[[2, 0, 8, 0]]], fixed: 250, constant: true },
       ],
     },
-    { name: "brake_reply", fields: [{ name: "state", type: 20, elements: [[[1, 0, 8, 0]]] }] },
+    { fields: [{ name: "state", type: 20, elements: [[[1, 0, 8, 0]]] }] },
     {
-      name: "motion_feedback",
       parameter: "series",
       values: ["MS", "MF", "MH", "MG"],
       fields: [
@@ -394,7 +350,6 @@ export const {
       ],
     },
     {
-      name: "read_encoder_reply",
       fields: [
         { name: "encoder", type: 25, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
         { name: "encoder_measured", type: 25, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
@@ -402,7 +357,6 @@ export const {
       ],
     },
     {
-      name: "calibrate_encoder_reply",
       fields: [
         {
           name: "align_value",
@@ -413,12 +367,8 @@ export const {
         { name: "align_state", type: 28, elements: [[[7, 0, 8, 0]]] },
       ],
     },
+    { fields: [{ name: "encoder_offset", type: 25, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
     {
-      name: "write_position_as_zero_rom_reply",
-      fields: [{ name: "encoder_offset", type: 25, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-    },
-    {
-      name: "read_multi_turn_angle_reply",
       fields: [
         {
           name: "angle",
@@ -438,7 +388,6 @@ export const {
       ],
     },
     {
-      name: "read_single_turn_angle_reply",
       fields: [
         {
           name: "angle",
@@ -448,7 +397,6 @@ export const {
       ],
     },
     {
-      name: "status_1",
       fields: [
         { name: "temperature", type: 21, elements: [[[1, 0, 8, 0]]] },
         { name: "voltage", type: 31, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -458,7 +406,6 @@ export const {
       ],
     },
     {
-      name: "read_status_3_reply",
       fields: [
         { name: "temperature", type: 21, elements: [[[1, 0, 8, 0]]] },
         { name: "phase_a", type: 35, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -467,7 +414,6 @@ export const {
       ],
     },
     {
-      name: "save_stored_settings_reply",
       fields: [
         { name: "group", type: 19, elements: [[[1, 0, 8, 0]]], fixed: 5, constant: true },
         { name: "result", type: 36, elements: [[[2, 0, 8, 0]]] },

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Union
 
 WIDTH = 100
 """The characters of a table on one line with its indentation."""
+
+
+Table = Mapping[str, "Value"] | Mapping[int, "Value"]
+Value = Union[str, int, float, Table, Sequence["Value"], None]  # noqa: UP007 - a forward reference
+"""What can be printed. An entry of a mapping that is None is left out."""
 
 
 class Code(str):
@@ -20,11 +25,11 @@ class Code(str):
 class NestedSource:
     """How a language writes tables: the `scalar` values, the `name` that starts an entry, and its brackets.
 
-    An entry of a mapping that is None is left out. Sequences are lists and tuples.
+    Sequences are lists and tuples.
     """
 
-    scalar: Callable[[Any], str]
-    name: Callable[[Any], str]
+    scalar: Callable[[str | float | None], str]
+    name: Callable[[str | int], str]
     mapping: tuple[str, str]
     sequence: tuple[str, str]
     padding: str
@@ -32,24 +37,25 @@ class NestedSource:
     step: int
     """The spaces by which entries are indented."""
 
-    def printed(self, value: Any, indent: int = 0) -> str:
+    def printed(self, value: Value, indent: int = 0) -> str:
         """A value on one line if it fits, else with one entry on each line."""
         if value is None or isinstance(value, (str, int, float)):
             return self.scalar(value)
-        is_list = isinstance(value, (list, tuple))
-        opening, closing = self.sequence if is_list else self.mapping
         margin = " " * (indent + self.step)
-        entries = list(self._list(value, len(margin)) if is_list else self._mapping(value, len(margin)))
+        if isinstance(value, Mapping):
+            (opening, closing), entries = self.mapping, list(self._mapping(value, len(margin)))
+        else:
+            (opening, closing), entries = self.sequence, list(self._list(value, len(margin)))
         line = ", ".join(entries)
-        padding = self.padding if entries and not is_list else ""
+        padding = self.padding if entries and isinstance(value, Mapping) else ""
         is_short = len(line) + 2 * len(opening + padding) <= WIDTH - indent and "\n" not in line
         if is_short or not entries:
             return f"{opening}{padding}{line}{padding}{closing}"
         lines = f",\n{margin}".join(entries)
         return f"{opening}\n{margin}{lines},\n{' ' * indent}{closing}"
 
-    def _list(self, value: Sequence[Any], indent: int) -> Iterator[str]:
+    def _list(self, value: Sequence[Value], indent: int) -> Iterator[str]:
         return (self.printed(item, indent) for item in value)
 
-    def _mapping(self, value: Mapping[Any, Any], indent: int) -> Iterator[str]:
+    def _mapping(self, value: Table, indent: int) -> Iterator[str]:
         return (self.name(name) + self.printed(item, indent) for name, item in value.items() if item is not None)

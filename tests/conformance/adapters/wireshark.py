@@ -30,7 +30,7 @@ class LuaDecoder:
         self._directions = {Direction.REQUEST: "requests", Direction.REPLY: "replies"}
         every = list(self.edition.messages.values())
         self._messages = {(m.direction, m.command): m for m in every}
-        self._messages |= {("reply", m.command): m.reply for m in every if m.direction == "request" and m.reply}
+        self._messages |= {("reply", m.command): m.answer.reply for m in every if m.answer.reply}
         self._numbers = {p.name for p in edition.parameters if not p.is_choice}
 
     def frame(self, frame: CanFrame) -> Any:

@@ -66,19 +66,12 @@ canwright.editions.push({
       { width: 16, encoding: "signed", unit: "A", linear: { divisor: 64 } },
     ],
     layouts: [
-      { name: "motor_off", fields: [] },
-      { name: "motor_on", fields: [] },
-      { name: "motor_stop", fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [{ name: "power", type: 0, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
+      { fields: [{ name: "iq", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
       {
-        name: "set_power_request",
-        fields: [{ name: "power", type: 0, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-      },
-      {
-        name: "set_torque_request",
-        fields: [{ name: "iq", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-      },
-      {
-        name: "set_speed_request",
         fields: [
           {
             name: "speed",
@@ -88,7 +81,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "move_to_angle_request",
         fields: [
           {
             name: "angle",
@@ -98,7 +90,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "move_to_angle_at_speed_request",
         fields: [
           { name: "max_speed", type: 4, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
           {
@@ -109,7 +100,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "turn_to_angle_request",
         fields: [
           { name: "spin_direction", type: 5, elements: [[[1, 0, 8, 0]]] },
           {
@@ -120,7 +110,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "turn_to_angle_at_speed_request",
         fields: [
           { name: "spin_direction", type: 5, elements: [[[1, 0, 8, 0]]] },
           { name: "max_speed", type: 4, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -132,7 +121,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "move_by_angle_request",
         fields: [
           {
             name: "increment",
@@ -142,7 +130,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "move_by_angle_at_speed_request",
         fields: [
           { name: "max_speed", type: 4, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
           {
@@ -152,9 +139,8 @@ canwright.editions.push({
           },
         ],
       },
-      { name: "read_pid_request", fields: [] },
+      { fields: [] },
       {
-        name: "pid_gains",
         fields: [
           { name: "angle_kp", type: 7, elements: [[[2, 0, 8, 0]]] },
           { name: "angle_ki", type: 7, elements: [[[3, 0, 8, 0]]] },
@@ -164,9 +150,8 @@ canwright.editions.push({
           { name: "iq_ki", type: 7, elements: [[[7, 0, 8, 0]]] },
         ],
       },
-      { name: "read_acceleration_request", fields: [] },
+      { fields: [] },
       {
-        name: "write_acceleration_ram",
         fields: [
           {
             name: "acceleration",
@@ -175,21 +160,17 @@ canwright.editions.push({
           },
         ],
       },
-      { name: "read_encoder_request", fields: [] },
+      { fields: [] },
+      { fields: [{ name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
       {
-        name: "write_encoder_offset_rom",
-        fields: [{ name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-      },
-      { name: "write_position_as_zero_rom_request", fields: [] },
-      { name: "read_multi_turn_angle_request", fields: [] },
-      { name: "read_single_turn_angle_request", fields: [] },
-      { name: "clear_angle", fields: [] },
-      { name: "read_status_1_request", fields: [] },
-      { name: "clear_errors_request", fields: [] },
-      { name: "read_status_2_request", fields: [] },
-      { name: "read_status_3_request", fields: [] },
-      {
-        name: "broadcast_torque_request",
         fields: [
           {
             name: "iq",
@@ -200,13 +181,11 @@ canwright.editions.push({
               [[4, 0, 8, 0], [5, 0, 8, 8]],
               [[6, 0, 8, 0], [7, 0, 8, 8]],
             ],
-            array: true,
             indices: [1, 2, 3, 4],
           },
         ],
       },
       {
-        name: "motion_feedback",
         parameter: "series",
         values: ["MS", "MF", "MH", "MG"],
         fields: [
@@ -218,7 +197,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "read_acceleration_reply",
         fields: [
           {
             name: "acceleration",
@@ -228,19 +206,14 @@ canwright.editions.push({
         ],
       },
       {
-        name: "read_encoder_reply",
         fields: [
           { name: "encoder", type: 9, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
           { name: "encoder_measured", type: 9, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
           { name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
         ],
       },
+      { fields: [{ name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
       {
-        name: "write_position_as_zero_rom_reply",
-        fields: [{ name: "encoder_offset", type: 9, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-      },
-      {
-        name: "read_multi_turn_angle_reply",
         fields: [
           {
             name: "angle",
@@ -260,7 +233,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "read_single_turn_angle_reply",
         fields: [
           {
             name: "angle",
@@ -270,7 +242,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "status_1",
         fields: [
           { name: "temperature", type: 11, elements: [[[1, 0, 8, 0]]] },
           { name: "voltage", type: 15, elements: [[[3, 0, 8, 0], [4, 0, 8, 8]]] },
@@ -278,7 +249,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "read_status_3_reply",
         fields: [
           { name: "temperature", type: 11, elements: [[[1, 0, 8, 0]]] },
           { name: "phase_a", type: 17, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },

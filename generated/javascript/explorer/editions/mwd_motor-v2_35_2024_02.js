@@ -81,20 +81,13 @@ canwright.editions.push({
       },
     ],
     layouts: [
-      { name: "motor_off", fields: [] },
-      { name: "motor_on", fields: [] },
-      { name: "motor_stop", fields: [] },
-      { name: "brake_request", fields: [{ name: "action", type: 0, elements: [[[1, 0, 8, 0]]] }] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [{ name: "action", type: 0, elements: [[[1, 0, 8, 0]]] }] },
+      { fields: [{ name: "power", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
+      { fields: [{ name: "iq", type: 2, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
       {
-        name: "set_power_request",
-        fields: [{ name: "power", type: 1, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-      },
-      {
-        name: "set_torque_request",
-        fields: [{ name: "iq", type: 2, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-      },
-      {
-        name: "set_speed_request",
         fields: [
           {
             name: "speed",
@@ -104,7 +97,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "set_speed_limited_request",
         fields: [
           { name: "iq_limit", type: 2, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
           {
@@ -115,7 +107,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "move_to_angle_request",
         fields: [
           {
             name: "angle",
@@ -125,7 +116,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "move_to_angle_at_speed_request",
         fields: [
           { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
           {
@@ -136,7 +126,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "turn_to_angle_request",
         fields: [
           { name: "spin_direction", type: 6, elements: [[[1, 0, 8, 0]]] },
           {
@@ -147,7 +136,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "turn_to_angle_at_speed_request",
         fields: [
           { name: "spin_direction", type: 6, elements: [[[1, 0, 8, 0]]] },
           { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -159,7 +147,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "move_by_angle_request",
         fields: [
           {
             name: "increment",
@@ -169,7 +156,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "move_by_angle_at_speed_request",
         fields: [
           { name: "max_speed", type: 5, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
           {
@@ -179,15 +165,11 @@ canwright.editions.push({
           },
         ],
       },
-      { name: "read_control_parameter_torque_limit_request", fields: [] },
-      { name: "read_control_parameter_acceleration_limit_request", fields: [] },
-      { name: "read_control_parameter_speed_limit_request", fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [{ name: "torque_limit", type: 8, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }] },
       {
-        name: "control_parameters_torque_limit",
-        fields: [{ name: "torque_limit", type: 8, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] }],
-      },
-      {
-        name: "control_parameters_acceleration_limit",
         fields: [
           {
             name: "acceleration_limit",
@@ -197,7 +179,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "control_parameters_speed_limit",
         fields: [
           {
             name: "speed_limit",
@@ -206,16 +187,12 @@ canwright.editions.push({
           },
         ],
       },
-      { name: "read_encoder_request", fields: [] },
+      { fields: [] },
+      { fields: [{ name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
       {
-        name: "write_encoder_offset_rom",
-        fields: [{ name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-      },
-      { name: "write_position_as_zero_rom_request", fields: [] },
-      { name: "read_multi_turn_angle_request", fields: [] },
-      { name: "read_single_turn_angle_request", fields: [] },
-      {
-        name: "set_angle",
         fields: [
           {
             name: "angle",
@@ -224,13 +201,12 @@ canwright.editions.push({
           },
         ],
       },
-      { name: "read_status_1_request", fields: [] },
-      { name: "clear_errors_request", fields: [] },
-      { name: "read_status_2_request", fields: [] },
-      { name: "read_status_3_request", fields: [] },
-      { name: "brake_reply", fields: [{ name: "state", type: 11, elements: [[[1, 0, 8, 0]]] }] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [] },
+      { fields: [{ name: "state", type: 11, elements: [[[1, 0, 8, 0]]] }] },
       {
-        name: "motion_feedback",
         parameter: "series",
         values: ["MS", "MF", "MH", "MG"],
         fields: [
@@ -242,19 +218,14 @@ canwright.editions.push({
         ],
       },
       {
-        name: "read_encoder_reply",
         fields: [
           { name: "encoder", type: 10, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
           { name: "encoder_measured", type: 10, elements: [[[4, 0, 8, 0], [5, 0, 8, 8]]] },
           { name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] },
         ],
       },
+      { fields: [{ name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }] },
       {
-        name: "write_position_as_zero_rom_reply",
-        fields: [{ name: "encoder_offset", type: 10, elements: [[[6, 0, 8, 0], [7, 0, 8, 8]]] }],
-      },
-      {
-        name: "read_multi_turn_angle_reply",
         fields: [
           {
             name: "angle",
@@ -274,7 +245,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "read_single_turn_angle_reply",
         fields: [
           {
             name: "angle",
@@ -284,7 +254,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "status_1",
         fields: [
           { name: "temperature", type: 12, elements: [[[1, 0, 8, 0]]] },
           { name: "voltage", type: 18, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },
@@ -294,7 +263,6 @@ canwright.editions.push({
         ],
       },
       {
-        name: "read_status_3_reply",
         fields: [
           { name: "temperature", type: 12, elements: [[[1, 0, 8, 0]]] },
           { name: "phase_a", type: 22, elements: [[[2, 0, 8, 0], [3, 0, 8, 8]]] },

@@ -49,8 +49,9 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
         "demanded": view.demanded,
         "fraction": view.fraction,
         "kinds": view.kinds,
+        "case_value": view.case_value,
         "dtype": bits.dtype,
     }
     for item in specifications:
         path = f"{package_name(item.edition.family)}/{item.edition.identifier}.py"
-        yield Output(path, module.render({**view.module_view(item.edition), **functions}))
+        yield Output(path, module.render(view=view.ModuleView(item.edition), **functions))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple, Union
+from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.layout import Field, Layout
@@ -14,22 +13,11 @@ from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
 from ..base import header
 from ..python_source import english, literal, member_name, tuple_of
+from ..tables import Positions
 from .bits import FrameReads
 
 FRAME_COLUMNS = ("time", "bus", "node", "direction", "command", "code")
 """The columns that every table has."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SelectView:
-    """A decision: the expression of its subject."""
-
-    read: str
-    cases: tuple[tuple[tuple[str, ...], NodeView], ...]
-    otherwise: NodeView
-
-
-NodeView = Union[str, SelectView]  # noqa: UP007 - `NodeView` in `SelectView` is a forward reference
 
 
 class Columns(NamedTuple):
@@ -62,34 +50,48 @@ def _free(name: str, taken: set[str]) -> str:
     return name
 
 
-def module_view(edition: Edition) -> Mapping[str, object]:
+class ModuleView:
     """What the template prints."""
-    messages = list(edition.all_messages())
-    tables = tables_of(edition)
-    layouts = list(tables)
-    numbers = {message: number for number, message in enumerate(messages)}
-    codes = {command.name: command.code for command in edition.commands}
-    reads = FrameReads.of(edition)
-    return {
-        "header": header(edition),
-        "edition": edition,
-        "title": english(edition.title),
-        "parameters": edition.parameters,
-        "types": edition.types,
-        "reads": reads,
-        "tables": tables,
-        "messages": [
-            (m, code_of(m, codes), layouts.index(m.layout), reads.key(m.node_in_data) if m.node_in_data else "")
-            for m in messages
-        ],
-        "routes": {direction.value: route_views(edition, direction, numbers, reads) for direction in Direction},
-    }
+
+    def __init__(self, edition: Edition) -> None:
+        self.edition = edition
+        self.header = header(edition)
+        self.title = english(edition.title)
+        self.tables = tables_of(edition)
+        self.reads = FrameReads.of(edition)
+        self.routes = {d.value: dispatch.dispatch_plan(edition, d).routes for d in Direction}
+        self._positions = Positions(edition)
+        self._codes = {command.name: command.code for command in edition.commands}
+
+    @property
+    def messages(self) -> Iterator[tuple[Message, str, int, str]]:
+        """The messages, each with its code, the position of its layout, and the expression of the node in its data."""
+        for message in self._positions.messages:
+            code, node = self._code(message), message.node_in_data
+            shown = "-1" if code is None else f"0x{code:02X}"
+            yield message, shown, self._positions.layouts[message.layout], self.reads.key(node) if node else ""
+
+    def _code(self, message: Message) -> int | None:
+        """The code on the wire; that of the command for a message without one."""
+        keys = (key.value for key in message.keys if key.role is KeyRole.CODE)
+        return next(keys, self._codes[message.command])
+
+    def leaf(self, node: dispatch.DispatchNode) -> str:
+        """The position of a message, or a refusal; empty for a decision."""
+        if isinstance(node, dispatch.Match):
+            return str(self._positions.messages[node.message])
+        return f"Refusal.{node.reason.name}" if isinstance(node, dispatch.Reject) else ""
+
+    def subject(self, subject: dispatch.Discriminator) -> str:
+        """The expression of what a decision depends on."""
+        if isinstance(subject, dispatch.Length):
+            return "lengths"
+        return f"ids & 0x{subject.mask:X}" if isinstance(subject, dispatch.MaskedId) else self.reads.key(subject)
 
 
-def code_of(message: Message, codes: Mapping[str, int | None]) -> int:
-    """The code on the wire; that of the command for a message without one, and -1 if that has none."""
-    own = next((key.value for key in message.keys if key.role is KeyRole.CODE), codes[message.command])
-    return -1 if own is None else own
+def case_value(value: int, subject: dispatch.Discriminator) -> str:
+    """The value of a decision."""
+    return f"0x{value:02X}" if isinstance(subject, BitRun) else str(value)
 
 
 def constant_name(type_: Type) -> str:
@@ -105,19 +107,19 @@ def arguments(type_: Type) -> Sequence[str]:
     else:
         cases = linear.cases.items() if linear.parameter else [("", linear.constant)]
         scale = "scale={" + ", ".join(f"{literal(name)}: {_scale(case)}" for name, case in cases) + "}"
-    found = [scale]
+    listed = [scale]
     if type_.unit:
-        found.append(f"unit={literal(type_.unit.symbol)}")
+        listed.append(f"unit={literal(type_.unit.symbol)}")
     if linear.parameter and type_.is_number:
-        found.append(f"scale_by={literal(linear.parameter)}")
+        listed.append(f"scale_by={literal(linear.parameter)}")
     if type_.encoding is Encoding.FLOAT:
-        found.append("is_float=True")
+        listed.append("is_float=True")
     if type_.flags:
-        found.append("is_flags=True")
+        listed.append("is_flags=True")
     members = type_.enum or type_.flags
     if members:
-        found.append("names={" + ", ".join(f"{m.value}: {literal(m.name)}" for m in members) + "}")
-    return found
+        listed.append("names={" + ", ".join(f"{m.value}: {literal(m.name)}" for m in members) + "}")
+    return listed
 
 
 def _scale(linear: Linear | None) -> str:
@@ -144,38 +146,10 @@ def fraction(number: Fraction | None) -> str:
     return f"Fraction({number.numerator}, {number.denominator})"
 
 
-def route_views(
-    edition: Edition, direction: Direction, numbers: Mapping[Message, int], reads: FrameReads
-) -> Sequence[tuple[dispatch.Route, NodeView]]:
-    """The routes of one direction in the order in which they are tried, each with its tree."""
-    routes = dispatch.dispatch_plan(edition, direction).routes
-    return [(route, _node(route.then, numbers, reads)) for route in routes]
-
-
-def _node(node: dispatch.DispatchNode, numbers: Mapping[Message, int], reads: FrameReads) -> NodeView:
-    if isinstance(node, dispatch.Match):
-        return str(numbers[node.message])
-    if isinstance(node, dispatch.Reject):
-        return f"Refusal.{node.reason.name}"
-    form = "0x{:02X}" if isinstance(node.subject, BitRun) else "{}"
-    cases = ((tuple(form.format(v) for v in case.values), _node(case.then, numbers, reads)) for case in node.cases)
-    return SelectView(
-        read=_subject(node.subject, reads), cases=tuple(cases), otherwise=_node(node.otherwise, numbers, reads)
-    )
-
-
-def _subject(subject: dispatch.Discriminator, reads: FrameReads) -> str:
-    if isinstance(subject, dispatch.Length):
-        return "lengths"
-    if isinstance(subject, dispatch.MaskedId):
-        return f"ids & 0x{subject.mask:X}"
-    return reads.key(subject)
-
-
 def kinds(route: dispatch.Route) -> str:
     """The expression of the kind of frame of a route."""
-    found = ["Kind.EXTENDED"] * route.rule.extended + ["Kind.REMOTE"] * route.remote
-    return " | ".join(found)
+    flags = ["Kind.EXTENDED"] * route.rule.extended + ["Kind.REMOTE"] * route.remote
+    return " | ".join(flags)
 
 
 def literals(texts: Iterable[str]) -> str:

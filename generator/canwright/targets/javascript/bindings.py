@@ -6,29 +6,27 @@ from collections.abc import Mapping
 
 from ...model.edition import Edition
 from ..base import CodeNames, ItemNames
+from ..nested_source import Value
 from ..registry import own_targets
-from .tables import EditionTables
-from .text import Value
+from ..tables import Positions
 
 
 def bindings(edition: Edition) -> Mapping[str, Value]:
     """The names by language, each by the name in the spec; a field is listed where its name differs."""
-    names = filter(None, (target.code_names(edition) for target in own_targets()))
-    return {one.language: _names(edition, one) for one in names}
+    every = filter(None, (target.code_names(edition) for target in own_targets()))
+    return {names.language: _names(edition, names) for names in every}
 
 
 def _names(edition: Edition, names: CodeNames) -> Value:
-    numbers = EditionTables(edition).types
+    numbers = Positions(edition).types
+    messages: dict[str, Value] = {}
+    for message, name in names.messages.items():
+        needs_parameters = message in names.needs_parameters
+        messages[f"{message.direction.value} {message.command}"] = {"name": name, "needsParameters": needs_parameters}
     return {
         "source": names.source,
         "parametersType": names.parameters_type,
-        "messages": {
-            f"{message.direction.value} {message.command}": {
-                "name": name,
-                "needsParameters": message in names.needs_parameters,
-            }
-            for message, name in names.messages.items()
-        },
+        "messages": messages,
         "fields": {name: names.fields[name] for name in sorted(names.fields) if names.fields[name] != name},
         "parameters": {parameter.name: _item(item) for parameter, item in names.parameters.items()},
         "types": {str(number): _item(names.types[t]) for t, number in numbers.items() if t in names.types} or None,

@@ -9,7 +9,7 @@ from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrames
 from ..base import EditionInput, header
 from . import text
-from .tables import EditionTables
+from .tables import JavaScriptTables
 from .titles import titles
 
 
@@ -24,7 +24,7 @@ class EditionSpec:
     @cached_property
     def tables(self) -> str:
         """The tables that the runtime interprets."""
-        return text.printed(EditionTables(self.edition).view())
+        return text.printed(JavaScriptTables(self.edition).view())
 
     @cached_property
     def texts(self) -> str:

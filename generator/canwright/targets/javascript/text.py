@@ -5,22 +5,17 @@ from __future__ import annotations
 import functools
 import json
 import re
-from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
 from ...model.types import Text
 from ...templating.markup import script_text
-from ..nested_source import Code, NestedSource
+from ..nested_source import Code, NestedSource, Value
 
 EXACT = (1 << 53) - 1
 """Integers up to this are exact as a number of JavaScript; larger ones are printed as BigInt."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
-
-Value = str | int | float | Fraction | Mapping[str, "Value"] | Sequence["Value"] | None
-"""What is printed as JavaScript. An entry of a mapping that is None is left out; `null` in a list is None."""
-
 
 NULL = Code("null")
 
@@ -58,7 +53,7 @@ def double(number: Fraction | int) -> Code:
         return Code("Infinity" if number > 0 else "-Infinity")
 
 
-def _scalar(value: object) -> str:
+def _scalar(value: str | float | None) -> str:
     if isinstance(value, Code):
         return str(value)
     if isinstance(value, bool):
@@ -71,9 +66,9 @@ def _scalar(value: object) -> str:
 
 
 @functools.lru_cache(maxsize=1 << 12)
-def key(name: str) -> str:
+def key(name: str | int) -> str:
     """The name of a property, in quotes where it has to be."""
-    return name if _NAME.fullmatch(name) else quoted(name)
+    return str(name) if _NAME.fullmatch(str(name)) else quoted(str(name))
 
 
 def as_type(name: str) -> str:

@@ -10,13 +10,13 @@ from ...model.layout import Field
 from ...model.message import Command
 from ...model.metadata import Effect
 from ...model.types import Member, Parameter, Text, Type
-from .tables import EditionTables
-from .text import Value
+from ..nested_source import Value
+from ..tables import Positions
 
 
 def titles(edition: Edition) -> Mapping[str, Value]:
     """Titles by the names and positions that the tables have; what has none is left out."""
-    tables = EditionTables(edition)
+    tables = Positions(edition)
     return {
         "family": edition.family,
         "edition": edition.name,
@@ -59,7 +59,7 @@ def _exemptions(command: Command, effect: Effect) -> Value:
     return dict(fields)
 
 
-def _field(field: Field, tables: EditionTables) -> Value:
+def _field(field: Field, tables: Positions) -> Value:
     return {"title": _text(field.title or field.type.title), "type": tables.types[field.type]}
 
 
@@ -70,7 +70,7 @@ def _type(type_: Type) -> Value:
         [names, None if linear is None else what]
         for (names, what), linear in zip(formatting.scale(type_), linears, strict=True)
     ]
-    ranges: list[Value] = [list(one) for one in formatting.ranges(type_)]
+    ranges: list[Value] = [list(case) for case in formatting.ranges(type_)]
     has_resolution = type_.is_number and not type_.is_plain
     return {
         "resolution": resolutions if has_resolution else None,

@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ...diagnostics.unicode_safety import visible
+from ...model.edition import Edition
 from ...model.types import Assignment
 from ...templating.environment import environment
-from ..base import EditionInput, Output, header
+from ..base import EditionInput, Output
 from . import text
-from .family import family_view
-from .guide import guide
+from .family import FamilyView
 
 RUNTIME = Path(__file__).parent / "runtime"
 """The code that is the same for every protocol."""
@@ -23,13 +22,12 @@ RUNTIME = Path(__file__).parent / "runtime"
 def generate(specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
     """A dissector for each family, and a README.md with instructions."""
     env = environment("wireshark", {"lua": text.printed, "quoted": text.quoted})
-    families: dict[str, list[EditionInput]] = {}
-    for one in specifications:
-        families.setdefault(one.edition.family, []).append(one)
+    editions: dict[str, list[Edition]] = {}
+    for item in specifications:
+        editions.setdefault(item.edition.family, []).append(item.edition)
+    families = [FamilyView(members) for members in editions.values()]
     runtime = {file.stem: file.read_text("utf-8") for file in sorted(RUNTIME.glob("*.lua"))}
-    for name, members in families.items():
-        editions = [one.edition for one in members]
-        headers = [visible(header(edition)) for edition in editions]
+    for family in families:
         dissector = env.get_template("dissector.lua.j2")
-        yield Output(f"{name}.lua", dissector.render(family=family_view(editions), headers=headers, runtime=runtime))
-    yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(specifications)))
+        yield Output(f"{family.name}.lua", dissector.render(family=family, runtime=runtime))
+    yield Output("README.md", env.get_template("README.md.j2").render(families=families))

@@ -1,65 +1,95 @@
-"""The view of a family: its fields in filters, its preferences, and its editions."""
+"""The view of a family: its fields in filters, its preferences, its editions, and the examples of the README."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
+from ...diagnostics.unicode_safety import visible
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.types import Parameter
+from ..base import header
+from ..nested_source import Table
 from . import text
 from .filters import Filters, filters
-from .tables import EditionTables, EditionView
-from .text import Table
+from .tables import LuaTables
 
 OWN_PREFERENCES = frozenset(("edition", "nodes", "marks", "sent", "window"))
 """Preferences of every dissector."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class FamilyView:
-    """A dissector."""
+    """A dissector, of the editions of one family."""
 
-    name: str
-    title: str
-    example: str
-    """The settings of a node in the preference `nodes`."""
-    filters: Filters
-    parameters: tuple[Table, ...]
-    editions: tuple[EditionView, ...]
+    editions: Sequence[Edition]
 
+    @property
+    def name(self) -> str:
+        return self.editions[0].family
 
-def family_view(editions: Sequence[Edition]) -> FamilyView:
-    """The view of the editions of one family."""
-    shared = filters(editions)
-    parameters: dict[str, list[tuple[Edition, Parameter]]] = {}
-    for edition in editions:
-        for parameter in edition.parameters:
-            parameters.setdefault(parameter.name, []).append((edition, parameter))
-    return FamilyView(
-        name=editions[0].family,
-        title=text.english(editions[0].title),
-        example=example(editions),
-        filters=shared,
-        parameters=tuple(map(_parameter, parameters.values())),
-        editions=tuple(EditionTables(edition, shared.names).view() for edition in editions),
-    )
+    @property
+    def title(self) -> str:
+        return text.english(self.editions[0].title)
 
+    @property
+    def headers(self) -> Sequence[str]:
+        return [visible(header(edition)) for edition in self.editions]
 
-def example(editions: Sequence[Edition]) -> str:
-    """The last edition with a value of each of its parameters, as in the preference `nodes`."""
-    edition = editions[-1]
-    settings = (
-        f" {p.name}={p.values[-1].name if p.values else formatting.exact(p.minimum or p.maximum or 1)}"  # type: ignore[arg-type]
-        for p in edition.parameters
-    )
-    return edition.name + "".join(settings)
+    @property
+    def tables(self) -> Sequence[Table]:
+        """The tables of each edition."""
+        return [LuaTables(edition).view() for edition in self.editions]
+
+    @cached_property
+    def filters(self) -> Filters:
+        return filters(self.editions)
+
+    @property
+    def parameters(self) -> Sequence[Table]:
+        """The preferences of parameters."""
+        by_name: dict[str, list[tuple[Edition, Parameter]]] = {}
+        for edition in self.editions:
+            for parameter in edition.parameters:
+                by_name.setdefault(parameter.name, []).append((edition, parameter))
+        return tuple(map(_parameter, by_name.values()))
+
+    @property
+    def nodes(self) -> str:
+        """The settings of a node in the preference `nodes`: the last edition with a value of each of its parameters."""
+        edition = self.editions[-1]
+        return " ".join([edition.name, *(f"{p.name}={_typical(p)}" for p in edition.parameters)])
+
+    @property
+    def command(self) -> str:
+        """A command with a request."""
+        return next((command.name for command in self.editions[0].commands if command.request), "")
+
+    @property
+    def field(self) -> str:
+        """The filter of a field; empty without fields."""
+        return next(iter(self.filters.names.values()), "")
+
+    @property
+    def options(self) -> str:
+        """The options of tshark that set an edition and all parameters."""
+        edition = self.editions[0]
+        settings = [("edition", edition.name), *((preference(p.name), _typical(p)) for p in edition.parameters)]
+        return " ".join(f"-o {self.name}.{option}:{value}" for option, value in settings)
 
 
 def preference(name: str) -> str:
     """The name of the preference of a parameter."""
     return f"{name}_" if name in OWN_PREFERENCES else name
+
+
+def _typical(parameter: Parameter) -> str:
+    """A value of a parameter for an example."""
+    if parameter.values:
+        return parameter.values[-1].name
+    return formatting.exact(parameter.minimum or parameter.maximum or 1)  # type: ignore[arg-type]
 
 
 def _parameter(same: Sequence[tuple[Edition, Parameter]]) -> Table:

@@ -9,8 +9,8 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.types import Encoding, Type
+from ..nested_source import Table, Value
 from . import text
-from .text import Table, Value
 
 OWN_NAMES = frozenset(
     ("edition", "command", "direction", "rule", "node", "request_in", "reply_in", "latency", "rejected", "expert")
@@ -52,6 +52,7 @@ def _field(name: str, same: Sequence[Field]) -> Table:
     flags = {m.name: m for type_ in types for m in type_.flags}
     return {
         "name": name,
+        "field": same[0].name,
         "label": next(iter(labels), "") or formatting.spoken(same[0].name),
         "kind": kind or "double",
         "raw": None if kind else _integer(types) or "uint64",

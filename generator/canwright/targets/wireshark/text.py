@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
@@ -19,10 +18,6 @@ _KEYWORDS = frozenset(
     while""".split()  # noqa: SIM905 - a list of words is easier to read
 )
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
-
-Table = Mapping[str, "Value"] | Mapping[int, "Value"] | Mapping[int | str, "Value"]
-Value = str | int | float | Table | Sequence["Value"] | None
-"""What is printed as Lua. An entry of a mapping that is None is left out."""
 
 
 def quoted(text: str) -> str:

@@ -3,7 +3,7 @@
 const VIEW = new DataView(new ArrayBuffer(8));
 const NUMBER = /^\s*([+-]?)(\d+)(?:\.(\d*))?(?:[eE]([+-]?\d{1,3}))?(?:\/(\d+))?\s*$/;
 
-/** The quotient `[numerator, denominator]` of an integer, or of a text such as `3.5`, `1e-7` or `1/3`; null for another text. */
+/** The quotient `[numerator, denominator]` in lowest terms of an integer, or of a text such as `3.5`, `1e-7` or `1/3`; null for another text. */
 export function rational(value) {
   if (typeof value === "bigint" || Number.isSafeInteger(value)) {
     return [BigInt(value), 1n];
@@ -16,7 +16,16 @@ export function rational(value) {
   const shift = BigInt(Number(exponent) - decimals.length);
   const digits = BigInt(whole + decimals) * (sign === "-" ? -1n : 1n);
   const denominator = BigInt(divisor) * (shift < 0n ? 10n ** -shift : 1n);
-  return denominator === 0n ? null : [digits * (shift > 0n ? 10n ** shift : 1n), denominator];
+  return denominator === 0n ? null : reduced(digits * (shift > 0n ? 10n ** shift : 1n), denominator);
+}
+
+function reduced(numerator, denominator) {
+  let [divisor, rest] = [denominator, numerator % denominator];
+  while (rest !== 0n) {
+    [divisor, rest] = [rest, divisor % rest];
+  }
+  const size = divisor < 0n ? -divisor : divisor;
+  return [numerator / size, denominator / size];
 }
 
 /** A finite double as an exact quotient. */
@@ -74,8 +83,8 @@ export function rounded(number) {
 }
 
 /** -1, 0 or 1, as the first quotient is less than, equal to or greater than the second. */
-export function compare([numerator, denominator], [other, divisor]) {
-  const difference = numerator * divisor - other * denominator;
+export function compare([numerator, denominator], [factor, divisor]) {
+  const difference = numerator * divisor - factor * denominator;
   return difference < 0n ? -1 : difference > 0n ? 1 : 0;
 }
 

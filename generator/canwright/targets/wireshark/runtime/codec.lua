@@ -1,12 +1,176 @@
 -- Identifies frames and decodes their fields, from the tables of an edition. It runs in Lua 5.2 and later, without Wireshark.
 --
 -- A frame is a table: [0] is the CAN id, the data bytes follow from [1] on; `length`, `extended`, `remote`.
--- A segment is {index in the frame, 2^low, 2^width, 2^raw_low, whether raw_low counts from bit 32}: some bits of one byte.
+-- A segment is {index in the frame, 2^low, 2^width, 2^raw_low, whether raw_low counts from bit 32}: some bits of one byte;
+-- in the tables it is {byte, low, width, raw_low}, and the byte of the id is -1.
 -- A key is an unsigned integer as a number, or as a text of its two halves if it has more than 32 bits.
 
 local codec = {}
 
 local TWO_32 = 4294967296
+
+local function power(exponent)
+    return math.floor(2 ^ exponent)
+end
+
+-- The segments of a table; those that cross bit 32 of the raw integer are divided there.
+local function segments_of(listed)
+    local segments = {}
+    for _, segment in ipairs(listed) do
+        local byte, low, width, raw_low = segment[1], segment[2], segment[3], segment[4]
+        local lower = math.min(width, math.max(0, 32 - raw_low))
+        if lower > 0 then
+            segments[#segments + 1] = { byte + 1, power(low), power(lower), power(raw_low) }
+        end
+        if width > lower then
+            local above = raw_low + lower - 32
+            segments[#segments + 1] = { byte + 1, power(low + lower), power(width - lower), power(above), true }
+        end
+    end
+    return segments
+end
+
+-- The bits of the id under a mask, not shifted.
+local function id_bits(mask)
+    local runs = {}
+    for bit = 0, 28 do
+        if math.floor(mask / 2 ^ bit) % 2 == 1 then
+            local last = runs[#runs]
+            if last and last[2] + last[3] == bit then
+                last[3] = last[3] + 1
+            else
+                runs[#runs + 1] = { -1, bit, 1, bit }
+            end
+        end
+    end
+    return segments_of(runs)
+end
+
+local function set_of(listed)
+    local set = {}
+    for _, value in ipairs(listed) do
+        set[value] = true
+    end
+    return set
+end
+
+local function link_rule(rule)
+    rule.step = rule.step or 1
+    rule.first, rule.last = rule.nodes and rule.nodes[1], rule.nodes and rule.nodes[2]
+    rule.extended, rule.remote = rule.extended or false, rule.remote or false
+    rule.filled = id_bits(rule.mask or 0)
+end
+
+local function link_type(type_)
+    type_.signed, type_.float = type_.encoding == "signed", type_.encoding == "float"
+    type_.plain = type_.linear == nil
+    type_.linear = type_.plain and { identity = true } or type_.linear
+    type_.scale_by = type_.linear and type_.linear.by
+    if type_.scale_by then
+        type_.linear = type_.linear.cases
+    end
+    type_.limited = type_.enum or type_.flags or type_.limits
+    if type_.enum then
+        local names = {}
+        for _, member in ipairs(type_.enum) do
+            names[member[1]] = member[2]
+        end
+        type_.enum = names
+    end
+    if type_.flags then
+        type_.named = {}
+        for number, flag in ipairs(type_.flags) do
+            type_.flags[number] = { bit = flag[1], name = flag[2], label = flag[3] }
+            type_.named[flag[1]] = true
+        end
+    end
+end
+
+local function link_layout(layout, types)
+    layout.values = set_of(layout.values or {})
+    for _, field in ipairs(layout.fields) do
+        field.type = types[field.type + 1]
+        field.only = field.only and set_of(field.only)
+        for number, element in ipairs(field.elements) do
+            field.elements[number] = segments_of(element)
+        end
+    end
+end
+
+local function link_message(message, layouts)
+    link_rule(message)
+    message.layout = layouts[message.layout + 1]
+    message.keys = message.keys or {}
+    for _, key in ipairs(message.keys) do
+        key.segments, key.values = segments_of(key.segments), set_of(key.values)
+    end
+    message.node = message.node and segments_of(message.node)
+    for _, bits in ipairs(message.reserved) do
+        bits[1], bits[2], bits[3] = bits[1] + 1, power(bits[2]), power(bits[3])
+    end
+end
+
+-- The bits of a node, with the number of nodes that they distinguish.
+local function node_bits(listed)
+    if not listed then
+        return nil
+    end
+    local width = 0
+    for _, segment in ipairs(listed) do
+        width = width + segment[3]
+    end
+    return { segments = segments_of(listed), modulus = power(width) }
+end
+
+local function linked_plan(node, messages)
+    if type(node) == "number" then
+        return messages[node + 1]
+    elseif type(node) == "string" then
+        return node
+    end
+    local cases = {}
+    for _, case in ipairs(node.cases) do
+        local after = linked_plan(case[2], messages)
+        for _, value in ipairs(case[1]) do
+            cases[value] = after
+        end
+    end
+    local on = node.on
+    if type(on) == "table" then
+        on = on.mask and id_bits(on.mask) or segments_of(on)
+    end
+    return { on = on, cases = cases, otherwise = linked_plan(node.otherwise, messages) }
+end
+
+-- An edition from its tables: the items themselves in place of their positions, and sets in place of lists.
+function codec.edition(tables)
+    local messages = tables.messages
+    for _, type_ in ipairs(tables.types) do
+        link_type(type_)
+    end
+    for _, layout in ipairs(tables.layouts) do
+        link_layout(layout, tables.types)
+    end
+    for _, message in ipairs(messages) do
+        link_message(message, tables.layouts)
+        message.answer = { nodes = {}, echo = false }
+    end
+    for _, routes in ipairs({ tables.requests, tables.replies }) do
+        for _, route in ipairs(routes) do
+            link_rule(route)
+            route.plan = linked_plan(route.plan, messages)
+        end
+    end
+    for number, position in ipairs(tables.explained) do
+        tables.explained[number] = messages[position + 1]
+    end
+    for _, answer in ipairs(tables.answers) do
+        answer.reply, answer.nodes, answer.echo = messages[answer.reply + 1], answer.nodes or {}, answer.echo or false
+        answer.asked, answer.reported = node_bits(answer.asked), node_bits(answer.reported)
+        messages[answer.request + 1].answer = answer
+    end
+    return tables
+end
 
 -- The unsigned integer of some segments: the lower 32 bits and the others.
 local function read(frame, segments)
@@ -157,8 +321,8 @@ end
 
 -- The node of a frame of a message: that in its id, or else in its data; nil without one.
 local function node_of(message, frame, in_id)
-    if message.has_node_in_data then
-        return (read(frame, message.node_bits.segments))
+    if message.node then
+        return (read(frame, message.node))
     end
     return in_id
 end
@@ -168,18 +332,18 @@ function codec.identify(edition, direction, frame)
     for _, route in ipairs(edition[direction]) do
         local node = node_of_rule(route, frame)
         if node ~= false then
-            local found = route.plan
-            while type(found) == "table" and found.on do
+            local step = route.plan
+            while type(step) == "table" and step.on do
                 local subject = frame.length
-                if found.on ~= "length" then
-                    subject = read_key(frame, found.on)
+                if step.on ~= "length" then
+                    subject = read_key(frame, step.on)
                 end
-                found = found.cases[subject] or found.otherwise
+                step = step.cases[subject] or step.otherwise
             end
-            if type(found) == "string" then
-                return nil, found
+            if type(step) == "string" then
+                return nil, step
             end
-            return found, node_of(found, frame, node)
+            return step, node_of(step, frame, node)
         end
     end
     return nil, "unknown_id"
@@ -223,7 +387,7 @@ function codec.has_constants(message, frame, choice)
     for _, field in ipairs(message.layout.fields) do
         if field.constant and is_present(field, choice) then
             for _, element in ipairs(field.elements) do
-                if read_key(frame, element) ~= field.constant then
+                if read_key(frame, element) ~= field.fixed then
                     return false
                 end
             end
@@ -234,13 +398,13 @@ end
 
 -- The reserved bits of a frame as a text, and whether they are as the spec demands.
 function codec.reserved_bits(message, frame)
-    local found, is_regular = {}, true
+    local values, is_regular = {}, true
     for number, bits in ipairs(message.reserved) do
         local value = math.floor((frame[bits[1]] or 0) / bits[2]) % bits[3]
-        found[number] = value
+        values[number] = value
         is_regular = is_regular and value == bits[4]
     end
-    return table.concat(found, " "), is_regular
+    return table.concat(values, " "), is_regular
 end
 
 -- Whether the fields of a frame of this message have named values, and values in their ranges.
@@ -256,7 +420,7 @@ function codec.is_in_range(message, frame)
                 end
                 if type_.enum and not type_.enum[raw.key] then
                     return false
-                elseif type_.low and (number == nil or number < type_.low or number > type_.high) then
+                elseif type_.limits and (number == nil or number < type_.limits[1] or number > type_.limits[2]) then
                     return false
                 elseif type_.flags then
                     for bit = 0, type_.width - 1 do
@@ -276,20 +440,20 @@ end
 function codec.decode(message, frame, parameters)
     local layout = message.layout
     local choice = layout.parameter and parameters[layout.parameter]
-    local is_known = not layout.parameter or (choice ~= nil and layout.choices[choice])
+    local is_known = not layout.parameter or (choice ~= nil and layout.values[choice])
     if not codec.has_constants(message, frame, is_known and choice or nil) then
         return nil, "wrong_constant"
     end
     if not is_known then
         return nil, "missing_parameter", layout.parameter
     end
-    local found = {}
+    local decoded = {}
     for _, field in ipairs(layout.fields) do
         if not field.fixed and is_present(field, choice) then
             for index, segments in ipairs(field.elements) do
                 local raw = raw_integer(field.type, frame, segments)
                 local value, reason = value_of(field.type, raw, parameters)
-                found[#found + 1] = {
+                decoded[#decoded + 1] = {
                     field = field,
                     segments = segments,
                     index = field.indices and field.indices[index],
@@ -300,7 +464,7 @@ function codec.decode(message, frame, parameters)
             end
         end
     end
-    return found
+    return decoded
 end
 
 local function is_from(nodes, source, modulus)
@@ -317,7 +481,8 @@ end
 
 -- Whether a frame is the reply to a request, and the node that replies.
 function codec.answers(request, request_node, request_frame, frame)
-    local reply = request.reply
+    local answer = request.answer
+    local reply = answer.reply
     if not reply then
         return false
     end
@@ -326,26 +491,26 @@ function codec.answers(request, request_node, request_frame, frame)
         return false
     end
     local to, modulus = request_node, nil
-    if request.node_bits and #request.nodes == 0 then
-        to, modulus = read(request_frame, request.node_bits.segments), request.node_bits.modulus
+    if answer.asked then
+        to, modulus = read(request_frame, answer.asked.segments), answer.asked.modulus
     end
-    local nodes = request.nodes
+    local nodes = answer.nodes
     if #nodes == 0 and to ~= nil then
         nodes = { to }
     end
     if not is_from(nodes, source, modulus) then
         return false
     end
-    if reply.node_bits then
-        local shared = reply.node_bits.modulus
+    if answer.reported then
+        local shared = answer.reported.modulus
         if modulus and modulus < shared then
             shared = modulus
         end
-        if not is_from(nodes, (read(frame, reply.node_bits.segments)), shared) then
+        if not is_from(nodes, (read(frame, answer.reported.segments)), shared) then
             return false
         end
     end
-    if request.echo then
+    if answer.echo then
         if request_frame.length ~= frame.length then
             return false
         end

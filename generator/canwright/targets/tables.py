@@ -1,0 +1,175 @@
+"""The tables of an edition that an interpreter executes, in terms of no language.
+
+Types, layouts and messages refer to each other by position. A target prints the tables; what only its language writes
+differently, it overrides.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator
+from typing import ClassVar, TypeVar
+
+from ..model.edition import Edition
+from ..model.layout import Field, Layout, Segment, Space
+from ..model.message import BitRun, Direction, IdRule, Message
+from ..model.types import ByParameter, Linear, Type
+from ..semantics import dispatch
+from ..semantics.exchange import ExchangePlan, exchange_plans
+from ..semantics.plan import AcceptedKey, message_plan, only_by_request
+from .nested_source import Table, Value
+
+ID = -1
+"""The byte of segments in the id."""
+
+T = TypeVar("T")
+
+
+class Positions:
+    """The positions of the messages, layouts and types of an edition in its tables."""
+
+    def __init__(self, edition: Edition) -> None:
+        self.edition = edition
+        self.messages = {message: number for number, message in enumerate(edition.all_messages())}
+        layouts = dict.fromkeys(message.layout for message in self.messages)
+        self.layouts = {layout: number for number, layout in enumerate(layouts)}
+        types = dict.fromkeys(field.type for layout in layouts for field in layout.fields)
+        self.types = {type_: number for number, type_ in enumerate(types)}
+
+
+class EditionTables(Positions, ABC):
+    """The tables of one edition. An entry that is None is left out."""
+
+    unknown: ClassVar[Value]
+    """What the tables have for an unknown scale."""
+
+    @abstractmethod
+    def integer(self, raw: int, width: int) -> Value:
+        """The raw integer of a field or a key."""
+
+    @abstractmethod
+    def linear(self, linear: Linear) -> Value:
+        """A scale with its offset."""
+
+    def tables(self) -> dict[str, Value]:
+        """All tables that do not depend on a language."""
+        return {
+            "types": [self.type(type_) for type_ in self.types],
+            "layouts": [self._layout(layout) for layout in self.layouts],
+            "messages": [self.message(message) for message in self.messages],
+            "answers": [self.answer(e, e.reply) for e in exchange_plans(self.edition).values() if e.reply],
+            "explained": [self.messages[message] for message in only_by_request(self.edition)],
+            "requests": list(self._routes(Direction.REQUEST)),
+            "replies": list(self._routes(Direction.REPLY)),
+        }
+
+    def type(self, type_: Type) -> dict[str, Value]:
+        """A type; without `linear`, its values are the raw integers or their names."""
+        is_plain = type_.is_plain or not type_.is_number
+        return {
+            "width": type_.width,
+            "encoding": type_.encoding.value,
+            "unit": type_.unit.symbol if type_.unit else None,
+            "enum": [[self.integer(m.value, type_.width), m.name] for m in type_.enum] or None,
+            "flags": [[m.value, m.name] for m in type_.flags] or None,
+            "linear": None if is_plain else self.by_parameter(type_.linear, self.linear),
+        }
+
+    def by_parameter(self, of: ByParameter[T], value: Callable[[T], Value]) -> Value:
+        """A value, or its values by those of a parameter."""
+        if of.parameter is None:
+            return self.unknown if of.constant is None else value(of.constant)
+        cases: Table = {name: self.unknown if case is None else value(case) for name, case in of.cases.items()}
+        return {"by": of.parameter, "cases": cases}
+
+    def field(self, field: Field) -> dict[str, Value]:
+        """A field; `fixed` is the raw integer that is always sent, which a receiver checks in a `constant`."""
+        fixed = field.role.sent_raw
+        return {
+            "name": field.name,
+            "type": self.types[field.type],
+            "elements": [segments(element.segments, field.space) for element in field.elements],
+            "indices": [element.index or 0 for element in field.elements] if field.is_array else None,
+            "only": list(field.only) or None,
+            "fixed": None if fixed is None else self.integer(fixed, field.type.width),
+            "constant": field.role.is_checked or None,
+        }
+
+    def message(self, message: Message) -> dict[str, Value]:
+        """A message; `node` are the bits that contain its node if the id does not."""
+        only = self.edition.command(message.command).only if message.direction is Direction.REQUEST else {}
+        return {
+            "command": message.command,
+            "direction": message.direction.value,
+            **_rule(message.id, message.remote, message.id_mask),
+            "length": message.dlc,
+            "only": {name: list(values) for name, values in only.items()} or None,
+            "keys": [self._key(key) for key in message_plan(message).keys] or None,
+            "layout": self.layouts[message.layout],
+            "node": _run(message.node_in_data),
+        }
+
+    def answer(self, exchange: ExchangePlan, reply: Message) -> dict[str, Value]:
+        """The reply to a request, as `ExchangePlan` has it."""
+        return {
+            "request": self.messages[exchange.request],
+            "reply": self.messages[reply],
+            "nodes": list(exchange.nodes) or None,
+            "asked": _run(exchange.asked),
+            "reported": _run(exchange.reported),
+            "echo": exchange.is_echo or None,
+        }
+
+    def _layout(self, layout: Layout) -> Table:
+        return {
+            "parameter": layout.parameter,
+            "values": [value for variant in layout.variants for value in variant.values] or None,
+            "fields": [self.field(field) for field in layout.fields],
+        }
+
+    def _key(self, accepted: AcceptedKey) -> Table:
+        """The bits of a key with all accepted values; the first is the one that is sent."""
+        values = [self.integer(value, accepted.key.width) for value in accepted.values]
+        return {"segments": _run(accepted.key), "values": values}
+
+    def _routes(self, direction: Direction) -> Iterator[Table]:
+        for route in dispatch.dispatch_plan(self.edition, direction).routes:
+            yield {**_rule(route.rule, route.remote, route.mask), "plan": self._plan(route.then)}
+
+    def _plan(self, node: dispatch.DispatchNode) -> Value:
+        """The position of a message, the reason for a rejection, or a decision."""
+        if isinstance(node, dispatch.Reject):
+            return node.reason.value
+        if isinstance(node, dispatch.Match):
+            return self.messages[node.message]
+        width = node.subject.width if isinstance(node.subject, BitRun) else 32
+        cases = [[[self.integer(v, width) for v in case.values], self._plan(case.then)] for case in node.cases]
+        return {"on": _subject(node.subject), "cases": cases, "otherwise": self._plan(node.otherwise)}
+
+
+def _subject(subject: dispatch.Discriminator) -> Value:
+    if isinstance(subject, dispatch.Length):
+        return "length"
+    if isinstance(subject, dispatch.MaskedId):
+        return {"mask": subject.mask}
+    return _run(subject)
+
+
+def _run(bits: BitRun | None) -> Value:
+    return None if bits is None else segments(bits.segments, bits.space)
+
+
+def segments(of: Iterable[Segment], space: Space) -> list[Value]:
+    """Segments as lists: byte, lowest bit, width, lowest bit of the raw integer."""
+    return [[ID if space is Space.ID else s.byte, s.low, s.width, s.raw_low] for s in of]
+
+
+def _rule(rule: IdRule, remote: bool, mask: int) -> dict[str, Value]:
+    return {
+        "base": rule.base,
+        "step": rule.node_step if rule.node_step != 1 else None,
+        "nodes": [rule.nodes[0], rule.nodes[-1]] if rule.nodes is not None else None,
+        "extended": rule.extended or None,
+        "remote": remote or None,
+        "mask": mask or None,
+    }
