@@ -85,8 +85,8 @@ export function rounded(number) {
 }
 
 /** -1, 0 or 1, as the first quotient is less than, equal to or greater than the second. */
-export function compare([numerator, denominator], [other, divisor]) {
-  const difference = numerator * divisor - other * denominator;
+export function compare([numerator, denominator], [factor, divisor]) {
+  const difference = numerator * divisor - factor * denominator;
   return difference < 0n ? -1 : difference > 0n ? 1 : 0;
 }
 

@@ -22,43 +22,43 @@ end
 
 -- The segments of a table; those that cross bit 32 of the raw integer are divided there.
 local function segments_of(listed)
-    local found = {}
+    local segments = {}
     for _, segment in ipairs(listed) do
         local byte, low, width, raw_low = segment[1], segment[2], segment[3], segment[4]
         local lower = math.min(width, math.max(0, 32 - raw_low))
         if lower > 0 then
-            found[#found + 1] = { byte + 1, power(low), power(lower), power(raw_low) }
+            segments[#segments + 1] = { byte + 1, power(low), power(lower), power(raw_low) }
         end
         if width > lower then
             local above = raw_low + lower - 32
-            found[#found + 1] = { byte + 1, power(low + lower), power(width - lower), power(above), true }
+            segments[#segments + 1] = { byte + 1, power(low + lower), power(width - lower), power(above), true }
         end
     end
-    return found
+    return segments
 end
 
 -- The bits of the id under a mask, not shifted.
 local function id_bits(mask)
-    local found = {}
+    local runs = {}
     for bit = 0, 28 do
         if math.floor(mask / 2 ^ bit) % 2 == 1 then
-            local last = found[#found]
+            local last = runs[#runs]
             if last and last[2] + last[3] == bit then
                 last[3] = last[3] + 1
             else
-                found[#found + 1] = { -1, bit, 1, bit }
+                runs[#runs + 1] = { -1, bit, 1, bit }
             end
         end
     end
-    return segments_of(found)
+    return segments_of(runs)
 end
 
 local function set_of(listed)
-    local found = {}
+    local set = {}
     for _, value in ipairs(listed) do
-        found[value] = true
+        set[value] = true
     end
-    return found
+    return set
 end
 
 local function link_rule(rule)
@@ -339,18 +339,18 @@ function codec.identify(edition, direction, frame)
     for _, route in ipairs(edition[direction]) do
         local node = node_of_rule(route, frame)
         if node ~= false then
-            local found = route.plan
-            while type(found) == "table" and found.on do
+            local step = route.plan
+            while type(step) == "table" and step.on do
                 local subject = frame.length
-                if found.on ~= "length" then
-                    subject = read_key(frame, found.on)
+                if step.on ~= "length" then
+                    subject = read_key(frame, step.on)
                 end
-                found = found.cases[subject] or found.otherwise
+                step = step.cases[subject] or step.otherwise
             end
-            if type(found) == "string" then
-                return nil, found
+            if type(step) == "string" then
+                return nil, step
             end
-            return found, node_of(found, frame, node)
+            return step, node_of(step, frame, node)
         end
     end
     return nil, "unknown_id"
@@ -405,13 +405,13 @@ end
 
 -- The reserved bits of a frame as a text, and whether they are as the spec demands.
 function codec.reserved_bits(message, frame)
-    local found, is_regular = {}, true
+    local values, is_regular = {}, true
     for number, bits in ipairs(message.reserved) do
         local value = math.floor((frame[bits[1]] or 0) / bits[2]) % bits[3]
-        found[number] = value
+        values[number] = value
         is_regular = is_regular and value == bits[4]
     end
-    return table.concat(found, " "), is_regular
+    return table.concat(values, " "), is_regular
 end
 
 -- Whether the fields of a frame of this message have named values, and values in their ranges.
@@ -454,13 +454,13 @@ function codec.decode(message, frame, parameters)
     if not is_known then
         return nil, "missing_parameter", layout.parameter
     end
-    local found = {}
+    local decoded = {}
     for _, field in ipairs(layout.fields) do
         if not field.fixed and is_present(field, choice) then
             for index, segments in ipairs(field.elements) do
                 local raw = raw_integer(field.type, frame, segments)
                 local value, reason = value_of(field.type, raw, parameters)
-                found[#found + 1] = {
+                decoded[#decoded + 1] = {
                     field = field,
                     segments = segments,
                     index = field.indices and field.indices[index],
@@ -471,7 +471,7 @@ function codec.decode(message, frame, parameters)
             end
         end
     end
-    return found
+    return decoded
 end
 
 local function is_from(nodes, source, modulus)
@@ -626,12 +626,12 @@ local function has_constants(messages, frame)
     return false
 end
 
-local function is_same(one, other)
-    if one[0] ~= other[0] or one.length ~= other.length then
+local function is_same(first, second)
+    if first[0] ~= second[0] or first.length ~= second.length then
         return false
     end
-    for index = 1, one.length do
-        if one[index] ~= other[index] then
+    for index = 1, first.length do
+        if first[index] ~= second[index] then
             return false
         end
     end
@@ -669,11 +669,11 @@ local function is_regular(bus, request, frame)
 end
 
 -- The direction by content; nil if both directions are possible.
-local function by_content(bus, found, frame)
-    local is_request = found.request ~= nil and codec.has_constants(found.request, frame)
-    local is_reply = has_constants(found.replies, frame)
+local function by_content(bus, possible, frame)
+    local is_request = possible.request ~= nil and codec.has_constants(possible.request, frame)
+    local is_reply = has_constants(possible.replies, frame)
     if is_request and is_reply then
-        if not is_regular(bus, found.request, frame) then
+        if not is_regular(bus, possible.request, frame) then
             return "reply", "content"
         end
         return nil
@@ -706,13 +706,13 @@ local function within(state, bus, edition, request)
 end
 
 -- The direction of a frame that can be both.
-local function by_exchange(state, bus, edition, found, exchange, frame)
+local function by_exchange(state, bus, edition, possible, exchange, frame)
     if not exchange then
         return "request", "pairing"
     end
-    local old = bus.learned.old[found.request]
+    local old = bus.learned.old[possible.request]
     local has_old = old ~= nil and old.value == nil
-    local repeated, distinct = is_same(exchange.frame, frame), found.request.answer.distinct and not has_old
+    local repeated, distinct = is_same(exchange.frame, frame), possible.request.answer.distinct and not has_old
     local soon = bus.clock - exchange.since <= within(state, bus, edition, exchange.request)
     if repeated and (not soon or distinct and replies_differ(exchange.request)) then
         return "request", "retry"
@@ -723,10 +723,10 @@ end
 -- Opens an exchange. It replaces earlier ones of the same request, except echoes of other bytes.
 local function open(bus, exchange)
     for number = #bus.open, 1, -1 do
-        local other = bus.open[number]
-        local is_to_same = other.frame[0] == exchange.frame[0] and other.node == exchange.node
-        if other.request == exchange.request and is_to_same then
-            if not exchange.request.answer.echo or is_same(other.frame, exchange.frame) then
+        local earlier = bus.open[number]
+        local is_to_same = earlier.frame[0] == exchange.frame[0] and earlier.node == exchange.node
+        if earlier.request == exchange.request and is_to_same then
+            if not exchange.request.answer.echo or is_same(earlier.frame, exchange.frame) then
                 table.remove(bus.open, number)
             end
         end
@@ -759,7 +759,7 @@ local function learn_latency(learned, edition, latency)
 end
 
 -- Counts runs of equal frames of a node, and those with two frames for each.
-local function learn_copies(bus, key, found, frame, result)
+local function learn_copies(bus, key, possible, frame, result)
     local learned, run = bus.learned, bus.learned.runs[key]
     if run and is_same(run.frame, frame) and bus.clock - run.clock <= COPIED_WITHIN then
         run.length, run.clock = run.length + 1, bus.clock
@@ -772,7 +772,7 @@ local function learn_copies(bus, key, found, frame, result)
             learned.request_runs, learned.request_pairs = learned.request_runs + 1, learned.request_pairs + pair
         end
     end
-    local is_echo = found.request ~= nil and found.request.answer.echo
+    local is_echo = possible.request ~= nil and possible.request.answer.echo
     learned.runs[key] = result.message and not is_echo
         and { frame = frame, clock = bus.clock, length = 1, direction = result.direction } or nil
     local is_enough = learned.all_runs >= LEAST_IN_ALL and not learned.copied
@@ -839,10 +839,10 @@ local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
 end
 
 -- Learns from a result; whether it changes the results of earlier frames.
-local function learn(state, bus, edition, found, frame, result)
+local function learn(state, bus, edition, possible, frame, result)
     local learned = bus.learned
     local key = tostring(result.node) .. (result.node and "" or " " .. frame[0])
-    local changed = learn_copies(bus, key, found, frame, result)
+    local changed = learn_copies(bus, key, possible, frame, result)
     local is_certain = result.rule == "content" or result.rule == "id" or result.rule == "mark"
     if result.direction ~= "reply" or not is_certain then
         return changed
@@ -860,55 +860,56 @@ local function learn(state, bus, edition, found, frame, result)
     elseif exchange and #exchange.request.answer.nodes == 0 and not exchange.request.answer.reply_within and result.latency then
         learn_latency(learned, edition, result.latency)
     end
-    if found.request and result.rule == "content" and learn_old_bits(bus, edition, key, found.request, frame, not exchange and not late) then
+    local is_by_content = possible.request and result.rule == "content"
+    if is_by_content and learn_old_bits(bus, edition, key, possible.request, frame, not exchange and not late) then
         changed = true
     end
     return changed
 end
 
-local function decide(state, bus, edition, only, frame, one)
-    advance(bus, one.time)
+local function decide(state, bus, edition, only, frame, arrival)
+    advance(bus, arrival.time)
     while bus.open[1] and bus.open[1].since + math.max(LONGEST, window_of(state, bus, bus.open[1].request)) < bus.clock do
         table.remove(bus.open, 1)
     end
-    local found = candidates(edition, frame)
+    local possible = candidates(edition, frame)
     local exchange, number, source
-    if #found.replies > 0 then
+    if #possible.replies > 0 then
         exchange, number, source = answered(state, bus, edition, frame)
     end
     local direction, rule
-    if one.mark then
-        bus.marks[one.mark] = true
+    if arrival.mark then
+        bus.marks[arrival.mark] = true
     end
-    if one.mark and (one.trusts_marks or (bus.marks.sent and bus.marks.received)) then
+    if arrival.mark and (arrival.trusts_marks or (bus.marks.sent and bus.marks.received)) then
         rule = "mark"
-        if one.mark == "sent" then
-            direction = one.sent
+        if arrival.mark == "sent" then
+            direction = arrival.sent
         else
-            direction = one.sent == "request" and "reply" or "request"
+            direction = arrival.sent == "request" and "reply" or "request"
         end
     elseif only then
         direction, rule = only, "id"
     else
-        direction, rule = by_content(bus, found, frame)
+        direction, rule = by_content(bus, possible, frame)
         if not direction then
-            direction, rule = by_exchange(state, bus, edition, found, exchange, frame)
+            direction, rule = by_exchange(state, bus, edition, possible, exchange, frame)
         end
     end
     local result = {
-        direction = direction, rule = rule, frame = frame, edition = edition, is_first_pass = one.is_first_pass,
+        direction = direction, rule = rule, frame = frame, edition = edition, is_first_pass = arrival.is_first_pass,
     }
     if direction == "reply" then
-        result.reason = found.reply_reason
-        result.message, result.node = found.reply, found.reply_node
+        result.reason = possible.reply_reason
+        result.message, result.node = possible.reply, possible.reply_node
         if exchange then
             result.message, result.node = exchange.request.answer.reply, source
             if not source and #exchange.request.answer.nodes == 0 then
                 result.node = exchange.node
             end
             result.exchange, result.latency = exchange, bus.clock - exchange.since
-            exchange.replies[#exchange.replies + 1] = one.number
-            if one.time[1] < exchange.time[1] then
+            exchange.replies[#exchange.replies + 1] = arrival.number
+            if arrival.time[1] < exchange.time[1] then
                 result.latency = nil
             end
             exchange.missing = exchange.missing - 1
@@ -920,35 +921,35 @@ local function decide(state, bus, edition, only, frame, one)
             end
         end
     else
-        result.reason = found.request_reason
-        result.message, result.node = found.request, found.request_node
-        if found.request and found.request.answer.reply and codec.has_constants(found.request, frame) then
+        result.reason = possible.request_reason
+        result.message, result.node = possible.request, possible.request_node
+        if possible.request and possible.request.answer.reply and codec.has_constants(possible.request, frame) then
             result.opened = {
-                request = found.request,
-                node = found.request_node,
+                request = possible.request,
+                node = possible.request_node,
                 frame = frame,
                 edition = edition,
                 since = bus.clock,
-                time = one.time,
-                missing = math.max(1, #found.request.answer.nodes),
+                time = arrival.time,
+                missing = math.max(1, #possible.request.answer.nodes),
                 answered = {},
                 replies = {},
-                number = one.number,
+                number = arrival.number,
             }
             open(bus, result.opened)
         end
     end
-    return result, found
+    return result, possible
 end
 
 -- The result for the copy of a request that was captured before; nil if a frame is none.
-local function copy_of(bus, frame, one)
+local function copy_of(bus, frame, arrival)
     local latest = bus.learned.copied and bus.latest[frame[0]]
     bus.latest[frame[0]] = nil
     if not latest or not is_same(latest.frame, frame) then
         return nil
     end
-    advance(bus, one.time)
+    advance(bus, arrival.time)
     if bus.clock - latest.clock > COPIED_WITHIN then
         return nil
     end
@@ -959,18 +960,18 @@ local function copy_of(bus, frame, one)
     }
 end
 
-local function judge(state, bus, edition, only, frame, one)
-    local copy = copy_of(bus, frame, one)
+local function judge(state, bus, edition, only, frame, arrival)
+    local copy = copy_of(bus, frame, arrival)
     if copy then
-        copy.is_first_pass = one.is_first_pass
+        copy.is_first_pass = arrival.is_first_pass
         return copy, false
     end
-    local result, found = decide(state, bus, edition, only, frame, one)
+    local result, possible = decide(state, bus, edition, only, frame, arrival)
     -- A request with old bits that are not known yet looks like a reply.
     if result.direction == "request" or result.rule == "content" then
         bus.latest[frame[0]] = { frame = frame, clock = bus.clock, result = result }
     end
-    return result, learn(state, bus, edition, found, frame, result)
+    return result, learn(state, bus, edition, possible, frame, result)
 end
 
 -- Decides on the first frames of a bus again, in the tables of their results.
@@ -986,7 +987,7 @@ local function decide_again(state, name)
         local bus = new_bus(learned)
         state.buses[name] = bus
         for _, past in ipairs(learned.history) do
-            local result, is_new = judge(state, bus, past.edition, past.only, past.frame, past.one)
+            local result, is_new = judge(state, bus, past.edition, past.only, past.frame, past.arrival)
             for key in pairs(past.result) do
                 past.result[key] = nil
             end
@@ -1003,14 +1004,14 @@ end
 -- message, and for a reply the `exchange` that it closes with the `latency` in ns. `mark` is "sent", "received" or nil.
 -- Marks count if `trusts_marks`, or once a bus has both. `sent` is the direction of sent frames.
 -- `only` is the direction of all frames with this id, or nil. What later frames show can change an earlier result.
-function directions.judge(state, edition, only, frame, one)
-    local bus = bus_of(state, one.bus)
-    local result, changed = judge(state, bus, edition, only, frame, one)
+function directions.judge(state, edition, only, frame, arrival)
+    local bus = bus_of(state, arrival.bus)
+    local result, changed = judge(state, bus, edition, only, frame, arrival)
     local history = bus.learned.history
     if history then
-        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame, one = one }
+        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame, arrival = arrival }
         if changed then
-            decide_again(state, one.bus)
+            decide_again(state, arrival.bus)
         elseif #history >= LEARNED_FROM then
             bus.learned.history = nil
         end
@@ -8569,23 +8570,23 @@ local function integer_field(kind, name, label, members)
     return ProtoField[kind](named(name), label, base.DEC, members)
 end
 
-for _, one in ipairs(family.fields) do
-    local made = { flags = {}, kind = one.kind, raw_kind = one.raw }
-    if one.kind == "double" then
-        made.value = ProtoField.double(named(one.name), one.label)
+for _, entry in ipairs(family.fields) do
+    local made = { flags = {}, kind = entry.kind, raw_kind = entry.raw }
+    if entry.kind == "double" then
+        made.value = ProtoField.double(named(entry.name), entry.label)
     else
-        made.value = integer_field(one.kind, one.name, one.label, one.members)
+        made.value = integer_field(entry.kind, entry.name, entry.label, entry.members)
     end
     all_fields[#all_fields + 1] = made.value
-    if one.raw then
-        made.raw = integer_field(one.raw, one.name .. ".raw", one.label .. " (raw)")
+    if entry.raw then
+        made.raw = integer_field(entry.raw, entry.name .. ".raw", entry.label .. " (raw)")
         all_fields[#all_fields + 1] = made.raw
     end
-    for _, flag in ipairs(one.flags) do
-        made.flags[flag.name] = ProtoField.bool(named(one.name .. "." .. flag.filter), flag.label)
+    for _, flag in ipairs(entry.flags) do
+        made.flags[flag.name] = ProtoField.bool(named(entry.name .. "." .. flag.filter), flag.label)
         all_fields[#all_fields + 1] = made.flags[flag.name]
     end
-    proto_fields[one.field] = made
+    proto_fields[entry.field] = made
 end
 proto.fields = all_fields
 proto.experts = all_experts
@@ -8672,18 +8673,18 @@ end
 -- One entry of the preference `nodes`, such as `1-4, 7: EDITION NAME=VALUE`.
 local function set_nodes(entry)
     local list, rest = entry:match("^([^:]*):?(.*)$")
-    local one = { edition = settings.edition, parameters = {} }
+    local listed = { edition = settings.edition, parameters = {} }
     for name, value in pairs(settings.parameters) do
-        one.parameters[name] = value
+        listed.parameters[name] = value
     end
     for word in rest:gmatch("%S+") do
         local name, value = word:match("^(.-)=(.*)$")
         local parameter = name and named(family.parameters, name)
         local edition = not name and named(family.editions, word)
         if parameter then
-            set_parameter(one.parameters, parameter, value)
+            set_parameter(listed.parameters, parameter, value)
         elseif edition then
-            one.edition = edition
+            listed.edition = edition
         else
             mistake("nodes: unknown " .. word)
         end
@@ -8694,7 +8695,7 @@ local function set_nodes(entry)
         last = tonumber(last) or first
         if first and last - first < 65536 then
             for node = first, last do
-                settings.nodes[node] = one
+                settings.nodes[node] = listed
             end
         else
             mistake("nodes: invalid " .. part)
@@ -8739,8 +8740,8 @@ end
 local function find_edition(frame)
     local used = { settings.edition }
     for _, edition in ipairs(family.editions) do
-        for _, one in pairs(settings.nodes) do
-            if one.edition == edition and edition ~= settings.edition then
+        for _, listed in pairs(settings.nodes) do
+            if listed.edition == edition and edition ~= settings.edition then
                 used[#used + 1] = edition
                 break
             end
@@ -8769,8 +8770,8 @@ local function of_id(frame)
     return ids[key]
 end
 
-local function last(found)
-    return found[#found] and found[#found].value
+local function last(values)
+    return values[#values] and values[#values].value
 end
 
 local function read_frame(tvb)
@@ -8796,9 +8797,9 @@ local MARKS = { [P2P_DIR_SENT] = "sent", [P2P_DIR_RECV] = "received" }
 
 local function judge(frame, pinfo, known)
     local time = frame_time().value
-    local found = interface()
+    local source = interface()
     return directions.judge(state, known.edition, known.only, frame, {
-        bus = found and found.value or 0,
+        bus = source and source.value or 0,
         time = { time.secs, time.nsecs },
         mark = prefs.marks ~= 2 and MARKS[pinfo.p2p_dir] or nil,
         trusts_marks = prefs.marks == 1,
@@ -8856,53 +8857,53 @@ local function shown_number(number)
     return tostring(number)
 end
 
-local function shown_value(one)
-    local type_ = one.field.type
+local function shown_value(decoded)
+    local type_ = decoded.field.type
     if type_.flags then
-        return #one.value > 0 and table.concat(one.value, ", ") or "none"
+        return #decoded.value > 0 and table.concat(decoded.value, ", ") or "none"
     end
     if type_.enum then
-        return one.value or ("unknown " .. shown_integer(one.raw))
+        return decoded.value or ("unknown " .. shown_integer(decoded.raw))
     end
-    if one.value == nil then
-        return "raw " .. shown_integer(one.raw)
+    if decoded.value == nil then
+        return "raw " .. shown_integer(decoded.raw)
     end
-    local text = type_.plain and shown_integer(one.raw) or shown_number(one.value)
+    local text = type_.plain and shown_integer(decoded.raw) or shown_number(decoded.value)
     return type_.unit and text .. " " .. type_.unit or text
 end
 
-local function label_of(one)
-    return one.index and string.format("%s[%d]", one.field.label, one.index) or one.field.label
+local function label_of(decoded)
+    return decoded.index and string.format("%s[%d]", decoded.field.label, decoded.index) or decoded.field.label
 end
 
-local function add_field(tree, tvb, one)
-    local known = proto_fields[one.field.name]
-    local range = range_of(tvb, one.segments)
-    local text = label_of(one) .. ": " .. shown_value(one)
+local function add_field(tree, tvb, decoded)
+    local known = proto_fields[decoded.field.name]
+    local range = range_of(tvb, decoded.segments)
+    local text = label_of(decoded) .. ": " .. shown_value(decoded)
     local item
     if known.kind ~= "double" then
-        item = add(tree, known.value, range, integer(known.kind, one.raw))
+        item = add(tree, known.value, range, integer(known.kind, decoded.raw))
     else
-        local number = one.value
-        if one.field.type.enum or one.field.type.flags then
-            number = one.raw.number
+        local number = decoded.value
+        if decoded.field.type.enum or decoded.field.type.flags then
+            number = decoded.raw.number
         end
         if number then
             item = add(tree, known.value, range, number)
         end
-        local raw = add(item or tree, known.raw, range, integer(known.raw_kind, one.raw))
-        raw:set_text(label_of(one) .. " (raw): " .. shown_integer(one.raw))
+        local raw = add(item or tree, known.raw, range, integer(known.raw_kind, decoded.raw))
+        raw:set_text(label_of(decoded) .. " (raw): " .. shown_integer(decoded.raw))
         item = item or raw
     end
     item:set_text(text)
-    for _, flag in ipairs(one.field.type.flags or {}) do
-        local is_set = codec.has_flag(one.raw, flag.bit)
+    for _, flag in ipairs(decoded.field.type.flags or {}) do
+        local is_set = codec.has_flag(decoded.raw, flag.bit)
         add(item, known.flags[flag.name], range, is_set):set_text(flag.label .. ": " .. (is_set and "1" or "0"))
     end
-    if one.reason == "missing_parameter" then
+    if decoded.reason == "missing_parameter" then
         item:add_proto_expert_info(experts.parameter)
     end
-    return one.field.name .. (one.index and "[" .. one.index .. "]" or "") .. " " .. shown_value(one)
+    return decoded.field.name .. (decoded.index and "[" .. decoded.index .. "]" or "") .. " " .. shown_value(decoded)
 end
 
 local function reject(tree, reason, text)
@@ -8961,8 +8962,8 @@ local function add_frame(tree, tvb, pinfo, result)
         if not fields then
             texts[1] = reject(tree, reason, parameter and reason .. ": " .. parameter)
         else
-            for _, one in ipairs(fields) do
-                texts[#texts + 1] = add_field(tree, tvb, one)
+            for _, decoded in ipairs(fields) do
+                texts[#texts + 1] = add_field(tree, tvb, decoded)
             end
         end
     end

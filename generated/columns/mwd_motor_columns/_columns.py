@@ -90,9 +90,9 @@ def frames(
 ) -> Frames:
     """Frames from Python values. `direction` and `kind` are one value for all frames, or one for each."""
     count = len(data)
-    length = np.array([len(one) for one in data], np.uint8)
+    length = np.array([len(content) for content in data], np.uint8)
     words = words_of(length)
-    padded = b"".join(one.ljust(8 * words, b"\0") for one in data)
+    padded = b"".join(content.ljust(8 * words, b"\0") for content in data)
     names = tuple(dict.fromkeys(bus)) if bus else ("",)
     return Frames(
         time=np.zeros(count, np.int64) if time is None else np.asarray(time, np.int64),
@@ -189,8 +189,8 @@ class Type:
 
     def scale_at(self, parameters: Parameters) -> Scale | None:
         """The scale under some parameters; None if it is unknown or depends on a missing parameter."""
-        found = self.scale.get(str(parameters.get(self.scale_by, "")) if self.scale_by else "")
-        return found and found.at(parameters)
+        scale = self.scale.get(str(parameters.get(self.scale_by, "")) if self.scale_by else "")
+        return scale and scale.at(parameters)
 
 
 PLAIN: Mapping[str, Scale | None] = {"": Scale(1, 0, 1)}
@@ -275,8 +275,8 @@ class Select:
         if table is not None:
             places = np.minimum(values.astype(np.uint64), table.size - 1).astype(np.intp)
             if not subtrees:
-                found: Array = self._leaf_of[places]  # type: ignore[attr-defined]
-                return found
+                leaves: Array = self._leaf_of[places]  # type: ignore[attr-defined]
+                return leaves
             branches = table[places]
         else:
             known: Array = self._values  # type: ignore[attr-defined]
@@ -312,15 +312,15 @@ class Route:
         rest = ids & (0xFFFFFFFF ^ self.mask) if self.mask else ids
         if self.nodes is None:
             return rest == self.base, np.full(ids.size, -1, np.int32)
-        found = rest.astype(np.int64) - self.base
+        nodes = rest.astype(np.int64) - self.base
         valid = np.ones(ids.size, np.bool_)
         if self.step > 1:
-            found, remainder = np.divmod(found, self.step)
+            nodes, remainder = np.divmod(nodes, self.step)
             valid = remainder == 0
-        valid &= (found >= self.nodes.start) & (found < self.nodes.stop)
+        valid &= (nodes >= self.nodes.start) & (nodes < self.nodes.stop)
         if self.nodes.step > 1:
-            valid &= (found - self.nodes.start) % self.nodes.step == 0
-        return valid, found.astype(np.int32)
+            valid &= (nodes - self.nodes.start) % self.nodes.step == 0
+        return valid, nodes.astype(np.int32)
 
 
 class Table(NamedTuple):
@@ -389,7 +389,9 @@ class Decoder:
         self.columns = {layout.name: self._columns(layout, raw) for layout in edition.layouts}
         """The columns of each layout, without those of the frame; None where a parameter that decides is missing."""
         self._layout_of = np.array([message.layout for message in edition.messages], np.int16)
-        self._nodes_in_data = [(i, one.node) for i, one in enumerate(edition.messages) if one.node is not None]
+        self._nodes_in_data = [
+            (i, message.node) for i, message in enumerate(edition.messages) if message.node is not None
+        ]
 
     def decode(self, frames: Frames) -> Decoded:
         """The tables of some frames. Frames of no message are in no table; `message` has the reason."""
@@ -450,13 +452,13 @@ class Decoder:
                 if not valid.any():
                     continue
                 if valid.all():
-                    found, rows = rows, rows[:0]
+                    matching, rows = rows, rows[:0]
                 else:
-                    found, own, nodes, rows = rows[valid], own[valid], nodes[valid], rows[~valid]
-                node[found] = nodes
+                    matching, own, nodes, rows = rows[valid], own[valid], nodes[valid], rows[~valid]
+                node[matching] = nodes
                 then = route.then
-                message[found] = (
-                    then if isinstance(then, int) else then.follow(frames.data[found], own, frames.length[found])
+                message[matching] = (
+                    then if isinstance(then, int) else then.follow(frames.data[matching], own, frames.length[matching])
                 )
         for number, read in self._nodes_in_data:
             rows = np.flatnonzero(message == number)
@@ -494,14 +496,14 @@ class Decoder:
         if columns is None:
             message[rows] = Refusal.MISSING_PARAMETER
             return None
-        found: dict[str, Array] = {}
+        arrays: dict[str, Array] = {}
         raws: dict[str, Array] = {}
         for column in columns:
             field = column.field
             if field.name not in raws:
                 raws[field.name] = np.ascontiguousarray(field.read(words, own), field.dtype)
-            found[column.name] = values(raws[field.name], field.type, column.scale)
-        return Table(layout, rows, message[rows], node[rows], found)
+            arrays[column.name] = values(raws[field.name], field.type, column.scale)
+        return Table(layout, rows, message[rows], node[rows], arrays)
 
 
 def values(raw: Array, type_: Type, scale: Scale | None) -> Array:

@@ -107,19 +107,19 @@ def arguments(type_: Type) -> Sequence[str]:
     else:
         cases = linear.cases.items() if linear.parameter else [("", linear.constant)]
         scale = "scale={" + ", ".join(f"{literal(name)}: {_scale(case)}" for name, case in cases) + "}"
-    found = [scale]
+    listed = [scale]
     if type_.unit:
-        found.append(f"unit={literal(type_.unit.symbol)}")
+        listed.append(f"unit={literal(type_.unit.symbol)}")
     if linear.parameter and type_.is_number:
-        found.append(f"scale_by={literal(linear.parameter)}")
+        listed.append(f"scale_by={literal(linear.parameter)}")
     if type_.encoding is Encoding.FLOAT:
-        found.append("is_float=True")
+        listed.append("is_float=True")
     if type_.flags:
-        found.append("is_flags=True")
+        listed.append("is_flags=True")
     members = type_.enum or type_.flags
     if members:
-        found.append("names={" + ", ".join(f"{m.value}: {literal(m.name)}" for m in members) + "}")
-    return found
+        listed.append("names={" + ", ".join(f"{m.value}: {literal(m.name)}" for m in members) + "}")
+    return listed
 
 
 def _scale(linear: Linear | None) -> str:
@@ -148,8 +148,8 @@ def fraction(number: Fraction | None) -> str:
 
 def kinds(route: dispatch.Route) -> str:
     """The expression of the kind of frame of a route."""
-    found = ["Kind.EXTENDED"] * route.rule.extended + ["Kind.REMOTE"] * route.remote
-    return " | ".join(found)
+    flags = ["Kind.EXTENDED"] * route.rule.extended + ["Kind.REMOTE"] * route.remote
+    return " | ".join(flags)
 
 
 def literals(texts: Iterable[str]) -> str:

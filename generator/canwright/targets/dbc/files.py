@@ -15,9 +15,8 @@ from ..options import NO_OPTIONS, Options
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, Scope, Traffic, partners
 from .selection import COMMENTS, NODES
-from .selectors import joined_span
+from .selectors import joined_span, table_key, table_names
 from .signals import Signals
-from .tables import table_key, table_names
 from .text import camel, fitting, number
 from .view import KIND, File, Message, Signal, fitted
 

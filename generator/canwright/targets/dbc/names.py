@@ -1,4 +1,4 @@
-"""Signal names that exceed the limit of DBC readers and are truncated."""
+"""The names in DBC files: those that users of the files write, and those that exceed the limit of readers."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from ...diagnostics.diagnostic import DocumentPath, Severity
 from ...model.edition import Edition
 from ...model.layout import Element, Field, Space
 from ..base import NameProblem
+from ..options import Options
 from .fields import LETTER
+from .files import files, node_name, traffics
 from .frames import Part
+from .selection import NODES
 from .text import NAME_LENGTH
 
 
@@ -33,3 +36,20 @@ def signals(part: Part, field: Field, element: Element) -> Iterator[tuple[Docume
     yield from (((*field.type.path, "flags", flag.name), f"{name}_{flag.name}") for flag in field.type.flags)
     if not field.type.flags:
         yield field.path, name
+
+
+def exported_names(edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
+    """The host, the first node of each address, signals, and names of values, each with the path of its item."""
+    yield ("bus", "host"), edition.bus.host
+    both = traffics(edition)
+    parts = [part for traffic in both.values() for frame in traffic.frames({}) for part in frame.parts]
+    first = {part.message.address: part.message.id.nodes[0] for part in parts if part.message.id.nodes}
+    yield from ((("addresses", address), node_name(address, node)) for address, node in first.items())
+    made = files(edition, both, {}, Options({NODES: tuple(sorted(set(first.values())))}))
+    existing = {signal.name for file in made for message in file.messages for signal in message.signals}
+    for part in parts:
+        for field in part.message.layout.fields:
+            for path, name in (pair for element in field.elements for pair in signals(part, field, element)):
+                if name[:NAME_LENGTH] in existing:
+                    yield path, name
+                    yield from (((*field.type.path, "enum", member.name), member.name) for member in field.type.enum)

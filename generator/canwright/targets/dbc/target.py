@@ -12,9 +12,8 @@ from ...model.types import Assignment
 from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
 from ..options import Options
 from . import generate
-from .exported import exported_names
 from .files import reply_file, stems
-from .names import long_names
+from .names import exported_names, long_names
 from .selection import COMMENTS, NODES
 
 

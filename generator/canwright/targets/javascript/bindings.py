@@ -13,8 +13,8 @@ from ..tables import Positions
 
 def bindings(edition: Edition) -> Mapping[str, Value]:
     """The names by language, each by the name in the spec; a field is listed where its name differs."""
-    names = filter(None, (target.code_names(edition) for target in own_targets()))
-    return {one.language: _names(edition, one) for one in names}
+    every = filter(None, (target.code_names(edition) for target in own_targets()))
+    return {names.language: _names(edition, names) for names in every}
 
 
 def _names(edition: Edition, names: CodeNames) -> Value:

@@ -124,7 +124,7 @@ def _by(cases: Iterable[tuple[str, str]]) -> str:
 def _field_type(field: Field) -> str:
     raw, value, given = _types(field.type)
     if field.is_array:
-        raw, value, given = (f"readonly ({one})[]" for one in (raw, value, given))
+        raw, value, given = (f"readonly ({type_})[]" for type_ in (raw, value, given))
     return f"FieldOf<{raw}, {value}, {given}>"
 
 

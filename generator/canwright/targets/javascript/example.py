@@ -37,12 +37,12 @@ class Example:
 
 def example(specifications: Sequence[EditionInput]) -> Example | None:
     """The first command with fields in both directions; with fields in its reply if there is none."""
-    editions = [one.edition for one in specifications]
+    editions = [item.edition for item in specifications]
     first: Example | None = None
-    for one in (one for item in specifications for one in _examples(item, editions)):
-        if one.has_values:
-            return one
-        first = first or one
+    for shown in (shown for item in specifications for shown in _examples(item, editions)):
+        if shown.has_values:
+            return shown
+        first = first or shown
     return first
 
 
@@ -74,7 +74,7 @@ def _belong(request: GoldenFrame, reply: GoldenFrame, decoder: Decoder) -> bool:
         return False
     if set(request.values) != set(request.raw) or "none" in request.values.values():
         return False
-    frames = (CanFrame(one.id, one.data, one.extended, one.remote) for one in (request, reply))
+    frames = (CanFrame(golden.id, golden.data, golden.extended, golden.remote) for golden in (request, reply))
     return not isinstance(check_reply(decoder, *frames), Rejection)
 
 
@@ -90,7 +90,7 @@ def _frame(frame: GoldenFrame) -> Value:
 
 def _value(value: GoldenValue) -> Value:
     if isinstance(value, list):
-        return [_value(one) for one in value]
+        return [_value(element) for element in value]
     if isinstance(value, Fraction):
         return value.numerator if value.denominator == 1 else float(value)
     return value

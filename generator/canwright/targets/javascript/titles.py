@@ -70,7 +70,7 @@ def _type(type_: Type) -> Value:
         [names, None if linear is None else what]
         for (names, what), linear in zip(formatting.scale(type_), linears, strict=True)
     ]
-    ranges: list[Value] = [list(one) for one in formatting.ranges(type_)]
+    ranges: list[Value] = [list(case) for case in formatting.ranges(type_)]
     has_resolution = type_.is_number and not type_.is_plain
     return {
         "resolution": resolutions if has_resolution else None,

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.layout import NodeRole, Space
 from ...model.message import Command, Direction, Message
-from . import code, docstrings, encoding, metadata, text
+from ...model.types import Parameter
+from . import code, docstrings, encoding, text, types
 from .class_bodies import BodyView, ClassBodies
 from .encoding import EncodeView
 from .fields import storage
@@ -152,7 +153,7 @@ class MessageViews:
             data="" if has_fields else encoding.constant_data(message),
             id_terms=encoding.id_terms(message),
             encode=self._encode(message) if has_fields and group not in self._encoding_bases else None,
-            metadata=tuple(metadata.class_attributes(command, self._bodies.parameters)) if has_metadata else (),
+            metadata=tuple(_class_attributes(command, self._bodies.parameters)) if has_metadata else (),
         )
 
     def _base_classes(self, command: Command, message: Message) -> tuple[str, ...]:
@@ -170,3 +171,22 @@ class MessageViews:
 
     def _encode(self, message: Message, selector: str = "") -> EncodeView:
         return encoding.encode_view(message, self._bodies.imports, selector)
+
+
+def _class_attributes(command: Command, parameters: Mapping[str, Parameter]) -> Iterator[code.Code]:
+    """Assignments of metadata for tools; what a command does not have is left to the base class."""
+    yield f"TITLE = {text.literal(command.title.get('en') or next(iter(command.title.values())))}"
+    if command.manual:
+        yield f"MANUAL = {text.literal(command.manual)}"
+    if command.effects:
+        yield code.tuple_of((text.literal(effect.name) for effect in command.effects), "EFFECTS = ")
+    if command.limited_by:
+        yield code.tuple_of((text.literal(setting.name) for setting in command.limited_by), "LIMITED_BY = ")
+    if command.only:
+        only = (
+            code.tuple_of(
+                (types.parameter_key(parameters[name], v) for v in values), f"{text.literal(text.attribute(name))}: "
+            )
+            for name, values in command.only.items()
+        )
+        yield code.dict_of(only, "ONLY = ")

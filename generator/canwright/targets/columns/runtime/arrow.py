@@ -64,8 +64,8 @@ def _field(column: Column) -> pa.Field:
     if field.type.names and not column.is_raw:
         metadata["flags" if field.type.is_flags else "enum"] = json.dumps(field.type.names)
     is_raw = column.scale is None or (column.scale.is_identity and not field.type.is_float)
-    one = pa.from_numpy_dtype(np.dtype(field.dtype)) if is_raw else pa.float64()
-    return pa.field(column.name, pa.list_(one, field.count) if field.count else one, metadata=metadata or None)
+    element = pa.from_numpy_dtype(np.dtype(field.dtype)) if is_raw else pa.float64()
+    return pa.field(column.name, pa.list_(element, field.count) if field.count else element, metadata=metadata or None)
 
 
 def batch(decoder: Decoder, frames: Frames, table: Table) -> pa.RecordBatch:
@@ -133,22 +133,22 @@ def frames_of(batch: pa.RecordBatch) -> Frames:
 
     Raises ValueError for a missing column, and for one of another type or with nulls.
     """
-    found = {name: _column(batch, name) for name in INPUT.names if name in batch.schema.names}
-    missing = [name for name in ("time", "id", "data", "direction") if name not in found]
+    given = {name: _column(batch, name) for name in INPUT.names if name in batch.schema.names}
+    missing = [name for name in ("time", "id", "data", "direction") if name not in given]
     if missing:
         raise ValueError(f"the batch has no column {missing[0]}; its columns are: {', '.join(batch.schema.names)}")
     count = batch.num_rows
     no = np.zeros(count, np.bool_)
     extended, remote = (
-        found[name].to_numpy(zero_copy_only=False) if name in found else no for name in ("extended", "remote")
+        given[name].to_numpy(zero_copy_only=False) if name in given else no for name in ("extended", "remote")
     )
-    lengths, words = _words(found["data"])
-    bus = (found["bus"] if "bus" in found else pa.repeat("", count)).dictionary_encode()
-    direction = pc.index_in(found["direction"], pa.array(DIRECTIONS))
+    lengths, words = _words(given["data"])
+    bus = (given["bus"] if "bus" in given else pa.repeat("", count)).dictionary_encode()
+    direction = pc.index_in(given["direction"], pa.array(DIRECTIONS))
     return Frames(
-        time=found["time"].to_numpy(zero_copy_only=False),
+        time=given["time"].to_numpy(zero_copy_only=False),
         bus=bus.indices.to_numpy(zero_copy_only=False).astype(np.uint16),
-        id=found["id"].to_numpy(zero_copy_only=False),
+        id=given["id"].to_numpy(zero_copy_only=False),
         kind=(extended * np.uint8(Kind.EXTENDED)) | (remote * np.uint8(Kind.REMOTE)),
         length=lengths,
         data=words,
@@ -187,8 +187,8 @@ def decode_batches(batches: Iterable[pa.RecordBatch], decoder: Decoder, table: s
 
     A batch gives at most one batch; rows depend only on their own frame, so batches may be split at any frame.
     """
-    for one in batches:
-        frames = frames_of(one)
-        found = decoder.decode(frames).tables.get(table)
-        if found is not None:
-            yield batch(decoder, frames, found)
+    for frame_batch in batches:
+        frames = frames_of(frame_batch)
+        decoded = decoder.decode(frames).tables.get(table)
+        if decoded is not None:
+            yield batch(decoder, frames, decoded)

@@ -94,17 +94,17 @@ class Codec {
     for (const { rule, mask, plan } of router.routes) {
       const node = rule.node(frame, mask);
       if (node !== undefined) {
-        let found = plan;
+        let step = plan;
         const path = [];
-        while (found instanceof Select) {
-          const value = found.read(frame);
-          path.push([found, value]);
-          found = found.cases.get(value) ?? found.otherwise;
+        while (step instanceof Select) {
+          const value = step.read(frame);
+          path.push([step, value]);
+          step = step.cases.get(value) ?? step.otherwise;
         }
-        if (found instanceof Reject) {
-          throw found.error(router.direction, frame, path);
+        if (step instanceof Reject) {
+          throw step.error(router.direction, frame, path);
         }
-        return { message: found, node };
+        return { message: step, node };
       }
     }
     const kind = (frame.extended ? "29-bit " : "") + (frame.remote ? "remote " : "");
@@ -183,11 +183,11 @@ class Codec {
   allows(direction, command, name, raw, parameters) {
     const known = this.known(parameters);
     const { type } = this.field(direction, command, name, known);
-    return [raw].flat().every((one) => type.allows(one, known));
+    return [raw].flat().every((element) => type.allows(element, known));
   }
 
   field(direction, command, name, known) {
-    const field = this.message(direction, command).fields(known).find((one) => one.name === name);
+    const field = this.message(direction, command).fields(known).find((candidate) => candidate.name === name);
     if (!field) {
       throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
     }
@@ -225,10 +225,10 @@ class Codec {
 
   candidates(directions, given) {
     const frame = checkedFrame(given);
-    const found = [];
+    const candidates = [];
     const add = (message, node) => {
-      if (!found.some((one) => one.message === message)) {
-        found.push({ message, node: message.nodeOf(frame, node) });
+      if (!candidates.some((candidate) => candidate.message === message)) {
+        candidates.push({ message, node: message.nodeOf(frame, node) });
       }
     };
     const identify = (router) => {
@@ -248,7 +248,7 @@ class Codec {
       }
     }
     identify(directions.request);
-    return Object.freeze(found.map(({ message: { direction, command }, node }) => Object.freeze({ direction, command, node })));
+    return Object.freeze(candidates.map(({ message: { direction, command }, node }) => Object.freeze({ direction, command, node })));
   }
 }
 
@@ -262,12 +262,12 @@ function choice(parameter, name, value) {
 }
 
 function number({ minimum = null, maximum = null }, name, value) {
-  const found = rational(value);
-  if (!found) {
+  const ratio = rational(value);
+  if (!ratio) {
     throw new RangeError(`${name} is no number; leave it out if it is unknown`);
   }
-  const isLess = (bound) => found[0] * bound[1] < bound[0] * found[1];
-  const isGreater = (bound) => found[0] * bound[1] > bound[0] * found[1];
+  const isLess = (bound) => ratio[0] * bound[1] < bound[0] * ratio[1];
+  const isGreater = (bound) => ratio[0] * bound[1] > bound[0] * ratio[1];
   if ((minimum !== null && isLess(rational(minimum))) || (maximum !== null && isGreater(rational(maximum)))) {
     throw new RangeError(`${name} must be from ${minimum ?? "-∞"} to ${maximum ?? "∞"}; leave it out if it is unknown`);
   }
@@ -322,16 +322,16 @@ class Bits {
   /** The id with the bits of an integer; those in the data are written to `data`. */
   write(raw, id, data) {
     const unsigned = BigInt.asUintN(this.width, BigInt(raw));
-    let found = id;
+    let filled = id;
     for (const [byte, low, count, rawLow] of this.segments) {
       const part = Number((unsigned >> BigInt(rawLow)) & ((1n << BigInt(count)) - 1n)) * 2 ** low;
       if (byte === ID) {
-        found |= part;
+        filled |= part;
       } else if (byte < data.length) {
         data[byte] |= part;
       }
     }
-    return found;
+    return filled;
   }
 }
 
@@ -388,7 +388,7 @@ class Reject {
   error(direction, frame, path) {
     let text = `${hex(frame.id)} has bits that are 0 in the ids of this message`;
     if (this.reason === "wrong_length") {
-      const [select] = path.findLast(([one]) => one.isLength);
+      const [select] = path.findLast(([select]) => select.isLength);
       text = `${hex(frame.id)} has ${frame.data.length} data bytes, not ${[...select.cases.keys()].join(" or ")}`;
     } else if (this.reason === "unknown_code") {
       const codes = path.filter(([select]) => select.bits).map(([, value]) => hex(value));
@@ -429,8 +429,8 @@ class Field {
   }
 
   read(frame) {
-    const found = this.elements.map((element) => this.signed(element.read(frame)));
-    return this.isArray ? Object.freeze(found) : found[0];
+    const raws = this.elements.map((element) => this.signed(element.read(frame)));
+    return this.isArray ? Object.freeze(raws) : raws[0];
   }
 
   signed(raw) {
@@ -439,7 +439,7 @@ class Field {
 
   /** The raw integers of given values or raw integers. Throws CodecError. */
   given(given, parameters, isValue) {
-    const convert = (one) => (isValue ? this.type.raw(one, parameters, this.name) : this.type.check(one, parameters, this.name));
+    const convert = (element) => (isValue ? this.type.raw(element, parameters, this.name) : this.type.check(element, parameters, this.name));
     if (!this.isArray) {
       return convert(given);
     }
@@ -450,9 +450,9 @@ class Field {
   }
 
   result(raw, parameters) {
-    const results = (this.isArray ? raw : [raw]).map((one) => this.type.value(one, parameters));
-    const reason = results.find((one) => one.reason)?.reason ?? null;
-    const value = this.isArray ? Object.freeze(results.map((one) => one.value)) : results[0].value;
+    const results = (this.isArray ? raw : [raw]).map((element) => this.type.value(element, parameters));
+    const reason = results.find((result) => result.reason)?.reason ?? null;
+    const value = this.isArray ? Object.freeze(results.map((result) => result.value)) : results[0].value;
     return Object.freeze({ name: this.name, raw, value, unit: this.type.unit ?? null, reason });
   }
 

@@ -119,12 +119,12 @@ export class FieldType {
       return this.values.get(value);
     }
     if (Array.isArray(value) && this.bits) {
-      return value.reduce((raw, one) => {
-        const isInteger = typeof one === "bigint" || Number.isInteger(one);
-        if (!isInteger && !this.bits.has(one)) {
-          throw unknown(one);
+      return value.reduce((raw, item) => {
+        const isInteger = typeof item === "bigint" || Number.isInteger(item);
+        if (!isInteger && !this.bits.has(item)) {
+          throw unknown(item);
         }
-        return raw | (isInteger ? BigInt(one) : this.bits.get(one));
+        return raw | (isInteger ? BigInt(item) : this.bits.get(item));
       }, 0n);
     }
     if (typeof value === "number" && !Number.isInteger(value)) {

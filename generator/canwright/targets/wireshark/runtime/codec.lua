@@ -15,43 +15,43 @@ end
 
 -- The segments of a table; those that cross bit 32 of the raw integer are divided there.
 local function segments_of(listed)
-    local found = {}
+    local segments = {}
     for _, segment in ipairs(listed) do
         local byte, low, width, raw_low = segment[1], segment[2], segment[3], segment[4]
         local lower = math.min(width, math.max(0, 32 - raw_low))
         if lower > 0 then
-            found[#found + 1] = { byte + 1, power(low), power(lower), power(raw_low) }
+            segments[#segments + 1] = { byte + 1, power(low), power(lower), power(raw_low) }
         end
         if width > lower then
             local above = raw_low + lower - 32
-            found[#found + 1] = { byte + 1, power(low + lower), power(width - lower), power(above), true }
+            segments[#segments + 1] = { byte + 1, power(low + lower), power(width - lower), power(above), true }
         end
     end
-    return found
+    return segments
 end
 
 -- The bits of the id under a mask, not shifted.
 local function id_bits(mask)
-    local found = {}
+    local runs = {}
     for bit = 0, 28 do
         if math.floor(mask / 2 ^ bit) % 2 == 1 then
-            local last = found[#found]
+            local last = runs[#runs]
             if last and last[2] + last[3] == bit then
                 last[3] = last[3] + 1
             else
-                found[#found + 1] = { -1, bit, 1, bit }
+                runs[#runs + 1] = { -1, bit, 1, bit }
             end
         end
     end
-    return segments_of(found)
+    return segments_of(runs)
 end
 
 local function set_of(listed)
-    local found = {}
+    local set = {}
     for _, value in ipairs(listed) do
-        found[value] = true
+        set[value] = true
     end
-    return found
+    return set
 end
 
 local function link_rule(rule)
@@ -332,18 +332,18 @@ function codec.identify(edition, direction, frame)
     for _, route in ipairs(edition[direction]) do
         local node = node_of_rule(route, frame)
         if node ~= false then
-            local found = route.plan
-            while type(found) == "table" and found.on do
+            local step = route.plan
+            while type(step) == "table" and step.on do
                 local subject = frame.length
-                if found.on ~= "length" then
-                    subject = read_key(frame, found.on)
+                if step.on ~= "length" then
+                    subject = read_key(frame, step.on)
                 end
-                found = found.cases[subject] or found.otherwise
+                step = step.cases[subject] or step.otherwise
             end
-            if type(found) == "string" then
-                return nil, found
+            if type(step) == "string" then
+                return nil, step
             end
-            return found, node_of(found, frame, node)
+            return step, node_of(step, frame, node)
         end
     end
     return nil, "unknown_id"
@@ -398,13 +398,13 @@ end
 
 -- The reserved bits of a frame as a text, and whether they are as the spec demands.
 function codec.reserved_bits(message, frame)
-    local found, is_regular = {}, true
+    local values, is_regular = {}, true
     for number, bits in ipairs(message.reserved) do
         local value = math.floor((frame[bits[1]] or 0) / bits[2]) % bits[3]
-        found[number] = value
+        values[number] = value
         is_regular = is_regular and value == bits[4]
     end
-    return table.concat(found, " "), is_regular
+    return table.concat(values, " "), is_regular
 end
 
 -- Whether the fields of a frame of this message have named values, and values in their ranges.
@@ -447,13 +447,13 @@ function codec.decode(message, frame, parameters)
     if not is_known then
         return nil, "missing_parameter", layout.parameter
     end
-    local found = {}
+    local decoded = {}
     for _, field in ipairs(layout.fields) do
         if not field.fixed and is_present(field, choice) then
             for index, segments in ipairs(field.elements) do
                 local raw = raw_integer(field.type, frame, segments)
                 local value, reason = value_of(field.type, raw, parameters)
-                found[#found + 1] = {
+                decoded[#decoded + 1] = {
                     field = field,
                     segments = segments,
                     index = field.indices and field.indices[index],
@@ -464,7 +464,7 @@ function codec.decode(message, frame, parameters)
             end
         end
     end
-    return found
+    return decoded
 end
 
 local function is_from(nodes, source, modulus)

@@ -90,12 +90,12 @@ local function has_constants(messages, frame)
     return false
 end
 
-local function is_same(one, other)
-    if one[0] ~= other[0] or one.length ~= other.length then
+local function is_same(first, second)
+    if first[0] ~= second[0] or first.length ~= second.length then
         return false
     end
-    for index = 1, one.length do
-        if one[index] ~= other[index] then
+    for index = 1, first.length do
+        if first[index] ~= second[index] then
             return false
         end
     end
@@ -133,11 +133,11 @@ local function is_regular(bus, request, frame)
 end
 
 -- The direction by content; nil if both directions are possible.
-local function by_content(bus, found, frame)
-    local is_request = found.request ~= nil and codec.has_constants(found.request, frame)
-    local is_reply = has_constants(found.replies, frame)
+local function by_content(bus, possible, frame)
+    local is_request = possible.request ~= nil and codec.has_constants(possible.request, frame)
+    local is_reply = has_constants(possible.replies, frame)
     if is_request and is_reply then
-        if not is_regular(bus, found.request, frame) then
+        if not is_regular(bus, possible.request, frame) then
             return "reply", "content"
         end
         return nil
@@ -170,13 +170,13 @@ local function within(state, bus, edition, request)
 end
 
 -- The direction of a frame that can be both.
-local function by_exchange(state, bus, edition, found, exchange, frame)
+local function by_exchange(state, bus, edition, possible, exchange, frame)
     if not exchange then
         return "request", "pairing"
     end
-    local old = bus.learned.old[found.request]
+    local old = bus.learned.old[possible.request]
     local has_old = old ~= nil and old.value == nil
-    local repeated, distinct = is_same(exchange.frame, frame), found.request.answer.distinct and not has_old
+    local repeated, distinct = is_same(exchange.frame, frame), possible.request.answer.distinct and not has_old
     local soon = bus.clock - exchange.since <= within(state, bus, edition, exchange.request)
     if repeated and (not soon or distinct and replies_differ(exchange.request)) then
         return "request", "retry"
@@ -187,10 +187,10 @@ end
 -- Opens an exchange. It replaces earlier ones of the same request, except echoes of other bytes.
 local function open(bus, exchange)
     for number = #bus.open, 1, -1 do
-        local other = bus.open[number]
-        local is_to_same = other.frame[0] == exchange.frame[0] and other.node == exchange.node
-        if other.request == exchange.request and is_to_same then
-            if not exchange.request.answer.echo or is_same(other.frame, exchange.frame) then
+        local earlier = bus.open[number]
+        local is_to_same = earlier.frame[0] == exchange.frame[0] and earlier.node == exchange.node
+        if earlier.request == exchange.request and is_to_same then
+            if not exchange.request.answer.echo or is_same(earlier.frame, exchange.frame) then
                 table.remove(bus.open, number)
             end
         end
@@ -223,7 +223,7 @@ local function learn_latency(learned, edition, latency)
 end
 
 -- Counts runs of equal frames of a node, and those with two frames for each.
-local function learn_copies(bus, key, found, frame, result)
+local function learn_copies(bus, key, possible, frame, result)
     local learned, run = bus.learned, bus.learned.runs[key]
     if run and is_same(run.frame, frame) and bus.clock - run.clock <= COPIED_WITHIN then
         run.length, run.clock = run.length + 1, bus.clock
@@ -236,7 +236,7 @@ local function learn_copies(bus, key, found, frame, result)
             learned.request_runs, learned.request_pairs = learned.request_runs + 1, learned.request_pairs + pair
         end
     end
-    local is_echo = found.request ~= nil and found.request.answer.echo
+    local is_echo = possible.request ~= nil and possible.request.answer.echo
     learned.runs[key] = result.message and not is_echo
         and { frame = frame, clock = bus.clock, length = 1, direction = result.direction } or nil
     local is_enough = learned.all_runs >= LEAST_IN_ALL and not learned.copied
@@ -303,10 +303,10 @@ local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
 end
 
 -- Learns from a result; whether it changes the results of earlier frames.
-local function learn(state, bus, edition, found, frame, result)
+local function learn(state, bus, edition, possible, frame, result)
     local learned = bus.learned
     local key = tostring(result.node) .. (result.node and "" or " " .. frame[0])
-    local changed = learn_copies(bus, key, found, frame, result)
+    local changed = learn_copies(bus, key, possible, frame, result)
     local is_certain = result.rule == "content" or result.rule == "id" or result.rule == "mark"
     if result.direction ~= "reply" or not is_certain then
         return changed
@@ -324,55 +324,56 @@ local function learn(state, bus, edition, found, frame, result)
     elseif exchange and #exchange.request.answer.nodes == 0 and not exchange.request.answer.reply_within and result.latency then
         learn_latency(learned, edition, result.latency)
     end
-    if found.request and result.rule == "content" and learn_old_bits(bus, edition, key, found.request, frame, not exchange and not late) then
+    local is_by_content = possible.request and result.rule == "content"
+    if is_by_content and learn_old_bits(bus, edition, key, possible.request, frame, not exchange and not late) then
         changed = true
     end
     return changed
 end
 
-local function decide(state, bus, edition, only, frame, one)
-    advance(bus, one.time)
+local function decide(state, bus, edition, only, frame, arrival)
+    advance(bus, arrival.time)
     while bus.open[1] and bus.open[1].since + math.max(LONGEST, window_of(state, bus, bus.open[1].request)) < bus.clock do
         table.remove(bus.open, 1)
     end
-    local found = candidates(edition, frame)
+    local possible = candidates(edition, frame)
     local exchange, number, source
-    if #found.replies > 0 then
+    if #possible.replies > 0 then
         exchange, number, source = answered(state, bus, edition, frame)
     end
     local direction, rule
-    if one.mark then
-        bus.marks[one.mark] = true
+    if arrival.mark then
+        bus.marks[arrival.mark] = true
     end
-    if one.mark and (one.trusts_marks or (bus.marks.sent and bus.marks.received)) then
+    if arrival.mark and (arrival.trusts_marks or (bus.marks.sent and bus.marks.received)) then
         rule = "mark"
-        if one.mark == "sent" then
-            direction = one.sent
+        if arrival.mark == "sent" then
+            direction = arrival.sent
         else
-            direction = one.sent == "request" and "reply" or "request"
+            direction = arrival.sent == "request" and "reply" or "request"
         end
     elseif only then
         direction, rule = only, "id"
     else
-        direction, rule = by_content(bus, found, frame)
+        direction, rule = by_content(bus, possible, frame)
         if not direction then
-            direction, rule = by_exchange(state, bus, edition, found, exchange, frame)
+            direction, rule = by_exchange(state, bus, edition, possible, exchange, frame)
         end
     end
     local result = {
-        direction = direction, rule = rule, frame = frame, edition = edition, is_first_pass = one.is_first_pass,
+        direction = direction, rule = rule, frame = frame, edition = edition, is_first_pass = arrival.is_first_pass,
     }
     if direction == "reply" then
-        result.reason = found.reply_reason
-        result.message, result.node = found.reply, found.reply_node
+        result.reason = possible.reply_reason
+        result.message, result.node = possible.reply, possible.reply_node
         if exchange then
             result.message, result.node = exchange.request.answer.reply, source
             if not source and #exchange.request.answer.nodes == 0 then
                 result.node = exchange.node
             end
             result.exchange, result.latency = exchange, bus.clock - exchange.since
-            exchange.replies[#exchange.replies + 1] = one.number
-            if one.time[1] < exchange.time[1] then
+            exchange.replies[#exchange.replies + 1] = arrival.number
+            if arrival.time[1] < exchange.time[1] then
                 result.latency = nil
             end
             exchange.missing = exchange.missing - 1
@@ -384,35 +385,35 @@ local function decide(state, bus, edition, only, frame, one)
             end
         end
     else
-        result.reason = found.request_reason
-        result.message, result.node = found.request, found.request_node
-        if found.request and found.request.answer.reply and codec.has_constants(found.request, frame) then
+        result.reason = possible.request_reason
+        result.message, result.node = possible.request, possible.request_node
+        if possible.request and possible.request.answer.reply and codec.has_constants(possible.request, frame) then
             result.opened = {
-                request = found.request,
-                node = found.request_node,
+                request = possible.request,
+                node = possible.request_node,
                 frame = frame,
                 edition = edition,
                 since = bus.clock,
-                time = one.time,
-                missing = math.max(1, #found.request.answer.nodes),
+                time = arrival.time,
+                missing = math.max(1, #possible.request.answer.nodes),
                 answered = {},
                 replies = {},
-                number = one.number,
+                number = arrival.number,
             }
             open(bus, result.opened)
         end
     end
-    return result, found
+    return result, possible
 end
 
 -- The result for the copy of a request that was captured before; nil if a frame is none.
-local function copy_of(bus, frame, one)
+local function copy_of(bus, frame, arrival)
     local latest = bus.learned.copied and bus.latest[frame[0]]
     bus.latest[frame[0]] = nil
     if not latest or not is_same(latest.frame, frame) then
         return nil
     end
-    advance(bus, one.time)
+    advance(bus, arrival.time)
     if bus.clock - latest.clock > COPIED_WITHIN then
         return nil
     end
@@ -423,18 +424,18 @@ local function copy_of(bus, frame, one)
     }
 end
 
-local function judge(state, bus, edition, only, frame, one)
-    local copy = copy_of(bus, frame, one)
+local function judge(state, bus, edition, only, frame, arrival)
+    local copy = copy_of(bus, frame, arrival)
     if copy then
-        copy.is_first_pass = one.is_first_pass
+        copy.is_first_pass = arrival.is_first_pass
         return copy, false
     end
-    local result, found = decide(state, bus, edition, only, frame, one)
+    local result, possible = decide(state, bus, edition, only, frame, arrival)
     -- A request with old bits that are not known yet looks like a reply.
     if result.direction == "request" or result.rule == "content" then
         bus.latest[frame[0]] = { frame = frame, clock = bus.clock, result = result }
     end
-    return result, learn(state, bus, edition, found, frame, result)
+    return result, learn(state, bus, edition, possible, frame, result)
 end
 
 -- Decides on the first frames of a bus again, in the tables of their results.
@@ -450,7 +451,7 @@ local function decide_again(state, name)
         local bus = new_bus(learned)
         state.buses[name] = bus
         for _, past in ipairs(learned.history) do
-            local result, is_new = judge(state, bus, past.edition, past.only, past.frame, past.one)
+            local result, is_new = judge(state, bus, past.edition, past.only, past.frame, past.arrival)
             for key in pairs(past.result) do
                 past.result[key] = nil
             end
@@ -467,14 +468,14 @@ end
 -- message, and for a reply the `exchange` that it closes with the `latency` in ns. `mark` is "sent", "received" or nil.
 -- Marks count if `trusts_marks`, or once a bus has both. `sent` is the direction of sent frames.
 -- `only` is the direction of all frames with this id, or nil. What later frames show can change an earlier result.
-function directions.judge(state, edition, only, frame, one)
-    local bus = bus_of(state, one.bus)
-    local result, changed = judge(state, bus, edition, only, frame, one)
+function directions.judge(state, edition, only, frame, arrival)
+    local bus = bus_of(state, arrival.bus)
+    local result, changed = judge(state, bus, edition, only, frame, arrival)
     local history = bus.learned.history
     if history then
-        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame, one = one }
+        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame, arrival = arrival }
         if changed then
-            decide_again(state, one.bus)
+            decide_again(state, arrival.bus)
         elseif #history >= LEARNED_FROM then
             bus.learned.history = nil
         end

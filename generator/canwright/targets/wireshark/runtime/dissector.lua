@@ -63,23 +63,23 @@ local function integer_field(kind, name, label, members)
     return ProtoField[kind](named(name), label, base.DEC, members)
 end
 
-for _, one in ipairs(family.fields) do
-    local made = { flags = {}, kind = one.kind, raw_kind = one.raw }
-    if one.kind == "double" then
-        made.value = ProtoField.double(named(one.name), one.label)
+for _, entry in ipairs(family.fields) do
+    local made = { flags = {}, kind = entry.kind, raw_kind = entry.raw }
+    if entry.kind == "double" then
+        made.value = ProtoField.double(named(entry.name), entry.label)
     else
-        made.value = integer_field(one.kind, one.name, one.label, one.members)
+        made.value = integer_field(entry.kind, entry.name, entry.label, entry.members)
     end
     all_fields[#all_fields + 1] = made.value
-    if one.raw then
-        made.raw = integer_field(one.raw, one.name .. ".raw", one.label .. " (raw)")
+    if entry.raw then
+        made.raw = integer_field(entry.raw, entry.name .. ".raw", entry.label .. " (raw)")
         all_fields[#all_fields + 1] = made.raw
     end
-    for _, flag in ipairs(one.flags) do
-        made.flags[flag.name] = ProtoField.bool(named(one.name .. "." .. flag.filter), flag.label)
+    for _, flag in ipairs(entry.flags) do
+        made.flags[flag.name] = ProtoField.bool(named(entry.name .. "." .. flag.filter), flag.label)
         all_fields[#all_fields + 1] = made.flags[flag.name]
     end
-    proto_fields[one.field] = made
+    proto_fields[entry.field] = made
 end
 proto.fields = all_fields
 proto.experts = all_experts
@@ -166,18 +166,18 @@ end
 -- One entry of the preference `nodes`, such as `1-4, 7: EDITION NAME=VALUE`.
 local function set_nodes(entry)
     local list, rest = entry:match("^([^:]*):?(.*)$")
-    local one = { edition = settings.edition, parameters = {} }
+    local listed = { edition = settings.edition, parameters = {} }
     for name, value in pairs(settings.parameters) do
-        one.parameters[name] = value
+        listed.parameters[name] = value
     end
     for word in rest:gmatch("%S+") do
         local name, value = word:match("^(.-)=(.*)$")
         local parameter = name and named(family.parameters, name)
         local edition = not name and named(family.editions, word)
         if parameter then
-            set_parameter(one.parameters, parameter, value)
+            set_parameter(listed.parameters, parameter, value)
         elseif edition then
-            one.edition = edition
+            listed.edition = edition
         else
             mistake("nodes: unknown " .. word)
         end
@@ -188,7 +188,7 @@ local function set_nodes(entry)
         last = tonumber(last) or first
         if first and last - first < 65536 then
             for node = first, last do
-                settings.nodes[node] = one
+                settings.nodes[node] = listed
             end
         else
             mistake("nodes: invalid " .. part)
@@ -233,8 +233,8 @@ end
 local function find_edition(frame)
     local used = { settings.edition }
     for _, edition in ipairs(family.editions) do
-        for _, one in pairs(settings.nodes) do
-            if one.edition == edition and edition ~= settings.edition then
+        for _, listed in pairs(settings.nodes) do
+            if listed.edition == edition and edition ~= settings.edition then
                 used[#used + 1] = edition
                 break
             end
@@ -263,8 +263,8 @@ local function of_id(frame)
     return ids[key]
 end
 
-local function last(found)
-    return found[#found] and found[#found].value
+local function last(values)
+    return values[#values] and values[#values].value
 end
 
 local function read_frame(tvb)
@@ -290,9 +290,9 @@ local MARKS = { [P2P_DIR_SENT] = "sent", [P2P_DIR_RECV] = "received" }
 
 local function judge(frame, pinfo, known)
     local time = frame_time().value
-    local found = interface()
+    local source = interface()
     return directions.judge(state, known.edition, known.only, frame, {
-        bus = found and found.value or 0,
+        bus = source and source.value or 0,
         time = { time.secs, time.nsecs },
         mark = prefs.marks ~= 2 and MARKS[pinfo.p2p_dir] or nil,
         trusts_marks = prefs.marks == 1,
@@ -350,53 +350,53 @@ local function shown_number(number)
     return tostring(number)
 end
 
-local function shown_value(one)
-    local type_ = one.field.type
+local function shown_value(decoded)
+    local type_ = decoded.field.type
     if type_.flags then
-        return #one.value > 0 and table.concat(one.value, ", ") or "none"
+        return #decoded.value > 0 and table.concat(decoded.value, ", ") or "none"
     end
     if type_.enum then
-        return one.value or ("unknown " .. shown_integer(one.raw))
+        return decoded.value or ("unknown " .. shown_integer(decoded.raw))
     end
-    if one.value == nil then
-        return "raw " .. shown_integer(one.raw)
+    if decoded.value == nil then
+        return "raw " .. shown_integer(decoded.raw)
     end
-    local text = type_.plain and shown_integer(one.raw) or shown_number(one.value)
+    local text = type_.plain and shown_integer(decoded.raw) or shown_number(decoded.value)
     return type_.unit and text .. " " .. type_.unit or text
 end
 
-local function label_of(one)
-    return one.index and string.format("%s[%d]", one.field.label, one.index) or one.field.label
+local function label_of(decoded)
+    return decoded.index and string.format("%s[%d]", decoded.field.label, decoded.index) or decoded.field.label
 end
 
-local function add_field(tree, tvb, one)
-    local known = proto_fields[one.field.name]
-    local range = range_of(tvb, one.segments)
-    local text = label_of(one) .. ": " .. shown_value(one)
+local function add_field(tree, tvb, decoded)
+    local known = proto_fields[decoded.field.name]
+    local range = range_of(tvb, decoded.segments)
+    local text = label_of(decoded) .. ": " .. shown_value(decoded)
     local item
     if known.kind ~= "double" then
-        item = add(tree, known.value, range, integer(known.kind, one.raw))
+        item = add(tree, known.value, range, integer(known.kind, decoded.raw))
     else
-        local number = one.value
-        if one.field.type.enum or one.field.type.flags then
-            number = one.raw.number
+        local number = decoded.value
+        if decoded.field.type.enum or decoded.field.type.flags then
+            number = decoded.raw.number
         end
         if number then
             item = add(tree, known.value, range, number)
         end
-        local raw = add(item or tree, known.raw, range, integer(known.raw_kind, one.raw))
-        raw:set_text(label_of(one) .. " (raw): " .. shown_integer(one.raw))
+        local raw = add(item or tree, known.raw, range, integer(known.raw_kind, decoded.raw))
+        raw:set_text(label_of(decoded) .. " (raw): " .. shown_integer(decoded.raw))
         item = item or raw
     end
     item:set_text(text)
-    for _, flag in ipairs(one.field.type.flags or {}) do
-        local is_set = codec.has_flag(one.raw, flag.bit)
+    for _, flag in ipairs(decoded.field.type.flags or {}) do
+        local is_set = codec.has_flag(decoded.raw, flag.bit)
         add(item, known.flags[flag.name], range, is_set):set_text(flag.label .. ": " .. (is_set and "1" or "0"))
     end
-    if one.reason == "missing_parameter" then
+    if decoded.reason == "missing_parameter" then
         item:add_proto_expert_info(experts.parameter)
     end
-    return one.field.name .. (one.index and "[" .. one.index .. "]" or "") .. " " .. shown_value(one)
+    return decoded.field.name .. (decoded.index and "[" .. decoded.index .. "]" or "") .. " " .. shown_value(decoded)
 end
 
 local function reject(tree, reason, text)
@@ -455,8 +455,8 @@ local function add_frame(tree, tvb, pinfo, result)
         if not fields then
             texts[1] = reject(tree, reason, parameter and reason .. ": " .. parameter)
         else
-            for _, one in ipairs(fields) do
-                texts[#texts + 1] = add_field(tree, tvb, one)
+            for _, decoded in ipairs(fields) do
+                texts[#texts + 1] = add_field(tree, tvb, decoded)
             end
         end
     end
