@@ -38,7 +38,7 @@ def _changes(rule: str, folder: Path) -> Sequence[Change]:
     """Some changes of one kind: those of its example, of the reverse, and of further editions."""
     old, new = (specification(EXAMPLES / rule / f"{name}.yaml").edition for name in ("previous", "current"))
     texts = FURTHER.get(rule)
-    further = compare(*(edition(folder, text) for text in texts)) if texts else ()
+    further = compare(edition(folder, texts[0]), edition(folder, texts[1])) if texts else ()
     return [c for c in (*compare(old, new), *compare(new, old), *further) if c.rule.id == rule]
 
 
