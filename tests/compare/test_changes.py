@@ -175,6 +175,6 @@ def test_a_multiple_of_a_parameter(written: tuple[str, str], sentences: list[str
     assert [c.rule.category for c in found] == [kinds.get(c.rule.id, Category.VALUE) for c in found]
 
 
-def test_a_parameter_with_another_name_is_no_other_scale(tmp_path: Path) -> None:
+def test_a_renamed_parameter_does_not_change_scales(tmp_path: Path) -> None:
     found = compare(edition(tmp_path, USES_OTHER), edition(tmp_path, USES_OTHER.replace("top", "uppermost")))
     assert [change.rule.id for change in found] == ["parameter-renamed"]

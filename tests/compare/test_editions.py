@@ -252,18 +252,18 @@ def sentences_of(old: str, new: str, *categories: Category) -> list[str]:
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_every_line_is_found_and_nothing_else(name: str) -> None:
+def test_differences_of_editions_are_exactly_the_documented_ones(name: str) -> None:
     expected = [sentence for line in LINES if name in line.editions for sentence in line.says]
     assert sentences_of("v2.35", name, Category.WIRE, Category.VALUE) == sorted(expected)
 
 
 @pytest.mark.parametrize("pair", LATER, ids=" to ".join)
-def test_what_is_between_later_editions(pair: tuple[str, str]) -> None:
+def test_differences_between_later_editions(pair: tuple[str, str]) -> None:
     assert sentences_of(*pair, Category.WIRE, Category.VALUE, Category.API) == list(LATER[pair])
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_what_is_the_same(name: str) -> None:
+def test_unchanged_items_of_two_editions_are_not_reported(name: str) -> None:
     found = changes("v2.35", name)
     touched = {c.item.name for c in found if c.item.kind == "command" and c.rule.category is not Category.DOC}
     assert not touched & set(SAME[ALL])

@@ -74,11 +74,11 @@ def impacts(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
         ),
     ],
 )
-def test_of_one_id(changes: list[tuple[str, str]], says: list[str], tmp_path: Path) -> None:
+def test_impacts_of_ids_codes_and_names(changes: list[tuple[str, str]], says: list[str], tmp_path: Path) -> None:
     assert impacts(tmp_path, V2_35, *changes) == says
 
 
-def test_of_tables(tmp_path: Path) -> None:
+def test_impacts_of_renamed_and_moved_tables(tmp_path: Path) -> None:
     renamed = [(f"{before}stored_settings", f"{before}kept_settings") for before in ("\n  ", "table: ", "tables.")]
     of_table = ("torque_limit_names", "tool_settings", "max_angle_and_limits", "read_index_of_gains")
     assert impacts(tmp_path, V2_36, *renamed) == [
@@ -91,7 +91,7 @@ def test_of_tables(tmp_path: Path) -> None:
     ]
 
 
-def test_of_reserved_bits(tmp_path: Path) -> None:
+def test_impacts_of_reserved_bits(tmp_path: Path) -> None:
     """Receivers ignore them, until they are a constant with another value than the one that is sent."""
     cells = (ROOT / "tests/specs/cells/v1.yaml").read_text("utf-8")
     safe = ["safe none: command balance: constant-changed"]
@@ -106,7 +106,7 @@ def test_of_reserved_bits(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["mark", "code", "index"])
-def test_of_constants_where_there_is_no_selector(tmp_path: Path, name: str) -> None:
+def test_impacts_of_constants_without_a_selector(tmp_path: Path, name: str) -> None:
     """A constant is no code and no index, whatever its name: only the constant of the request has changed."""
     text = (
         "canwright: 1\nfamily: lamp\nedition: v1\naddresses: {lamp: {id: 0x100 + node, nodes: 1..4}}\ncommands:\n"
@@ -119,7 +119,7 @@ def test_of_constants_where_there_is_no_selector(tmp_path: Path, name: str) -> N
     assert impacts(tmp_path, text, moved) == [f"loud sending: command {one}: field-moved" for one in ("dim", "stop")]
 
 
-def test_of_a_constant_that_distinguishes_messages(tmp_path: Path) -> None:
+def test_impacts_of_a_constant_that_distinguishes_messages(tmp_path: Path) -> None:
     """Such a constant is a key and no field of the layout; its name and its removal are changes all the same."""
     joint = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
     zero = "zero: {at: 1, raw: u8, constant: 0}, "

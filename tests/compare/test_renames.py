@@ -53,7 +53,7 @@ commands:
         ),
     ],
 )
-def test_reuse(old: str, name: str, title: str, renamed: str, reused: str, tmp_path: Path) -> None:
+def test_a_reused_name_is_another_item(old: str, name: str, title: str, renamed: str, reused: str, tmp_path: Path) -> None:
     original, (was, _, rest) = edition(tmp_path, SPEC), old.partition(":")
     new = f"{name}:{rest}"
     titled = new.replace(f"title: {old.partition('title: ')[2].rstrip(',')}", f"title: {title}")
@@ -69,7 +69,7 @@ def test_reuse(old: str, name: str, title: str, renamed: str, reused: str, tmp_p
     assert found(stated) == f"build {renamed}, safe title-changed({item}"
 
 
-def test_a_statement_is_about_the_edition_that_has_the_other_name(tmp_path: Path) -> None:
+def test_a_former_name_refers_to_the_other_edition(tmp_path: Path) -> None:
     """Names that are exchanged; then an edition without changes, with the same statements; then the way back."""
     exchanged = SPEC.replace("dim: {title: Dim,", "read_all: {title: Dim, renamed_from: dim,")
     exchanged = exchanged.replace("  read: {code", "  dim: {renamed_from: read, title: All of it, code")

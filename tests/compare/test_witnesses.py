@@ -97,7 +97,7 @@ commands:
 START = "  start: {request: {mark: {at: 0, raw: u32, constant: 0xFFFFFFFE}}, reply: none}\n"
 
 
-def test_a_changed_constant_leaves_its_frames_to_the_set_point(tmp_path: Path) -> None:
+def test_frames_with_the_old_constant_become_set_points(tmp_path: Path) -> None:
     (change,) = found(tmp_path, MARKERS, ("0xFFFFFFFE", "0xFFFFFFFB"))
     assert (change.rule.id, change.item.name, change.impact) == ("constant-changed", "start", Impact.SILENT)
     assert change.witnesses[0].says() == (
@@ -129,18 +129,18 @@ def test_another_reply_form_is_one_finding_with_its_code_and_length(tmp_path: Pa
     )
 
 
-def test_a_renamed_constant_is_a_name(tmp_path: Path) -> None:
+def test_a_renamed_constant_is_only_a_renamed_field(tmp_path: Path) -> None:
     renamed = edition(tmp_path, MARKERS.replace("mark:", "marker:"))
     assert {c.rule.id for c in compare(_original(MARKERS), renamed)} == {"field-renamed"}
 
 
-def test_a_removed_marker_becomes_a_set_point(tmp_path: Path) -> None:
+def test_frames_of_a_removed_command_become_set_points(tmp_path: Path) -> None:
     (change,) = found(tmp_path, MARKERS, (START, ""))
     assert (change.rule.id, change.impact) == ("command-removed", Impact.SILENT)
     assert "reads `dim`" in change.witnesses[0].says()
 
 
-def test_a_new_marker_takes_frames_from_the_set_point(tmp_path: Path) -> None:
+def test_a_new_constant_changes_the_meaning_of_set_points_with_its_value(tmp_path: Path) -> None:
     (change,) = found(tmp_path, MARKERS.replace(START, ""), ("  stop:", f"{START}  stop:"))
     assert (change.rule.id, change.impact) == ("command-added", Impact.SILENT)
     assert "sends `dim`: `level = 65534`, `speed = 65535`; the new node reads `start`" in change.witnesses[0].says()
@@ -293,13 +293,13 @@ def test_a_request_that_no_longer_asks_one_node_is_answered_by_others(tmp_path: 
     )
 
 
-def test_a_reused_command_takes_those_along_that_reply_as_it_does(tmp_path: Path) -> None:
+def test_a_repurposed_command_explains_commands_that_share_its_reply(tmp_path: Path) -> None:
     purge = RINSE.replace("  rinse: {", "  purge: {title: Purge the pipe, ")
     (change,) = found(tmp_path, DOSER, (RINSE, purge), ("of: rinse", "of: purge"))
     assert verdicts([change]) == {"command-repurposed command rinse": {"sending": SILENT, "receiving": SILENT}}
 
 
-def test_a_title_that_repeats_the_name_is_a_title(tmp_path: Path) -> None:
+def test_another_title_repurposes_a_command_even_if_it_repeats_the_name(tmp_path: Path) -> None:
     (change,) = found(tmp_path, DOSER, ("  pause: {code: 7", "  lock: {title: Lock, code: 7"))
     assert (change.rule.id, change.impact) == ("command-repurposed", Impact.SILENT)
     assert not found(tmp_path, DOSER, ("  pause: {code: 7", "  lock: {code: 7"))

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 import yaml
 from canwright.compare import CHANGES, compare
-from canwright.compare.change import Fact, Word
+from canwright.compare.change import Keyword, SentenceArgument
 from canwright.language.edition import EditionSpec, json_schema
 from canwright.project.loader import spec_files, specification
 from canwright.targets import docs
@@ -100,9 +100,9 @@ def _without_sections(data: Any, top: bool = True) -> Any:
     return {key: _without_sections(one, False) for key, one in data.items() if top or key != "manual"}
 
 
-def _said(facts: Sequence[Fact]) -> Iterator[str]:
+def _said(facts: Sequence[SentenceArgument]) -> Iterator[str]:
     for fact in facts:
-        if isinstance(fact, Word):
+        if isinstance(fact, Keyword):
             yield str(fact)
         elif isinstance(fact, tuple):
             yield from _said(fact)
@@ -111,7 +111,7 @@ def _said(facts: Sequence[Fact]) -> Iterator[str]:
 def test_other_languages_have_every_word_of_a_sentence() -> None:
     languages = yaml.safe_load((ROOT / "templates/docs/changes.yaml").read_text("utf-8"))
     written = [path.read_text("utf-8") for path in (ROOT / "generator/canwright/compare").glob("*.py")]
-    found = [re.findall(r'Word\("([^"]+)"(?:\)| if [^\n]* else "([^"]+)"\))', text) for text in written]
+    found = [re.findall(r'Keyword\("([^"]+)"(?:\)| if [^\n]* else "([^"]+)"\))', text) for text in written]
     words = {word for pairs in found for pair in pairs for word in pair if word}
     assert {"remote frame", "data frame"} <= words
     for folder in CHANGE_EXAMPLES.iterdir():

@@ -246,11 +246,10 @@ def meaning(message: Any) -> Meaning:
 def _constants(message: Message) -> Iterator[tuple[str, Any]]:
     """The constants of a message with their values: numbers without a unit. That of a float is given by its bits."""
     yield from ((attribute(k.name), (k.value, "")) for k in message.keys if k.role is KeyRole.CONSTANT)
-    for constant in message.layout.fields:
-        raw = constant.role.required_raw
-        if raw is not None:
-            is_float = constant.type.encoding is Encoding.FLOAT
-            yield attribute(constant.name), (_float(raw, constant.type.width) if is_float else raw, "")
+    for constant in (f for f in message.layout.fields if f.role.is_checked):
+        raw, type_ = constant.role.required_raw or 0, constant.type
+        value = _float(raw, type_.width) if type_.encoding is Encoding.FLOAT else raw
+        yield attribute(constant.name), (value, "")
 
 
 def _float(raw: int, width: int) -> float:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from canwright.compare import Change, Witness
-from canwright.compare.change import Fact, with_facts
+from canwright.compare.change import SentenceArgument, with_facts
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.types import Assignment
@@ -40,7 +40,7 @@ def wrong_witnesses(changes: tuple[Change, ...], old: Binding, new: Binding, nam
                 yield from (f"{change.rule.id}: {text}" for text in _wrong(witness, old, new, names))
 
 
-def _text(fact: Fact | None) -> str:
+def _text(fact: SentenceArgument | None) -> str:
     return "" if fact is None else with_facts("{fact}", {"fact": fact}, "en", {}, str)
 
 

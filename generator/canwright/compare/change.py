@@ -30,16 +30,16 @@ class Category(str, Enum):
 
 
 class Impact(str, Enum):
-    """What becomes of a program of the old edition beside a node of the new one, each change taken by itself."""
+    """The effect of one change on a program of the old edition that communicates with a node of the new one."""
 
     SILENT = "silent"
-    """It keeps running, and reads or commands something else."""
+    """The program keeps running, but reads or commands something else."""
     LOUD = "loud"
-    """It gets no answer, or an error."""
+    """The program receives no reply or reports an error."""
     BUILD = "build"
-    """It runs as before, but has to be changed before it builds with the new bindings."""
+    """The program runs as before, but must be adapted before it builds with the new bindings."""
     SAFE = "safe"
-    """Nothing."""
+    """The program is not affected."""
 
 
 def worst(impacts: Iterable[Impact]) -> Impact:
@@ -59,17 +59,17 @@ class Side(str, Enum):
         return cls.SENDING if direction is Direction.REQUEST else cls.RECEIVING
 
 
-class Word(str):
-    """A word of the sentence itself, such as `none`, and no name: it is translated."""
+class Keyword(str):
+    """A word that belongs to the sentence, such as `none`, and is translated with it; names are not."""
 
 
-Fact = str | Text | tuple["Fact", ...]
-"""What a sentence is filled with; a text in several languages where it is the spec's, parts where it is of several."""
+SentenceArgument = str | Text | tuple["SentenceArgument", ...]
+"""The value of a placeholder: text without a language, a text of the spec in its languages, or parts of both."""
 
 
-def filled(fact: Fact, language: str, words: Mapping[str, str], escape: Callable[[str], str]) -> str:
-    """A fact as text in a language."""
-    if isinstance(fact, Word):
+def filled(fact: SentenceArgument, language: str, words: Mapping[str, str], escape: Callable[[str], str]) -> str:
+    """An argument as text in a language."""
+    if isinstance(fact, Keyword):
         return words.get(fact, fact)
     if isinstance(fact, tuple):
         return "".join(filled(part, language, words, escape) for part in fact)
@@ -77,9 +77,13 @@ def filled(fact: Fact, language: str, words: Mapping[str, str], escape: Callable
 
 
 def with_facts(
-    sentence: str, facts: Mapping[str, Fact], language: str, words: Mapping[str, str], escape: Callable[[str], str]
+    sentence: str,
+    facts: Mapping[str, SentenceArgument],
+    language: str,
+    words: Mapping[str, str],
+    escape: Callable[[str], str],
 ) -> str:
-    """A sentence with its facts, which it names in braces, as text in a language."""
+    """A sentence as text in a language, with the facts that it names in braces."""
     return sentence.format_map({name: filled(fact, language, words, escape) for name, fact in facts.items()})
 
 
@@ -126,7 +130,7 @@ class Change:
 
     rule: ChangeRule
     item: Item
-    facts: Mapping[str, Fact]
+    facts: Mapping[str, SentenceArgument]
     old: DocumentPath | None
     new: DocumentPath | None
     verdicts: Mapping[Side, Impact]

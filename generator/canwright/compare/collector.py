@@ -14,7 +14,7 @@ from ..model.deprecation import Deprecation
 from ..model.edition import Edition
 from ..model.types import Assignment, ImpliedTitle, Text
 from .catalogue import CHANGES
-from .change import Category, Change, Fact, Impact, Item, Side, Word, worst
+from .change import Category, Change, Impact, Item, Keyword, SentenceArgument, Side, worst
 from .exported_names import ExportedNames
 
 T = TypeVar("T")
@@ -24,15 +24,15 @@ Places = tuple[DocumentPath, DocumentPath]
 
 
 @dataclass(frozen=True)
-class Use:
+class AffectedUsers:
     """Where something is used: what the host does with it, and the commands."""
 
     sides: tuple[Side, ...] = ()
     commands: tuple[str, ...] = ()
 
 
-UNUSED = Use()
-BOTH_SIDES = Use(tuple(Side))
+UNUSED = AffectedUsers()
+BOTH_SIDES = AffectedUsers(tuple(Side))
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Attribute(Generic[T]):
 
     rule: str
     key: str
-    shown: Callable[[T], Fact]
+    shown: Callable[[T], SentenceArgument]
     value: Callable[[T], object] | None = None
     impact: Impact | Callable[[T, T], Impact] | None = None
 
@@ -83,7 +83,7 @@ class Collector:
         self.moved: dict[DocumentPath, DocumentPath] = {}
         """Where the old edition has what is compared under a new name."""
 
-    def apart(self) -> Collector:
+    def empty_copy(self) -> Collector:
         """An empty collector, for changes that are parts of one."""
         return Collector(self._names, self._old, self._new)
 
@@ -92,12 +92,12 @@ class Collector:
         rule: str,
         item: Item,
         places: Places,
-        use: Use,
+        use: AffectedUsers,
         impact: Impact | None = None,
         cases: tuple[Assignment, ...] = (),
         announced: bool = False,
         /,
-        **facts: Fact,
+        **facts: SentenceArgument,
     ) -> None:
         """Adds a change by `rule` of something at `places`, with an `impact` if the rule is one of bits without witnesses."""
         kind = CHANGES[rule]
@@ -119,7 +119,14 @@ class Collector:
         self._changes[key] = change
 
     def removed(
-        self, rule: str, item: Item, places: Places, use: Use, was: Deprecation | None, /, **facts: Fact
+        self,
+        rule: str,
+        item: Item,
+        places: Places,
+        use: AffectedUsers,
+        was: Deprecation | None,
+        /,
+        **facts: SentenceArgument,
     ) -> None:
         """Adds the removal of something, with its deprecation."""
         allowed = was is not None and was.allows_removal(self._new.name, self._new.date)
@@ -136,7 +143,15 @@ class Collector:
             self.add(f"deprecation-{kind}", item, at(places, "deprecated"), UNUSED, name=name, **facts)
 
     def attributes(
-        self, rows: Iterable[Attribute[T]], item: Item, places: Places, old: T, new: T, use: Use, /, **facts: Fact
+        self,
+        rows: Iterable[Attribute[T]],
+        item: Item,
+        places: Places,
+        old: T,
+        new: T,
+        use: AffectedUsers,
+        /,
+        **facts: SentenceArgument,
     ) -> None:
         """Adds a change for each attribute that differs."""
         for row in rows:
@@ -146,7 +161,7 @@ class Collector:
                 shown = {"old": row.shown(old), "new": row.shown(new)}
                 self.add(row.rule, item, at(places, row.key), use, impact, **facts, **shown)
 
-    def renamed(self, rule: str, item: Item, places: Places, use: Use, /, **facts: Fact) -> None:
+    def renamed(self, rule: str, item: Item, places: Places, use: AffectedUsers, /, **facts: SentenceArgument) -> None:
         """Adds a change of a name alone, where the name differs."""
         if facts["old"] == facts["new"]:
             return
@@ -165,7 +180,7 @@ class Collector:
                 path = (*was, *path[len(now) :])
         return path
 
-    def section(self, item: Item, places: Places, old: str, new: str, use: Use = UNUSED) -> None:
+    def section(self, item: Item, places: Places, old: str, new: str, use: AffectedUsers = UNUSED) -> None:
         """Adds a change of the section of the manual."""
         if old != new:
             facts = {"old": section(old), "new": section(new)}
@@ -204,26 +219,26 @@ def at(places: Places, key: str) -> Places:
     return (*places[0], key), (*places[1], key)
 
 
-def _frozen(fact: Fact) -> object:
+def _frozen(fact: SentenceArgument) -> object:
     if isinstance(fact, tuple):
         return tuple(map(_frozen, fact))
     return fact if isinstance(fact, str) else tuple(fact.items())
 
 
-def _period(deprecation: Deprecation) -> Fact:
-    until: tuple[Fact, ...] = (", ", Word("until"), f" {deprecation.until}") if deprecation.until else ()
-    return (Word("since"), f" {deprecation.since}", *until)
+def _period(deprecation: Deprecation) -> SentenceArgument:
+    until: tuple[SentenceArgument, ...] = (", ", Keyword("until"), f" {deprecation.until}") if deprecation.until else ()
+    return (Keyword("since"), f" {deprecation.since}", *until)
 
 
-def _removal(deprecation: Deprecation, allowed: bool | None) -> Fact:
+def _removal(deprecation: Deprecation, allowed: bool | None) -> SentenceArgument:
     """How a removal agrees with the deprecation, in parentheses."""
     kind = {True: "as announced", False: "earlier than announced", None: "perhaps earlier than announced"}[allowed]
-    return (" ", Word(kind), " (", Word("deprecated"), " ", _period(deprecation), ")")
+    return (" ", Keyword(kind), " (", Keyword("deprecated"), " ", _period(deprecation), ")")
 
 
-def section(manual: str) -> Fact:
+def section(manual: str) -> SentenceArgument:
     """A section of the manual, as its writer calls it."""
-    return {"en": manual} if manual else Word("none")
+    return {"en": manual} if manual else Keyword("none")
 
 
 def differing(old: Text, new: Text) -> list[str]:
@@ -239,14 +254,14 @@ def shortened(text: Text, languages: Iterable[str], longest: int = 60) -> Mappin
 
 def listed(names: Iterable[object]) -> str:
     """`a, b`, or `none`."""
-    return ", ".join(map(str, names)) or Word("none")
+    return ", ".join(map(str, names)) or Keyword("none")
 
 
 def scope(only: Mapping[str, tuple[str, ...]]) -> str:
     """The parameter values that have something, or `all`."""
-    return formatting.condition(only) or Word("all")
+    return formatting.condition(only) or Keyword("all")
 
 
 def given(value: object | None) -> str:
     """A value, or `not given`."""
-    return Word("not given") if value is None else str(value)
+    return Keyword("not given") if value is None else str(value)

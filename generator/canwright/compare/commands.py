@@ -12,8 +12,8 @@ from ..model.layout import Layout
 from ..model.message import Command, Direction, Entry, Message, OtherReply, SharedReply
 from ..model.metadata import Effect, Level
 from . import discriminators, fields, forms, match
-from .change import Fact, Impact, Item, Side, Word
-from .collector import Attribute, Collector, Places, Use, at, given, listed, paths, scope
+from .change import Impact, Item, Keyword, SentenceArgument, Side
+from .collector import AffectedUsers, Attribute, Collector, Places, at, given, listed, paths, scope
 from .fields import Editions
 from .forms import is_named, messages
 
@@ -68,12 +68,12 @@ def _is_other_table(old: Command, new: Command, edition: Edition) -> bool:
 
 def _other_table(found: Collector, old: Command, new: Command) -> None:
     facts = {"old": _table(old), "new": _table(new)}
-    use = Use(tuple(Side), (old.spec_name,))
+    use = AffectedUsers(tuple(Side), (old.spec_name,))
     found.add("table-of-command-changed", _item(old), at(paths(old, new), "table"), use, **facts)
 
 
-def _table(command: Command) -> Fact:
-    return (Word("the table"), f" `{command.entry.table}`") if command.entry else Word("no table")
+def _table(command: Command) -> SentenceArgument:
+    return (Keyword("the table"), f" `{command.entry.table}`") if command.entry else Keyword("no table")
 
 
 def _item(command: Command) -> Item:
@@ -85,7 +85,7 @@ def _code(command: Command) -> str:
 
 
 def _repurposed(found: Collector, old: Command, new: Command) -> None:
-    use = Use(tuple(Side), (old.spec_name,))
+    use = AffectedUsers(tuple(Side), (old.spec_name,))
     if old.entry and new.entry and old.spec_name == new.spec_name:
         facts = {"index": discriminators.index(old), "old": old.entry.name, "new": new.entry.name}
         places = paths(old.entry, new.entry)
@@ -97,7 +97,7 @@ def _repurposed(found: Collector, old: Command, new: Command) -> None:
 
 def _removed(found: Collector, command: Command, new: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, new)
-    use, places = Use((Side.SENDING,), (command.spec_name,)), (path, parent)
+    use, places = AffectedUsers((Side.SENDING,), (command.spec_name,)), (path, parent)
     if kind == "command":
         found.removed("command-removed", item, places, use, command.deprecated, **facts)
     else:
@@ -106,7 +106,7 @@ def _removed(found: Collector, command: Command, new: Edition) -> None:
 
 def _added(found: Collector, command: Command, old: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, old)
-    found.add(f"{kind}-added", item, (parent, path), Use((), (command.spec_name,)), **facts)
+    found.add(f"{kind}-added", item, (parent, path), AffectedUsers((), (command.spec_name,)), **facts)
 
 
 def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
@@ -120,7 +120,7 @@ def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath,
 
 
 def _command(found: Collector, both: Editions, old: Command, new: Command) -> None:
-    use = Use((Side.SENDING if old.request else Side.RECEIVING,), (old.spec_name,))
+    use = AffectedUsers((Side.SENDING if old.request else Side.RECEIVING,), (old.spec_name,))
     if old.entry and new.entry and old.entry.name != new.entry.name:
         names = {"old": old.entry.name, "new": new.entry.name}
         found.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)
@@ -148,7 +148,7 @@ def _command(found: Collector, both: Editions, old: Command, new: Command) -> No
     _forms(found, both, old, new)
     _address(found, old, new)
     for direction, one, other in messages(old, new):
-        used = Use((Side.of(direction),), (old.spec_name,))
+        used = AffectedUsers((Side.of(direction),), (old.spec_name,))
         is_other = _other_layout(found, both, old, new, direction, used)
         _message(found, both, old, new, one, other, used, is_other=is_other)
         if not is_other:
@@ -163,13 +163,19 @@ def _address(found: Collector, old: Command, new: Command) -> None:
     for group in [moved] if moved and follows else [[one] for one in moved]:
         one, other = group[0][1:]
         directions = [direction for direction, _, _ in group]
-        facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": one.address, "new": other.address}
+        facts = {
+            "direction": Keyword(" and ".join(d.value for d in directions)),
+            "old": one.address,
+            "new": other.address,
+        }
         places = paths(old, new) if follows else paths(one, other)
-        use = Use(tuple(map(Side.of, directions)), (old.spec_name,))
+        use = AffectedUsers(tuple(map(Side.of, directions)), (old.spec_name,))
         found.add("address-of-command-changed", _item(old), at(places, "address"), use, **facts)
 
 
-def _layout_name(found: Collector, both: Editions, command: Command, old: Message, new: Message, use: Use) -> None:
+def _layout_name(
+    found: Collector, both: Editions, command: Command, old: Message, new: Message, use: AffectedUsers
+) -> None:
     """Adds the change of where the same fields of a message are defined, which names its type in the bindings."""
     one, other = old.layout, new.layout
     same_place = is_named(one) == is_named(other)
@@ -180,17 +186,19 @@ def _layout_name(found: Collector, both: Editions, command: Command, old: Messag
     of_entry = command.entry is not None and "tables" in (one.path[0], other.path[0])
     item = Item.of_entry(command.entry) if of_entry and command.entry else _item(command)
     places = (command.entry.path, command.entry.path) if of_entry and command.entry else paths(old, new)
-    what = Word("entry" if of_entry else old.direction.value)
+    what = Keyword("entry" if of_entry else old.direction.value)
     facts = {"direction": what, "old": _name_of(one), "new": _name_of(other)}
     names = found.names(one.path, other.path) or f"`{one.name}` → `{other.name}`"
     found.add("layout-of-command-changed", item, places, use, **facts, names=names)
 
 
-def _name_of(layout: Layout) -> Fact:
-    return ("`", layout.name, "`") if is_named(layout) else Word("fields of its own")
+def _name_of(layout: Layout) -> SentenceArgument:
+    return ("`", layout.name, "`") if is_named(layout) else Keyword("fields of its own")
 
 
-def _other_layout(found: Collector, both: Editions, old: Command, new: Command, direction: Direction, use: Use) -> bool:
+def _other_layout(
+    found: Collector, both: Editions, old: Command, new: Command, direction: Direction, use: AffectedUsers
+) -> bool:
     """Adds the change of the layout of a message to one that both editions have; whether there is one."""
     layouts = [message.layout for c in (old, new) if (message := c.message(direction)) is not None]
     if match.content(layouts[0]) == match.content(layouts[1]) or not _is_other_layout(both, *layouts):
@@ -214,10 +222,10 @@ def _entry(found: Collector, both: Editions, old: Command, new: Command, one: En
     """Changes of the table and the entry that a form of a command is of."""
     before, after = both.old.table(one.table), both.new.table(other.table)
     table, item = Item("table", one.table), Item.of_entry(one)
-    use = Use((), (old.spec_name,))
+    use = AffectedUsers((), (old.spec_name,))
     names = {"old": one.table, "new": other.table}
     places = one.path[:2], other.path[:2]
-    found.renamed("table-renamed", table, places, Use((Side.SENDING,), (old.spec_name,)), **names)
+    found.renamed("table-renamed", table, places, AffectedUsers((Side.SENDING,), (old.spec_name,)), **names)
     found.texts(table, paths(before, after), before, after)
     found.section(table, paths(before, after), before.manual, after.manual, use)
     found.texts(item, paths(one, other), one, other)
@@ -225,9 +233,9 @@ def _entry(found: Collector, both: Editions, old: Command, new: Command, one: En
     found.section(item, paths(one, other), own[0], own[1], use)
 
 
-def _limits(command: Command) -> Fact:
+def _limits(command: Command) -> SentenceArgument:
     others = listed(s.name for s in command.not_limited_by)
-    exceptions = (" (", Word("not by"), f" {others})") if command.not_limited_by else ()
+    exceptions = (" (", Keyword("not by"), f" {others})") if command.not_limited_by else ()
     return (listed(s.name for s in command.limited_by), *exceptions)
 
 
@@ -241,11 +249,11 @@ def _implemented(old: Command, new: Command) -> Impact:
 
 _OF_COMMAND = (
     Attribute[Command](
-        "implemented-changed", "implemented", lambda c: Word("yes" if c.implemented else "no"), impact=_implemented
+        "implemented-changed", "implemented", lambda c: Keyword("yes" if c.implemented else "no"), impact=_implemented
     ),
     Attribute[Command]("reply-time-changed", "reply_within_ms", lambda c: given(c.reply_within_ms)),
 )
-_MODE = Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Word("none"), impact=Impact.LOUD)
+_MODE = Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Keyword("none"), impact=Impact.LOUD)
 _LIMITS = Attribute[Command]("limits-changed", "limited_by", _limits, _limited_by, Impact.SILENT)
 _EXCEPTIONS = Attribute[Command](
     "limits-changed", "not_limited_by", _limits, lambda c: {s.name for s in c.not_limited_by}
@@ -304,12 +312,12 @@ def _texts(found: Collector, old: Command, new: Command) -> None:
     found.text("text-changed", item, at(places, "about"), old.spec_name, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
     found.text("text-changed", item, at(places, "notes"), old.spec_name, *notes)
-    found.section(item, places, old.manual, new.manual, Use((), (old.spec_name,)))
+    found.section(item, places, old.manual, new.manual, AffectedUsers((), (old.spec_name,)))
 
 
 def _forms(found: Collector, both: Editions, old: Command, new: Command) -> None:
     """Adds the changes of the forms of request and reply."""
-    receiving, sending = (Use((side,), (old.spec_name,)) for side in (Side.RECEIVING, Side.SENDING))
+    receiving, sending = (AffectedUsers((side,), (old.spec_name,)) for side in (Side.RECEIVING, Side.SENDING))
     emptied = {direction for direction, one, other in forms.own_messages(old, new) if forms.is_emptied(one, other)}
 
     def request(command: Command) -> str:
@@ -346,14 +354,16 @@ def _is_gone_with_another(both: Editions, old: Command, new: Command) -> bool:
     return not new.replies and any(c.name in names and not c.replies for c in both.new.commands)
 
 
-def _repliers(command: Command) -> Fact:
-    return (Word("the nodes"), f" {listed(command.from_each)}") if command.from_each else Word("the node addressed")
+def _repliers(command: Command) -> SentenceArgument:
+    return (
+        (Keyword("the nodes"), f" {listed(command.from_each)}") if command.from_each else Keyword("the node addressed")
+    )
 
 
 _REPLIERS = Attribute[Command]("repliers-changed", "from_each", _repliers)
 _OF_MESSAGE = (
     Attribute[Message]("accept-changed", "accept", lambda m: listed(map(discriminators.code, m.accepted_codes))),
-    Attribute[Message]("frame-kind-changed", "remote", lambda m: Word("remote frame" if m.remote else "data frame")),
+    Attribute[Message]("frame-kind-changed", "remote", lambda m: Keyword("remote frame" if m.remote else "data frame")),
 )
 _REPLY_CODE = Attribute[Message](
     "reply-code-changed",
@@ -370,7 +380,7 @@ def _message(
     new: Command,
     one: Message,
     other: Message,
-    use: Use,
+    use: AffectedUsers,
     *,
     is_other: bool,
 ) -> None:
@@ -381,10 +391,10 @@ def _message(
         new.code,
     ]:
         rows.insert(0, _REPLY_CODE)
-    item, places, direction = _item(old), paths(one, other), Word(one.direction.value)
+    item, places, direction = _item(old), paths(one, other), Keyword(one.direction.value)
     if [one.dlc, other.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
         item_of_bus: tuple[Item, Places] = Item("bus", ""), (("bus",), ("bus",))
-        found.attributes([_DLC], *item_of_bus, one, other, use, direction=Word("usual frame"))
+        found.attributes([_DLC], *item_of_bus, one, other, use, direction=Keyword("usual frame"))
     else:
         rows.append(_DLC)
     if not is_other:

@@ -11,8 +11,8 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Command, Key, KeyRole, Message
 from ..model.types import Order
-from .change import Item, Side, Word
-from .collector import Attribute, Collector, Places, Use, at, given, listed, paths
+from .change import Item, Keyword, Side
+from .collector import AffectedUsers, Attribute, Collector, Places, at, given, listed, paths
 from .fields import Editions, constant_keys, place_of
 from .forms import messages
 from .match import by_name
@@ -20,7 +20,7 @@ from .match import by_name
 
 def code(value: int | None) -> str:
     """A code, as `0x0A`."""
-    return Word("none") if value is None else f"0x{value:02X}"
+    return Keyword("none") if value is None else f"0x{value:02X}"
 
 
 def code_sent(message: Message) -> int | None:
@@ -31,17 +31,17 @@ def code_sent(message: Message) -> int | None:
 def index(command: Command) -> str:
     """The index of an entry, as `0x05, 0x0A`."""
     message = command.request or command.reply
-    return listed(code(key.value) for key in message.keys if key.role is KeyRole.INDEX) if message else Word("none")
+    return listed(code(key.value) for key in message.keys if key.role is KeyRole.INDEX) if message else Keyword("none")
 
 
 _OF_CONSTANT = (
     Attribute["_Field"](
-        "constant-changed", "constant", lambda f: Word("any value") if f.value is None else str(f.value)
+        "constant-changed", "constant", lambda f: Keyword("any value") if f.value is None else str(f.value)
     ),
     Attribute["_Field"]("field-moved", "at", lambda f: f.place),
-    Attribute["_Field"]("byte-order-changed", "byte_order", lambda f: Word(f.order.value)),
+    Attribute["_Field"]("byte-order-changed", "byte_order", lambda f: Keyword(f.order.value)),
 )
-_ORDER = Attribute[Key]("byte-order-changed", "byte_order", lambda key: Word(key.order.value))
+_ORDER = Attribute[Key]("byte-order-changed", "byte_order", lambda key: Keyword(key.order.value))
 _INDEX = Attribute[Command]("index-changed", "index", index)
 
 
@@ -50,7 +50,7 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
     if same_kind(old, new) and old.code != new.code:
         item, use, places = (
             Item("command", old.spec_name),
-            Use(tuple(Side), (old.spec_name,)),
+            AffectedUsers(tuple(Side), (old.spec_name,)),
             at(paths(old, new), "code"),
         )
         facts = {"old": code(old.code), "new": code(new.code)}
@@ -62,7 +62,7 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
         else:
             found.add("code-changed", item, places, use, **facts)
     if old.entry and new.entry:
-        use = Use(tuple(Side), (old.spec_name,))
+        use = AffectedUsers(tuple(Side), (old.spec_name,))
         found.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
         if not same_kind(old, new):
             facts = {"old": given(old.entry.kind), "new": given(new.entry.kind)}
@@ -72,9 +72,9 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
         if one and another and (one.address == another.address or one.id == another.id):
             of_replies = side is Side.RECEIVING and not _like_requests(old, new)
             key = "reply_selector" if of_replies else "selector"
-            _code_moved(found, both, one, another, key, Use((side,), (old.spec_name,)))
+            _code_moved(found, both, one, another, key, AffectedUsers((side,), (old.spec_name,)))
     for direction, one, another in messages(old, new):
-        use = Use((Side.of(direction),), (old.spec_name,))
+        use = AffectedUsers((Side.of(direction),), (old.spec_name,))
         _index_moved(found, both, old, new, one, another, use)
         _constants(found, one, another, use)
 
@@ -95,7 +95,7 @@ class _Field(NamedTuple):
     path: DocumentPath
 
 
-def _constants(found: Collector, old: Message, new: Message, use: Use) -> None:
+def _constants(found: Collector, old: Message, new: Message, use: AffectedUsers) -> None:
     """Constants that distinguish one message from others, as a code does, in one edition or in both."""
     item, (before, after) = Item("command", use.commands[0]), (constant_keys(m) for m in (old, new))
     matched = by_name(_fields(old), _fields(new)).also(lambda a, b: a[1:4] == b[1:4])
@@ -143,7 +143,7 @@ def _like_requests(old: Command, new: Command) -> bool:
     )
 
 
-def _code_moved(found: Collector, both: Editions, old: Message, new: Message, key: str, use: Use) -> None:
+def _code_moved(found: Collector, both: Editions, old: Message, new: Message, key: str, use: AffectedUsers) -> None:
     facts = {"old": _place_of(old.keys, KeyRole.CODE), "new": _place_of(new.keys, KeyRole.CODE)}
     whole = _one_selector(both.old) and _one_selector(both.new)
     item = Item("edition", "") if whole else Item("address", old.address)
@@ -166,7 +166,14 @@ def _follow_edition(both: Editions, old: Message, new: Message, role: KeyRole) -
 
 
 def _turned(
-    found: Collector, both: Editions, item: Item, places: Places, old: Message, new: Message, role: KeyRole, use: Use
+    found: Collector,
+    both: Editions,
+    item: Item,
+    places: Places,
+    old: Message,
+    new: Message,
+    role: KeyRole,
+    use: AffectedUsers,
 ) -> None:
     """Adds the change of the byte order of keys that stay in the same bytes, or of the edition if they follow it."""
     follows = _follow_edition(both, old, new, role)
@@ -180,7 +187,7 @@ def _turned(
 
 
 def _index_moved(
-    found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: Use
+    found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: AffectedUsers
 ) -> None:
     facts = {"old": _place_of(one.keys, KeyRole.INDEX), "new": _place_of(other.keys, KeyRole.INDEX)}
     if not old.entry or not new.entry:

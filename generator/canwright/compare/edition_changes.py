@@ -13,14 +13,14 @@ from ..model.edition import Edition
 from ..model.message import Address, Direction, IdRule
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting, State
 from ..model.types import Parameter, Text
-from .change import Fact, Impact, Item, Side, Word
+from .change import Impact, Item, Keyword, SentenceArgument, Side
 from .collector import (
     BOTH_SIDES,
     UNUSED,
+    AffectedUsers,
     Attribute,
     Collector,
     Titled,
-    Use,
     at,
     differing,
     given,
@@ -41,9 +41,9 @@ def _fewer_rates(old: Mode, new: Mode) -> Impact:
     return Impact.LOUD if gone or new.default_kbps not in (None, old.default_kbps) else Impact.SAFE
 
 
-def _rates(mode: Mode) -> Fact:
+def _rates(mode: Mode) -> SentenceArgument:
     rates = listed(sorted(mode.bit_rates_kbps, reverse=True))
-    return rates if mode.default_kbps is None else (rates, " (", Word("default"), f" {mode.default_kbps})")
+    return rates if mode.default_kbps is None else (rates, " (", Keyword("default"), f" {mode.default_kbps})")
 
 
 def _ends(parameter: Parameter) -> tuple[Fraction | None, Fraction | None]:
@@ -54,10 +54,10 @@ def _bounds(parameter: Parameter) -> str:
     return "..".join("" if end is None else formatting.decimal(end) for end in _ends(parameter))
 
 
-def _entered_by(state: State) -> Fact:
+def _entered_by(state: State) -> SentenceArgument:
     if not state.is_initial:
         return listed(state.entered_by)
-    return (Word("power-up"), *(f", {name}" for name in state.entered_by))
+    return (Keyword("power-up"), *(f", {name}" for name in state.entered_by))
 
 
 _OF_EDITION = (
@@ -68,7 +68,7 @@ _OF_BUS = (
     Attribute[Bus]("max-nodes-changed", "max_nodes", lambda b: given(b.max_nodes)),
 )
 _OF_MODE = (Attribute[Mode]("bit-rates-changed", "bit_rates_kbps", _rates, impact=_fewer_rates),)
-_OF_EFFECT = (Attribute[Effect]("effect-level-changed", "level", lambda e: Word(e.level.value)),)
+_OF_EFFECT = (Attribute[Effect]("effect-level-changed", "level", lambda e: Keyword(e.level.value)),)
 _OF_SETTING = (Attribute[Setting]("setting-scope-changed", "only", lambda s: scope(s.only)),)
 _OF_STATE = (
     Attribute[State]("state-entry-changed", "entered_by", _entered_by, impact=Impact.SILENT),
@@ -101,9 +101,9 @@ def _items(
     path: DocumentPath,
     matched: Matched[T],
     rows: Sequence[Attribute[T]] = (),
-    use: Use = UNUSED,
-    removed: tuple[Use, Impact | None] = (UNUSED, None),
-    added: Use = UNUSED,
+    use: AffectedUsers = UNUSED,
+    removed: tuple[AffectedUsers, Impact | None] = (UNUSED, None),
+    added: AffectedUsers = UNUSED,
 ) -> None:
     """Changes of the attributes and texts of items of one kind; items that are removed and added."""
     for one, other in matched.pairs:
@@ -152,27 +152,27 @@ def _rule(
     sides = tuple(map(Side.of, directions))
     before, after = ((r.base, r.node_step, r.nodes is None) for r in (old, new))
     if before != after:
-        facts = {"direction": Word(" and ".join(d.value for d in directions)), "old": _id(old), "new": _id(new)}
+        facts = {"direction": Keyword(" and ".join(d.value for d in directions)), "old": _id(old), "new": _id(new)}
         key = directions[0].value if len(directions) == 1 else "id"
-        found.add("id-changed", item, at(paths(*pair), key), Use(sides), **facts)
+        found.add("id-changed", item, at(paths(*pair), key), AffectedUsers(sides), **facts)
     if old.nodes is not None and new.nodes is not None and old.nodes != new.nodes:
         facts = {"old": f"{old.nodes[0]}..{old.nodes[-1]}", "new": f"{new.nodes[0]}..{new.nodes[-1]}"}
-        found.add("nodes-changed", item, at(paths(*pair), "nodes"), Use(sides), **facts)
+        found.add("nodes-changed", item, at(paths(*pair), "nodes"), AffectedUsers(sides), **facts)
 
 
 def _extended(found: Collector, item: Item, old: Address, new: Address) -> None:
     """Adds the change of the width of all ids of an address."""
 
-    def ids(address: Address) -> Fact:
+    def ids(address: Address) -> SentenceArgument:
         request, reply = _id(address.request), _id(address.reply)
         return request if request == reply else (request, ", ", reply)
 
-    facts = {"direction": Word("request and reply"), "old": ids(old), "new": ids(new)}
+    facts = {"direction": Keyword("request and reply"), "old": ids(old), "new": ids(new)}
     found.add("id-changed", item, at(paths(old, new), "extended"), BOTH_SIDES, **facts)
 
 
-def _id(rule: IdRule) -> Fact:
-    return (formatting.id_rule(rule), *((" (", Word("29 bits"), ")") if rule.extended else ()))
+def _id(rule: IdRule) -> SentenceArgument:
+    return (formatting.id_rule(rule), *((" (", Keyword("29 bits"), ")") if rule.extended else ()))
 
 
 def _bus(found: Collector, old: Bus, new: Bus) -> None:
@@ -203,7 +203,7 @@ def _parameters(found: Collector, old: Sequence[Parameter], new: Sequence[Parame
 def _states(found: Collector, old: Edition, new: Edition) -> None:
     now = {c.previous_name: c.spec_name for c in new.commands if c.previous_name}
     before = [replace(one, entered_by=tuple(now.get(name, name) for name in one.entered_by)) for one in old.states]
-    _items(found, "state", ("states",), by_name(before, new.states), _OF_STATE, Use((Side.SENDING,)))
+    _items(found, "state", ("states",), by_name(before, new.states), _OF_STATE, AffectedUsers((Side.SENDING,)))
 
 
 def _errata(found: Collector, old: Edition, new: Edition) -> None:
@@ -211,7 +211,7 @@ def _errata(found: Collector, old: Edition, new: Edition) -> None:
     for id_ in dict.fromkeys((*before, *after)):
         (i, one), (j, other) = before.get(id_, (None, None)), after.get(id_, (None, None))
         rule: str | None = None
-        facts: dict[str, Fact] = {"name": id_} if other is None else {"name": id_, "used": other.used}
+        facts: dict[str, SentenceArgument] = {"name": id_} if other is None else {"name": id_, "used": other.used}
         if other is None:
             rule = "erratum-removed"
         elif one is None:
@@ -229,8 +229,8 @@ def _erratum(number: int | None) -> DocumentPath:
     return ("errata",) if number is None else ("errata", number)
 
 
-def _about(erratum: Erratum) -> Fact:
-    return (listed(erratum.where), " (", Word("section"), " ", section(erratum.manual), ")")
+def _about(erratum: Erratum) -> SentenceArgument:
+    return (listed(erratum.where), " (", Keyword("section"), " ", section(erratum.manual), ")")
 
 
 def _texts(erratum: Erratum) -> tuple[Text, Text, Text]:

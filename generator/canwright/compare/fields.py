@@ -13,8 +13,8 @@ from ..model.layout import Field, Layout, NodeRole, ReservedRole, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Encoding, Type
 from . import match, quantities
-from .change import Category, Change, Fact, Item, Word
-from .collector import Attribute, Collector, Places, Use, at, paths
+from .change import Category, Change, Item, Keyword, SentenceArgument
+from .collector import AffectedUsers, Attribute, Collector, Places, at, paths
 
 
 @dataclass(frozen=True)
@@ -28,14 +28,14 @@ class Editions:
     commands: dict[str, str]
 
 
-def compare(found: Collector, both: Editions, command: str, one: Message, another: Message, use: Use) -> None:
+def compare(found: Collector, both: Editions, command: str, one: Message, another: Message, use: AffectedUsers) -> None:
     """All changes of the layout of a message of `command`."""
     old, new = one.layout, another.layout
     if _is_shared(both, old, new):
         item, places = Item("layout", old.name), paths(old, new)
         found.renamed("layout-renamed", item, places, use, old=old.name, new=new.name)
         found.texts(item, places, old, new)
-        found.section(item, places, old.manual, new.manual, Use((), use.commands))
+        found.section(item, places, old.manual, new.manual, AffectedUsers((), use.commands))
     else:
         item = Item("command", command)
     matched = match.fields(old, new)
@@ -47,7 +47,7 @@ def compare(found: Collector, both: Editions, command: str, one: Message, anothe
         owner = _owner(before, item)
         _field(found, both, owner, before, after, use)
         if (before.manual, after.manual) != (old.manual, new.manual):
-            found.section(owner, paths(before, after), before.manual, after.manual, Use((), use.commands))
+            found.section(owner, paths(before, after), before.manual, after.manual, AffectedUsers((), use.commands))
     replaced = matched.also(match.overlap)
     for before, after in (*exchanged, *replaced.pairs[len(matched.pairs) :]):
         facts = {"place": place_of(before), "old": before.name, "new": after.name}
@@ -87,7 +87,7 @@ def _parent(field: Field, other: Layout) -> DocumentPath:
 
 
 def _array(field: Field) -> str:
-    return formatting.numbers(e.index for e in field.elements if e.index is not None) or Word("one alone")
+    return formatting.numbers(e.index for e in field.elements if e.index is not None) or Keyword("one alone")
 
 
 def place_of(field: Field) -> str:
@@ -97,14 +97,14 @@ def place_of(field: Field) -> str:
 
 _OF_FIELD = (
     Attribute[Field]("array-changed", "array", _array),
-    Attribute[Field]("field-condition-changed", "only", lambda f: ", ".join(f.only) or Word("all")),
+    Attribute[Field]("field-condition-changed", "only", lambda f: ", ".join(f.only) or Keyword("all")),
     Attribute[Field](
-        "holds-changed", "holds", lambda f: Word("the node" if isinstance(f.role, NodeRole) else "a value")
+        "holds-changed", "holds", lambda f: Keyword("the node" if isinstance(f.role, NodeRole) else "a value")
     ),
 )
 
 
-def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
+def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
     places = paths(old, new)
     found.renamed("field-renamed", item, places, use, old=old.name, new=new.name)
     if _moved(old, new):
@@ -123,11 +123,11 @@ def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field,
         _type(found, both, item, old, new, use)
 
 
-def _constant(field: Field) -> Fact:
+def _constant(field: Field) -> SentenceArgument:
     if field.role.is_value:
-        return Word("any value")
+        return Keyword("any value")
     if isinstance(field.role, ReservedRole):
-        return (Word("any value"), ", ", Word("sent as"), f" {field.role.sent_raw}")
+        return (Keyword("any value"), ", ", Keyword("sent as"), f" {field.role.sent_raw}")
     return str(field.role.sent_raw)
 
 
@@ -151,12 +151,12 @@ def _starts(field: Field) -> set[At]:
 
 
 _WIDTH = Attribute[Type]("width-changed", "raw", lambda t: str(t.width))
-_SIGN = Attribute[Type]("sign-changed", "raw", lambda t: Word(t.encoding.value))
-_ENCODING = Attribute[Type]("encoding-changed", "raw", lambda t: Word(t.encoding.value))
-_ORDER = Attribute[Type]("byte-order-changed", "byte_order", lambda t: Word(t.order.value))
+_SIGN = Attribute[Type]("sign-changed", "raw", lambda t: Keyword(t.encoding.value))
+_ENCODING = Attribute[Type]("encoding-changed", "raw", lambda t: Keyword(t.encoding.value))
+_ORDER = Attribute[Type]("byte-order-changed", "byte_order", lambda t: Keyword(t.order.value))
 
 
-def _type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
+def _type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
     one, other = old.type, new.type
     named = [t.path[0] == "types" for t in (one, other)]
     same = all(named) and both.types.get(one.name, one.name) == other.name
@@ -175,13 +175,13 @@ def _type(found: Collector, both: Editions, item: Item, old: Field, new: Field, 
     _meaning(found, both, owner, name, places, one, other, use)
 
 
-def _other_type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: Use) -> None:
+def _other_type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
     """Adds one change for a field that has another type, with all that differs."""
     places = _path(old), _path(new)
-    inner = found.apart()
+    inner = found.empty_copy()
     _meaning(inner, both, item, new.name, places, old.type, new.type, use)
     changes = list(inner)
-    facts: dict[str, Fact] = {"name": new.name, "old": old.type.name, "new": new.type.name}
+    facts: dict[str, SentenceArgument] = {"name": new.name, "old": old.type.name, "new": new.type.name}
     for change in changes:
         if change.rule.category is Category.DOC:
             found.add(change.rule.id, item, places, use, **change.facts)
@@ -206,17 +206,17 @@ _WHAT = {"range-changed": "raw range", "scale-changed": "resolution"}
 """What a change is about, where its rule has another word."""
 
 
-def _difference(change: Change) -> Fact:
+def _difference(change: Change) -> SentenceArgument:
     """What differs, such as `scale 0.1 V (was 1 V)`."""
-    what = Word(_WHAT.get(change.rule.id) or change.rule.id.rpartition("-")[0].replace("-", " "))
+    what = Keyword(_WHAT.get(change.rule.id) or change.rule.id.rpartition("-")[0].replace("-", " "))
     if not {"old", "new"} <= change.facts.keys() or change.rule.id.startswith("member"):
-        return Word("members")
+        return Keyword("members")
     when = change.facts.get("when", "")
-    return (what, when, " ", change.facts["new"], " (", Word("was"), " ", change.facts["old"], ")")
+    return (what, when, " ", change.facts["new"], " (", Keyword("was"), " ", change.facts["old"], ")")
 
 
 def _meaning(
-    found: Collector, both: Editions, owner: Item, name: str, places: Places, one: Type, other: Type, use: Use
+    found: Collector, both: Editions, owner: Item, name: str, places: Places, one: Type, other: Type, use: AffectedUsers
 ) -> None:
     """Changes of the raw format of a type, and of what its values mean."""
     encoding = _ENCODING if Encoding.FLOAT in (one.encoding, other.encoding) else _SIGN

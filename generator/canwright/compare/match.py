@@ -67,14 +67,14 @@ def by_name(old: Iterable[T], new: Iterable[T]) -> Matched[T]:
 
 
 def by_former_name(old: Iterable[T], new: Iterable[T], former_names: Callable[[T], Iterable[str]]) -> Matched[T]:
-    """As `by_name`, but what states a former name in one edition is that thing of the other.
+    """As `by_name`, but items with a former name match the item of that name in the other edition.
 
-    A statement that both editions make is about a third one.
+    A former name that both editions give to an item refers to an earlier edition.
     """
     before, after = {one.name: one for one in old}, {one.name: one for one in new}
 
     def stated(here: dict[str, T], there: dict[str, T]) -> Iterator[tuple[T, T]]:
-        """What states its former name, with the thing of that name in the other edition."""
+        """Items with a former name, each with the item of that name in the other edition."""
         for one in here.values():
             same = there.get(one.name)
             names = set(former_names(one)) - set(former_names(same) if same is not None else ())

@@ -11,8 +11,8 @@ from typing import Generic, TypeVar
 from ..model import formatting
 from ..model.types import Assignment, Bound, ByParameter, Linear, Member, Range, Type
 from . import match
-from .change import Impact, Item, Word
-from .collector import Attribute, Collector, Places, Use, at, listed
+from .change import Impact, Item, Keyword
+from .collector import AffectedUsers, Attribute, Collector, Places, at, listed
 
 T = TypeVar("T")
 
@@ -36,7 +36,7 @@ class Pair:
     item: Item
     name: str
     places: Places
-    use: Use
+    use: AffectedUsers
 
     def add(self, found: Collector, rule: str, key: str, case: Case[T], old: str, new: str) -> None:
         """Adds a change of a number that may depend on parameters."""
@@ -44,16 +44,16 @@ class Pair:
         found.add(rule, self.item, at(self.places, key), self.use, None, case.assignments, **facts)
 
 
-_UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Word("no unit"))
+_UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Keyword("no unit"))
 _PARAMETERS = Attribute[Type](
     "parameters-of-type-changed",
     "scale",
-    lambda t: ", ".join((*t.parameters, *t.numbers)) or Word("nothing"),
+    lambda t: ", ".join((*t.parameters, *t.numbers)) or Keyword("nothing"),
 )
 _PLAUSIBLE = Attribute[Type](
     "plausible-changed",
     "plausible",
-    lambda t: formatting.span(t.plausible, formatting.decimal) + _unit(t) if t.plausible else Word("not given"),
+    lambda t: formatting.span(t.plausible, formatting.decimal) + _unit(t) if t.plausible else Keyword("not given"),
     lambda t: (t.plausible, t.plausible and t.unit),
 )
 _WITHOUT_EFFECTS = Attribute[Member](
@@ -74,7 +74,9 @@ def compare(found: Collector, pair: Pair) -> None:
         _members(found, pair, key, before, after)
     rows = (_UNIT,) if shows_parameters else (_UNIT, _PARAMETERS)
     found.attributes(rows, pair.item, pair.places, old, new, pair.use, name=pair.name)
-    found.attributes([_PLAUSIBLE], pair.item, pair.places, old, new, Use((), pair.use.commands), name=pair.name)
+    found.attributes(
+        [_PLAUSIBLE], pair.item, pair.places, old, new, AffectedUsers((), pair.use.commands), name=pair.name
+    )
 
 
 def _scale(linear: Linear | None) -> object:
@@ -122,7 +124,7 @@ def _offset_shown(linear: Linear, type_: Type) -> str:
 
 
 def _scale_shown(linear: Linear | None, type_: Type) -> str:
-    return Word("not given") if linear is None else f"{formatting.step(linear)}{_unit(type_)}"
+    return Keyword("not given") if linear is None else f"{formatting.step(linear)}{_unit(type_)}"
 
 
 def _unit(type_: Type) -> str:
@@ -141,7 +143,7 @@ def _ranges(found: Collector, pair: Pair) -> bool:
             continue
         changed = True
         shown = [
-            Word("not limited") if limits is None else formatting.span(limits, formatting.decimal)
+            Keyword("not limited") if limits is None else formatting.span(limits, formatting.decimal)
             for limits in (one, other)
         ]
         pair.add(found, "range-changed", "raw_range", case, shown[0], shown[1])

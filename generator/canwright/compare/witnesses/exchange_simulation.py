@@ -1,4 +1,4 @@
-"""What becomes of the frames of one edition in the other: which message they are, and whether they are an answer.
+"""Simulates exchanges between an old host and a new node: which message each frame is, and whether a reply answers.
 
 The id, the other distinguishing bits, and the fields are compared one after the other: a frame whose id is another in
 the other edition is also tried with the correct id, and fields are compared as if the message had been identified.
@@ -20,7 +20,7 @@ from ...semantics.decoder import Decoder, Identified, Rejection, rejects_constan
 from ...semantics.encoder import Encoder, Encoders
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame, raw_of
-from ..change import Fact, Impact, Side, Word
+from ..change import Impact, Keyword, SentenceArgument, Side
 from ..forms import is_emptied
 from . import candidates, paths
 from .assignments import Assignments
@@ -135,7 +135,10 @@ class ExchangeSimulation:
         identified = self._identified(case, sent, read)
         yield from (witness for witness in identified if not (accepted and witness.impact is Impact.LOUD))
         if rejected is not None:
-            facts: dict[str, Fact] = {"sent": f"`{sent.command}`", "reason": _reason(rejected[1].reason.value)}
+            facts: dict[str, SentenceArgument] = {
+                "sent": f"`{sent.command}`",
+                "reason": _reason(rejected[1].reason.value),
+            }
             of_answer = self._of_answer(case)
             witness = self._made(case, Impact.LOUD, {}, rejected[0], "received-rejected", facts, of_answer)
             yield dataclasses.replace(witness, exists=rejected[2])
@@ -257,7 +260,7 @@ class ExchangeSimulation:
         node = self._nodes.first(old.request, understood, old.reply, *(r.message for r in other.replies))
         reply = self._reply(encoder, other, asked, node)
         if reply is None or other.reply is None:
-            facts: dict[str, Fact] = {"sent": f"`{old.name}`"}
+            facts: dict[str, SentenceArgument] = {"sent": f"`{old.name}`"}
             yield self._made(back, Impact.LOUD, assignment, asked, "sent-unanswered", facts, misread.paths, (other,))
             return
         original = _moved(asked, understood.id, old.request.id, node)
@@ -344,14 +347,14 @@ class ExchangeSimulation:
         node, frame, receiver = trial.node, trial.frame, self._decoders[case.side][1]
         found = receiver.identify(sent.direction, frame)
         sending = case.side is Side.SENDING
-        facts: dict[str, Fact] = {"sent": self._sent(encoder, sent, trial)}
+        facts: dict[str, SentenceArgument] = {"sent": self._sent(encoder, sent, trial)}
         if isinstance(found, Identified):
             expected = self._expected(case.side, encoder, sent, read, frame)
             if found.message in expected:
                 if node is None or found.node is None or node == found.node:
                     return None
-                facts = {"sent": (f"`{sent.command}`, ", Word("node"), f" {node}")}
-                facts["read"] = (Word("node"), f" {found.node}")
+                facts = {"sent": (f"`{sent.command}`, ", Keyword("node"), f" {node}")}
+                facts["read"] = (Keyword("node"), f" {found.node}")
             elif read is not None and not sending and self._is_ambiguous(receiver, read, frame, encoder):
                 return None
             else:
@@ -405,7 +408,7 @@ class ExchangeSimulation:
         """Whether the old host takes the same frame of an old node for another message, too."""
         return not isinstance(receiver.decode_as(read, frame, encoder.assignment), Rejection)
 
-    def _sent(self, encoder: Encoder, message: Message, trial: _Trial) -> Fact:
+    def _sent(self, encoder: Encoder, message: Message, trial: _Trial) -> SentenceArgument:
         name = f"`{message.command}`"
         decoded = self._decoders[Side.SENDING][0].decode_as(message, trial.frame, encoder.assignment)
         is_name = isinstance(decoded, Rejection) or trial.is_of_id
@@ -505,8 +508,8 @@ class ExchangeSimulation:
         for node, sentence in [(n, "received-removed") for n in missing[:1]] + [
             (n, "received-rejected") for n in unexpected[:1]
         ]:
-            name: Fact = (f"`{new.name}`, ", Word("node"), f" {node}")
-            facts: dict[str, Fact] = {"read": name, "sent": name, "reason": _reason("not_answer")}
+            name: SentenceArgument = (f"`{new.name}`, ", Keyword("node"), f" {node}")
+            facts: dict[str, SentenceArgument] = {"read": name, "sent": name, "reason": _reason("not_answer")}
             yield self._made(case, Impact.LOUD, {}, None, sentence, facts, self._of_answer(case))
 
     def _common_node(self, one: Message, other: Message) -> int | None:
@@ -551,7 +554,7 @@ class ExchangeSimulation:
         assignment: Assignment,
         frame: CanFrame | None,
         sentence: str,
-        facts: Mapping[str, Fact],
+        facts: Mapping[str, SentenceArgument],
         concerned: Iterable[DocumentPath] = (),
         others: Iterable[Command] = (),
     ) -> Witness:
@@ -568,9 +571,9 @@ class ExchangeSimulation:
         )
 
 
-def _reason(refusal: str) -> Word:
+def _reason(refusal: str) -> Keyword:
     """The reason for a rejection: `unknown code`."""
-    return Word(refusal.replace("_", " "))
+    return Keyword(refusal.replace("_", " "))
 
 
 def _stated(known: Assignment, encoder: Encoder, *messages: Message) -> Assignment:

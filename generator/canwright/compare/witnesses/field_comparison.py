@@ -16,7 +16,7 @@ from ...semantics.decoder import Decoder, Identified, Value, field_value, is_fin
 from ...semantics.encoder import Encoder, Encoders
 from ...semantics.frame import CanFrame, Raw, difference, has_id_rule, raw_of, wrong_constants
 from .. import match
-from ..change import Fact, Impact, Side, Word
+from ..change import Impact, Keyword, SentenceArgument, Side
 from . import candidates
 from .assignments import Assignments
 from .counterparts import Counterparts
@@ -268,7 +268,7 @@ class FieldPair:
         frame = self._accepted(self._encoder, made)
         text = shown(target, raw_of(target, frame), self._encoder.assignment)
         sentence = "sent-unset" if self._messages.side is Side.SENDING else "received-unset"
-        facts: dict[str, Fact] = {"name": target.name, "read": (f"`{self._messages.read.command}`: ", text)}
+        facts: dict[str, SentenceArgument] = {"name": target.name, "read": (f"`{self._messages.read.command}`: ", text)}
         yield self._made(RAW, Impact.SILENT, self._assignment, frame, sentence, facts, (source or target, target))
 
     def ignored(self, source: Field) -> Iterator[Witness]:
@@ -294,9 +294,9 @@ class FieldPair:
         for frame in filter(None, frames):
             if wrong_constants([target], frame):
                 sentence = "sent-rejected" if self._messages.side is Side.SENDING else "received-rejected"
-                facts: dict[str, Fact] = {
+                facts: dict[str, SentenceArgument] = {
                     "sent": f"`{self._messages.sent.command}`",
-                    "reason": Word("wrong constant"),
+                    "reason": Keyword("wrong constant"),
                 }
                 fields = (target,) if source is None else (source, target)
                 yield self._made(RAW, Impact.LOUD, self._assignment, frame, sentence, facts, fields)
@@ -346,7 +346,7 @@ class FieldPair:
         """The frame with the first allowed value in each field."""
         return self._encoded(self._encoder, self._base)
 
-    def _named(self, shown: Fact) -> Fact:
+    def _named(self, shown: SentenceArgument) -> SentenceArgument:
         return (f"`{self._messages.sent.command}`: ", shown)
 
     def _misread(
@@ -376,7 +376,7 @@ class FieldPair:
         assignment: Assignment,
         frame: CanFrame,
         sentence: str,
-        facts: Mapping[str, Fact],
+        facts: Mapping[str, SentenceArgument],
         fields: Iterable[Field],
         members: tuple[str, ...] = (),
     ) -> Witness:

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from ...model import formatting
 from ...model.types import Assignment
 from ...semantics.frame import CanFrame
-from ..change import Fact, Impact, Side, with_facts
+from ..change import Impact, SentenceArgument, Side, with_facts
 from .paths import Paths
 
 SENTENCES: Mapping[str, str] = {
@@ -53,7 +53,7 @@ class Witness:
     assignment: Assignment
     frame: CanFrame | None
     sentence: str
-    facts: Mapping[str, Fact]
+    facts: Mapping[str, SentenceArgument]
     commands: tuple[str, ...] = ()
     paths: Paths = frozenset()
     exists: bool = True
