@@ -32,8 +32,8 @@ Array = NDArray[Any]
 
 REQUEST, REPLY, UNKNOWN = 0, 1, 2
 """The directions in arrays, as the target `columns` numbers them."""
-_BOTH, _NONE = 3, 4
-"""What else the content of a frame allows: both directions, and none."""
+_BOTH, _NONE, _UNSET = 3, 4, 255
+"""What else the content of a frame allows: both directions, and none; or it was not seen before."""
 _NUMBERS = {Direction.REQUEST: REQUEST, Direction.REPLY: REPLY}
 _MARKS = (Mark.SENT, Mark.RECEIVED, None)
 EXTENDED, REMOTE = 1, 2
@@ -303,8 +303,8 @@ class _Log:
     def _forget(self) -> None:
         """Forgets the classes of frames, and what follows from them."""
         self._classes = _Classes(self._edition, self._window, is_separate=self._sharing is not _Sharing.NODES)
-        self._kinds, self._pairs, self._triples = _Numbers(), _Numbers(), _Numbers()
-        self._allowed: list[int] = []
+        self._pairs, self._triples = _Numbers(), _Numbers()
+        self._allowed: Array = np.empty(0, np.uint8)
         """The directions that each kind of frames allows."""
         self._of_pairs: list[int] = []
         """What each kind of frames shows after each kind of requests."""
@@ -335,7 +335,7 @@ class _Log:
         clock = self._advanced(block)
         rows, classes = self._classes.numbers(block, [self._behaviour(bus) for bus in block.buses])
         kinds = self._kinds_of(block, rows, classes)
-        allowed = np.array(self._allowed, np.uint8)[kinds]
+        allowed = self._allowed[kinds]
         held.direction[rows] = np.minimum(allowed, UNKNOWN)
         if self._sharing is not _Sharing.NOTHING:
             self._pair(held, self._entries(block, clock, rows, classes, kinds, allowed))
@@ -343,16 +343,20 @@ class _Log:
 
     def _kinds_of(self, block: FrameArrays, rows: Array, classes: Array) -> Array:
         """The numbers of classes with their content and their mark."""
-        contents = self._classes.contents(classes, block.data[rows])
-        given = block.direction[rows]
-        kinds, new = self._kinds.of(classes.astype(np.uint64) << 8 | contents.astype(np.uint64) << 4 | given)
-        for at in new.tolist():
-            allowed = int(given[at])
-            if allowed == UNKNOWN:
-                decided = direction_by_content(self._classes.rules[classes[at]], int(contents[at]))
-                allowed = _BOTH if decided is None else _NONE if decided[0] is None else _NUMBERS[decided[0]]
-            self._allowed.append(allowed)
+        contents = self._classes.contents(classes, block.data[rows]).astype(np.intp)
+        kinds: Array = classes << 5 | contents << 2 | block.direction[rows]
+        more = len(self._classes.rules) * 32 - self._allowed.size
+        self._allowed = np.concatenate([self._allowed, np.full(more, _UNSET, np.uint8)])
+        for kind in np.unique(kinds[self._allowed[kinds] == _UNSET]).tolist():
+            self._allowed[kind] = self._directions_of(kind)
         return kinds
+
+    def _directions_of(self, kind: int) -> int:
+        """The directions that the class, the content and the mark of frames allow."""
+        if kind & 3 != UNKNOWN:
+            return kind & 3
+        decided = direction_by_content(self._classes.rules[kind >> 5], kind >> 2 & 7)
+        return _BOTH if decided is None else _NONE if decided[0] is None else _NUMBERS[decided[0]]
 
     def _behaviour(self, bus: str) -> Behaviour:
         return self._behaviours.get(bus, Behaviour())._replace(is_marked=True)
