@@ -73,7 +73,10 @@ def answers(item: EditionInput, x: Example) -> dict[Frame, list[Frame]]:
         if class_name(f"{command.name}_request") == x.probe.partition("(")[0]:
             assert command.request is not None and command.reply is not None
             ids = [rule.base + x.node * rule.node_step for rule in (command.request.id, command.reply.id)]
-            data = [next(f.data for f in item.frames.frames if command.name == getattr(f, kind)) for kind in KINDS]
+            data = [
+                next(f.data for f in item.frames.frames if command.name == f.command and f.direction.value == kind)
+                for kind in KINDS
+            ]
             found[ids[0], data[0]] = [(ids[1], data[1])]
     return found
 

@@ -13,6 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
+from canwright.model import formatting
 from canwright.model.layout import ReservedRole, Space
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
@@ -147,7 +148,7 @@ class DbcAdapter(Adapter):
             if not parameter.is_numeric:
                 choices.append([str(given)] if given is not None else [value.name for value in parameter.values])
             elif given is not None and (parameter.is_choice or parameter.name in self._deciding):
-                fixed[parameter.name] = str(given)
+                fixed[parameter.name] = formatting.exact(given) if isinstance(given, Fraction) else str(given)
         words = [f"{name}_{value}" for name, value in fixed.items()]
         for combination in itertools.product(*choices):
             yield frozenset((*combination, *words)), fixed
