@@ -126,6 +126,26 @@ def _same_value(wanted: Value, result: Mapping[str, Any], frame: GoldenFrame) ->
         assert all(each in (one, float(one) if isinstance(one, Fraction) else one) for one, each in pairs), frame
 
 
+def test_programs_with_arrays_of_named_values(tmp_path: Path) -> None:
+    spec = (
+        CASES.split("types:")[0].replace("parameters: {size: {values: [14, 15]}}\n", "")
+        + """\
+types:
+  lights: {raw: u8, flags: {red: 0, green: 1}}
+  mode: {raw: u8, enum: {slow: 1, fast: 2}}
+commands:
+  show: {request: {lights: {at: 0, type: lights, array: 1..3}, modes: {at: 3, type: mode, array: 1..2}}, reply: none}
+"""
+    )
+    (tmp_path / "lamp.yaml").write_text(spec, "utf-8")
+    item = specification(tmp_path / "lamp.yaml")
+    folder = write_files(explorer([EditionSpec(item)]), tmp_path)
+    line = "100#0003010201000000"
+    (answer,) = interpret(folder, [{"line": line, "parameters": {}}])
+    (shown,) = answer["found"]
+    _run_python(write_files(python.generate([item], {}), tmp_path), [(line, shown["c"], shown["python"])])
+
+
 def test_a_case_outside_the_range_of_its_raw_integers_is_marked(tmp_path: Path) -> None:
     """An encoder of 14 bits is never at 720 degrees."""
     (tmp_path / "lamp.yaml").write_text(CASES, "utf-8")

@@ -35,7 +35,7 @@ canwright.code = (() => {
     const { name, needsParameters } = names.messages[`${message.direction} ${message.command}`];
     const lines = [`#include <${names.source}>`, ""];
     if (needsParameters) {
-      const items = named(parameters, names).map((one) => `.${one.name} = ${one.members?.[one.value] ?? cRatio(one.value)}`);
+      const items = named(parameters, names).map((parameter) => `.${parameter.name} = ${parameter.members?.[parameter.value] ?? cRatio(parameter.value)}`);
       lines.push(`const ${names.parametersType} parameters = {${items.join(", ") || "0"}};`);
     }
     const types = new Map(message.fields.map((field) => [field.name, field.type]));
@@ -63,17 +63,17 @@ canwright.code = (() => {
     const enums = new Map(message.fields.map((field, i) => [field.name, names.types?.[texts.layouts[message.layout][i].type]]));
     const items = message.nodes ? [`node=${decoded.node}`] : []; // otherwise a field contains it
     for (const { name: field, raw, value } of decoded.fields) {
-      const one = hasValues ? pythonValue(value, enums.get(field), Array.isArray(raw), imports) : pythonNumber(raw);
-      items.push(`${own(names.fields, field) ?? field}=${one}`);
+      const argument = hasValues ? pythonValue(value, enums.get(field), Array.isArray(raw), imports) : pythonNumber(raw);
+      items.push(`${own(names.fields, field) ?? field}=${argument}`);
     }
     const given = named(parameters, names);
     if (given.length && (needsParameters || !hasValues)) {
       imports.add(names.parametersType);
-      const known = given.map((one) => {
-        if (one.type) {
-          imports.add(one.type);
+      const known = given.map((parameter) => {
+        if (parameter.type) {
+          imports.add(parameter.type);
         }
-        return `${one.name}=${one.members?.[one.value] ?? pythonRatio(one.value)}`;
+        return `${parameter.name}=${parameter.members?.[parameter.value] ?? pythonRatio(parameter.value)}`;
       });
       items.push(`parameters=${names.parametersType}(${known.join(", ")})`);
     }
@@ -95,7 +95,7 @@ canwright.code = (() => {
 
   function pythonValue(value, enumeration, isArray, imports) {
     if (isArray) {
-      return `[${value.map((one) => pythonValue(one, enumeration, false, imports)).join(", ")}]`;
+      return `[${value.map((element) => pythonValue(element, enumeration, false, imports)).join(", ")}]`;
     }
     if (!enumeration) {
       return pythonNumber(value);

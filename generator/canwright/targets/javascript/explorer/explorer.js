@@ -7,7 +7,7 @@
   const NAMES = ["frame", "edition", "direction", "command", "lang"]; // in the address, beside the parameters
   const PREFIX = "parameter."; // of the parameters in the address, so that they can have these names too
   const state = { frame: "", edition: "", direction: "", command: "", lang: "", parameters: {} };
-  let found = [];
+  let interpretations = [];
   let chosen = null;
   let field = "";
   let log = { frames: [], skipped: 0, start: 0 };
@@ -16,9 +16,9 @@
 
   /** An element with properties; `children` are elements and texts. */
   function make(tag, properties = {}, ...children) {
-    const { dataset = {}, ...others } = properties;
+    const { dataset = {}, ...attributes } = properties;
     const element = document.createElement(tag);
-    for (const [name, value] of Object.entries(others)) {
+    for (const [name, value] of Object.entries(attributes)) {
       if (name in element) {
         element[name] = value;
       } else {
@@ -104,7 +104,7 @@
   function showCommands() {
     const edition = meaning.find(state.edition) ?? chosen?.edition ?? meaning.editions[0];
     at("edition").replaceChildren(
-      ...meaning.editions.map((one) => make("option", { value: meaning.label(one), selected: one === edition }, meaning.label(one))),
+      ...meaning.editions.map((item) => make("option", { value: meaning.label(item), selected: item === edition }, meaning.label(item))),
     );
     const options = [...edition.messages].map(([value, { direction, command }]) => {
       const title = titleOf({ edition, decoded: { command } });
@@ -185,10 +185,10 @@
   function update() {
     const line = state.frame.trim();
     const frame = line ? frames.parseLine(line) : null;
-    found = frame ? meaning.interpret(frame, state.parameters) : [];
-    chosen = found.find(isPreferred) ?? found[0] ?? null;
+    interpretations = frame ? meaning.interpret(frame, state.parameters) : [];
+    chosen = interpretations.find(isPreferred) ?? interpretations[0] ?? null;
     showInvalid();
-    at("problem").textContent = line && !frame ? say("no_frame") : frame && !found.length ? reasons(frame) : "";
+    at("problem").textContent = line && !frame ? say("no_frame") : frame && !interpretations.length ? reasons(frame) : "";
     at("frame").setAttribute("aria-invalid", String(Boolean(line && !frame)));
     show();
   }
@@ -208,9 +208,9 @@
     return `${say("no_message")} (${texts.filter(Boolean).join("; ")})`;
   }
 
-  function select(one) {
-    chosen = one;
-    Object.assign(state, { edition: meaning.label(one.edition), direction: one.decoded.direction, command: one.decoded.command });
+  function select(interpretation) {
+    chosen = interpretation;
+    Object.assign(state, { edition: meaning.label(interpretation.edition), direction: interpretation.decoded.direction, command: interpretation.decoded.command });
     show();
     at("found").querySelector('[aria-pressed="true"]')?.focus();
   }
@@ -231,10 +231,10 @@
   }
 
   function showFound() {
-    at("found-box").hidden = !found.length;
-    at("found-count").textContent = found.length ? say("found_count", found.length) : "";
-    const items = found.map((one) => {
-      const { edition, decoded, variant, deviation } = one;
+    at("found-box").hidden = !interpretations.length;
+    at("found-count").textContent = interpretations.length ? say("found_count", interpretations.length) : "";
+    const items = interpretations.map((interpretation) => {
+      const { edition, decoded, variant, deviation } = interpretation;
       const facts = [say(decoded.direction), meaning.label(edition)];
       if (variant) {
         facts.push(`${parameterTitle(edition, variant.parameter)}: ${variant.values.join(", ")}`);
@@ -245,19 +245,19 @@
       if (deviation) {
         facts.push(say(deviation));
       }
-      const values = decoded.fields.map((one) => `${one.name} ${shown(one)}`).join(", ");
+      const values = decoded.fields.map((result) => `${result.name} ${shown(result)}`).join(", ");
       const button = make(
         "button",
-        { type: "button", "aria-pressed": String(one === chosen) },
-        make("strong", {}, titleOf(one)),
+        { type: "button", "aria-pressed": String(interpretation === chosen) },
+        make("strong", {}, titleOf(interpretation)),
         make("span", {}, facts.join(" · ")),
         make("small", {}, values),
       );
-      button.addEventListener("click", () => select(one));
+      button.addEventListener("click", () => select(interpretation));
       return make("li", {}, button);
     });
     at("found").replaceChildren(...items);
-    const current = items[found.indexOf(chosen)];
+    const current = items[interpretations.indexOf(chosen)];
     if (current) {
       at("found").scrollTop = current.offsetTop - at("found").offsetTop - 8;
     }
@@ -301,16 +301,16 @@
 
   /** The field of each bit of a frame, as `byte:bit`; byte -1 is the id. */
   function owners() {
-    const found = new Map();
+    const owners = new Map();
     const names = chosen.decoded.fields.map(({ name }) => name);
     for (const { name, elements } of chosen.message.fields) {
       for (const [byte, low, width] of elements.flat()) {
         for (let bit = low; bit < low + width && names.includes(name); bit += 1) {
-          found.set(`${byte}:${bit}`, name);
+          owners.set(`${byte}:${bit}`, name);
         }
       }
     }
-    return found;
+    return owners;
   }
 
   function showBits() {
@@ -364,13 +364,13 @@
     for (const button of at("fields").querySelectorAll("button[data-field]")) {
       button.setAttribute("aria-pressed", String(button.dataset.field === name));
     }
-    const description = chosen.message.fields.find((one) => one.name === name);
+    const description = chosen.message.fields.find((candidate) => candidate.name === name);
     at("field-says").textContent = description ? `${name}: ${place(description)}` : "";
   }
 
   function place({ elements }) {
     const parts = elements.map((segments) => {
-      const sorted = [...segments].sort((one, other) => one[0] - other[0]);
+      const sorted = [...segments].sort((first, second) => first[0] - second[0]);
       return sorted.map(([byte, low, width]) => {
         const where = byte < 0 ? "ID" : `DATA[${byte}]`;
         const bits = width === 1 ? `${say("bit")} ${low}` : `${say("bits")} ${low}..${low + width - 1}`;
@@ -403,21 +403,21 @@
     const { edition, message, decoded } = chosen;
     at("node-box").hidden = message.nodes === null; // then a field contains the node, or none does
     at("node").value = decoded.node ?? "";
-    const rows = decoded.fields.map((one) => {
-      const position = message.fields.findIndex(({ name }) => name === one.name);
+    const rows = decoded.fields.map((result) => {
+      const position = message.fields.findIndex(({ name }) => name === result.name);
       const description = message.fields[position];
       const { title, type } = edition.texts.layouts[message.layout][position];
-      const button = make("button", { type: "button", dataset: { field: one.name }, "aria-pressed": "false" }, one.name);
-      button.addEventListener("click", () => highlight(field === one.name ? "" : one.name));
+      const button = make("button", { type: "button", dataset: { field: result.name }, "aria-pressed": "false" }, result.name);
+      button.addEventListener("click", () => highlight(field === result.name ? "" : result.name));
       const row = make(
         "tr",
-        { dataset: { field: one.name } },
+        { dataset: { field: result.name } },
         make("th", { scope: "row" }, button, make("small", {}, text(title))),
-        make("td", { dataset: { title: say("value") } }, valueInput(one, description, edition.texts.types[type])),
-        make("td", { dataset: { title: say("raw_integer") } }, rawInput(one)),
-        make("td", {}, facts(description, edition, edition.texts.types[type], one)),
+        make("td", { dataset: { title: say("value") } }, valueInput(result, description, edition.texts.types[type])),
+        make("td", { dataset: { title: say("raw_integer") } }, rawInput(result)),
+        make("td", {}, facts(description, edition, edition.texts.types[type], result)),
       );
-      row.addEventListener("focusin", () => highlight(one.name));
+      row.addEventListener("focusin", () => highlight(result.name));
       return row;
     });
     at("fields").replaceChildren(...rows);
@@ -448,16 +448,16 @@
     return say("needs", missing.map((name) => parameterTitle(edition, name)).join(", "));
   }
 
-  function valueInput(one, { isArray, type }, texts) {
-    const label = say("value_of", one.name);
+  function valueInput(result, { isArray, type }, texts) {
+    const label = say("value_of", result.name);
     if (type.enum && !isArray) {
       const select = make("select", { ariaLabel: label });
       select.append(
-        ...(one.value === null ? [make("option", { value: "" }, `${say("no_name")} (${one.raw})`)] : []),
+        ...(result.value === null ? [make("option", { value: "" }, `${say("no_name")} (${result.raw})`)] : []),
         ...type.enum.map(([, name]) => make("option", { value: name }, text(texts.members?.[name], name))),
       );
-      select.value = one.value ?? "";
-      select.addEventListener("change", () => enter(one.name, { value: select.value }));
+      select.value = result.value ?? "";
+      select.addEventListener("change", () => enter(result.name, { value: select.value }));
       return select;
     }
     if (type.flags && !isArray) {
@@ -466,22 +466,22 @@
         {},
         make("legend", { className: "hidden" }, label),
         ...type.flags.map(([, name]) => {
-          const box = make("input", { type: "checkbox", checked: one.value.includes(name) });
+          const box = make("input", { type: "checkbox", checked: result.value.includes(name) });
           box.addEventListener("change", () => {
-            const names = one.value.filter((other) => other !== name);
-            enter(one.name, { value: box.checked ? [...names, name] : names });
+            const names = result.value.filter((member) => member !== name);
+            enter(result.name, { value: box.checked ? [...names, name] : names });
           });
           return make("label", {}, box, text(texts.members?.[name], name));
         }),
-        ...one.value.filter((bits) => typeof bits !== "string").map((bits) => `${say("no_name")}: 0x${frames.hex(bits, 2)}`),
+        ...result.value.filter((bits) => typeof bits !== "string").map((bits) => `${say("no_name")}: 0x${frames.hex(bits, 2)}`),
       );
     }
-    if (one.reason !== null) {
-      return make("span", {}, ...(one.cases.length ? one.cases.map((each) => caseLine(each, one)) : ["–"]));
+    if (result.reason !== null) {
+      return make("span", {}, ...(result.cases.length ? result.cases.map((each) => caseLine(each, result)) : ["–"]));
     }
-    const input = make("input", { ariaLabel: label, value: [one.value].flat().join(" "), size: 12 });
-    input.addEventListener("change", () => enter(one.name, { value: numbers(input.value, isArray, Number) }));
-    return make("span", {}, input, one.unit ? ` ${one.unit}` : "");
+    const input = make("input", { ariaLabel: label, value: [result.value].flat().join(" "), size: 12 });
+    input.addEventListener("change", () => enter(result.name, { value: numbers(input.value, isArray, Number) }));
+    return make("span", {}, input, result.unit ? ` ${result.unit}` : "");
   }
 
   /** `MG: 2.5 A`: the result under some values of a parameter that is not given; without these if all have one result. */
@@ -491,22 +491,22 @@
     return make("span", { className: "case" }, cases.length > 1 ? say("case", values.join(", "), result) : result);
   }
 
-  function rawInput(one) {
-    const input = make("input", { ariaLabel: say("raw_of", one.name), value: [one.raw].flat().join(" "), size: 12 });
-    input.addEventListener("change", () => enter(one.name, { raw: numbers(input.value, Array.isArray(one.raw), BigInt) }));
+  function rawInput(result) {
+    const input = make("input", { ariaLabel: say("raw_of", result.name), value: [result.raw].flat().join(" "), size: 12 });
+    input.addEventListener("change", () => enter(result.name, { raw: numbers(input.value, Array.isArray(result.raw), BigInt) }));
     return input;
   }
 
   /** The number or numbers of a text; NaN, which the codec refuses, for anything else. Whole numbers are exact. */
   function numbers(given, isArray, convert) {
-    const one = (part) => {
+    const parsed = (part) => {
       try {
         return part === "" ? NaN : /^[+-]?\d{16,}$/.test(part) ? BigInt(part) : convert(part);
       } catch {
         return NaN;
       }
     };
-    return isArray ? given.trim().split(/[\s,]+/).map(one) : one(given.trim());
+    return isArray ? given.trim().split(/[\s,]+/).map(parsed) : parsed(given.trim());
   }
 
   /** Encodes the message with another value of one field, or for another node, and shows the frame. */
@@ -522,7 +522,7 @@
       Object.assign(state, { edition: meaning.label(edition), direction: decoded.direction, command: decoded.command });
       const focused = document.activeElement?.ariaLabel;
       use(frame);
-      [...at("fields").querySelectorAll("input, select")].find((one) => one.ariaLabel === focused)?.focus();
+      [...at("fields").querySelectorAll("input, select")].find((input) => input.ariaLabel === focused)?.focus();
     } catch (error) {
       const known = canwright.labels[state.lang][error.refusal];
       at("field-problem").textContent = `${error.field || name || say("node_number")}: ${known ?? say("not_finite")}`;

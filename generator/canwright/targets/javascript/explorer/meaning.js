@@ -13,7 +13,7 @@ canwright.meaning = (() => {
     }
     return { name: texts.edition, family: texts.family, codec, texts, bindings, messages };
   });
-  editions.sort((one, other) => (other.texts.date ?? "").localeCompare(one.texts.date ?? ""));
+  editions.sort((first, second) => (second.texts.date ?? "").localeCompare(first.texts.date ?? ""));
   const families = new Set(editions.map(({ family }) => family));
 
   /** What people call an edition: its family too if there are several. */
@@ -27,15 +27,15 @@ canwright.meaning = (() => {
 
   /** The parameters of all editions: name, the values of a choice, texts. */
   function parameters() {
-    const found = new Map();
+    const byName = new Map();
     for (const { codec, texts } of editions) {
       for (const [name, { values }] of Object.entries(codec.PARAMETERS)) {
-        const known = found.get(name) ?? { name, values: values ? [] : null, texts: texts.parameters[name] };
+        const known = byName.get(name) ?? { name, values: values ? [] : null, texts: texts.parameters[name] };
         known.values?.push(...values.filter((value) => !known.values.includes(value)));
-        found.set(name, known);
+        byName.set(name, known);
       }
     }
-    return [...found.values()];
+    return [...byName.values()];
   }
 
   /** The given parameters that an edition has, without those that are invalid in it. */
@@ -50,7 +50,7 @@ canwright.meaning = (() => {
       return values.includes(value);
     }
     const number = canwright.rational(value);
-    const isBelow = (one, other) => one[0] * other[1] < other[0] * one[1];
+    const isBelow = (first, second) => first[0] * second[1] < second[0] * first[1];
     const low = minimum === undefined ? null : canwright.rational(minimum);
     const high = maximum === undefined ? null : canwright.rational(maximum);
     return number !== null && number[0] > 0n && !(low && isBelow(number, low)) && !(high && isBelow(high, number));
@@ -178,9 +178,9 @@ canwright.meaning = (() => {
       }
       const under = (value) => {
         const given = { ...assumed[0], [by]: value };
-        const { value: one, reason } = decodedAs(edition, message, decoded.frame, given).fields[position];
+        const { value: converted, reason } = decodedAs(edition, message, decoded.frame, given).fields[position];
         const isOutside = reason === null && !edition.codec.allows(message.direction, message.command, field.name, field.raw, given);
-        return { value: one, reason, isOutside };
+        return { value: converted, reason, isOutside };
       };
       return { ...field, value: null, reason: "missing_parameter", missing, cases: grouped(choices, under) };
     });
@@ -192,13 +192,13 @@ canwright.meaning = (() => {
 
   /** The different results, each with the parameter values under which it applies. */
   function grouped(values, result) {
-    const found = new Map();
+    const groups = new Map();
     for (const name of values) {
       const { value, reason, isOutside } = result(name);
       const key = `${reason} ${value} ${isOutside}`;
-      found.set(key, { values: [...(found.get(key)?.values ?? []), name], value, reason, isOutside });
+      groups.set(key, { values: [...(groups.get(key)?.values ?? []), name], value, reason, isOutside });
     }
-    return [...found.values()];
+    return [...groups.values()];
   }
 
   /** A frame as a message, with the fields that the message has under a variant; null if it is another message. */
@@ -241,20 +241,20 @@ canwright.meaning = (() => {
 
   /** All messages that a frame can be, the most probable first. */
   function interpret(frame, parameters = {}) {
-    const found = [];
+    const interpretations = [];
     for (const edition of editions) {
       const given = known(edition, parameters);
       for (const candidate of edition.codec.candidates(frame)) {
         const message = messageOf(edition, candidate);
         for (const variant of variants(edition, message, settled(edition, message, given))) {
-          const one = interpretation(edition, candidate, variant, frame, given);
-          if (one) {
-            found.push(one);
+          const interpreted = interpretation(edition, candidate, variant, frame, given);
+          if (interpreted) {
+            interpretations.push(interpreted);
           }
         }
       }
     }
-    return found.sort((one, other) => one.rank[0] - other.rank[0] || one.rank[1] - other.rank[1]);
+    return interpretations.sort((first, second) => first.rank[0] - second.rank[0] || first.rank[1] - second.rank[1]);
   }
 
   /** The frame of a message with the smallest raw integers that are allowed, as a start for entering values. */
