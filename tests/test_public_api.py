@@ -16,7 +16,7 @@ from .spec_texts import MINIMAL
 
 
 @pytest.mark.parametrize("name", canwright.__all__)
-def test_every_name_is_there_and_documented(name: str) -> None:
+def test_every_public_name_exists_and_has_a_docstring(name: str) -> None:
     assert getattr(canwright, name).__doc__
 
 
@@ -25,7 +25,7 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
         _ = canwright.nothing
 
 
-def test_importing_it_imports_nothing_else() -> None:
+def test_importing_canwright_imports_no_submodule() -> None:
     script = "import sys, canwright; print([name for name in sys.modules if name.startswith('canwright.')])"
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout == "[]\n"
 

@@ -91,7 +91,7 @@ REPEATED = [
         f"{REPLAY}::test_{name}"
         for name in (
             "random_questions",
-            "facts_of_headers",
+            "facts_of_c_headers_are_those_of_the_model",
             "requests_to_nodes_without_the_command_are_rejected",
             "fields_without_a_check_are_written_whole",
         )
@@ -129,7 +129,7 @@ def clone(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_which_edition_a_log_fits(clone: Path) -> None:
+def test_the_examples_of_identify_and_decode(clone: Path) -> None:
     match = re.search(r"<!-- example: log -->\n```text\n(.*?)```", README, re.DOTALL)
     assert match
     (clone / "bus.log").write_text(match.group(1), "utf-8")
@@ -137,13 +137,13 @@ def test_which_edition_a_log_fits(clone: Path) -> None:
     assert run(example("decode"), clone) == printed("decode")
 
 
-def test_a_single_frame_is_decoded(clone: Path) -> None:
+def test_the_example_of_a_single_frame(clone: Path) -> None:
     assert "".join(run(line, clone) for line in example("frame-decoded").strip().split("\n")) == printed(
         "frame-decoded"
     )
 
 
-def test_a_frame_in_a_terminal() -> None:
+def test_the_example_of_cantools_in_a_terminal() -> None:
     frame, _, command = example("dbc").partition(" | ")
     given = frame.removeprefix("echo '").removesuffix("'")
     program, *arguments = command.split()
@@ -153,7 +153,7 @@ def test_a_frame_in_a_terminal() -> None:
     assert done.stdout.strip() == printed("dbc").strip()
 
 
-def test_dbc_files_of_some_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_example_of_dbc_files_for_some_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     arguments = [str(tmp_path) if word == "my-dbc" else word for word in example("dbc-nodes").split()[1:]]
     result = CliRunner().invoke(main, arguments, catch_exceptions=False)
@@ -163,14 +163,14 @@ def test_dbc_files_of_some_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert 'rA1_encoder m161 : 48|16@1+ (0.0054931640625,0) [0|359.9945068359375] "deg"' in text
 
 
-def test_a_command_in_a_terminal(clone: Path) -> None:
+def test_the_example_of_show(clone: Path) -> None:
     shown, listed = (run(line, clone) for line in example("show").strip().split("\n"))
     assert shown.startswith("set_torque  0xA1  Torque control\nmwd_motor v2.35, manual 2.5\n")
     assert shown.count("set_torque  0xA1") == 1
     assert "v2.36-2025-03" in listed
 
 
-def test_a_new_edition_from_start_to_end(clone: Path) -> None:
+def test_the_examples_of_a_new_edition_from_copy_to_replay(clone: Path) -> None:
     run(example("copy"), clone)
     spec = clone / "spec/mwd_motor/v2.36-2025-09.yaml"
     before = spec.read_text("utf-8")

@@ -72,7 +72,7 @@ def test_a_wrong_spec_writes_nothing(folder: Path) -> None:
     assert not (folder / "out").exists()
 
 
-def test_exit_status_2_when_it_cannot_run(folder: Path) -> None:
+def test_the_exit_status_is_2_if_the_command_cannot_run(folder: Path) -> None:
     result = run("generate")
     assert (result.exit_code, "no spec found in spec/" in result.output) == (2, True)
     assert run("generate", "--spec", "missing.yaml").exit_code == 2
@@ -82,7 +82,7 @@ def test_exit_status_2_when_it_cannot_run(folder: Path) -> None:
     assert run("generate", "--spec", "my.yaml", "--out", "file").exit_code == 2
 
 
-def test_wrong_usage_gets_a_suggestion(folder: Path) -> None:
+def test_wrong_usage_has_exit_status_2_and_a_suggestion(folder: Path) -> None:
     for arguments, message in (
         (("check", "--spec", "me.yaml"), "Path 'me.yaml' does not exist. Did you mean my.yaml?"),
         (("check", "my.yaml"), "give a spec as --spec my.yaml"),

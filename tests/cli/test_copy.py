@@ -35,7 +35,7 @@ def copy(*arguments: str) -> Result:
     return CliRunner().invoke(main, ["copy", *arguments])
 
 
-def test_nothing_but_label_and_date_differs(lamp: Path) -> None:
+def test_a_copied_edition_differs_only_in_label_and_date(lamp: Path) -> None:
     result = copy("v1", "v2", "--date", "2026-01")
     assert (result.exit_code, result.stdout) == (0, "wrote spec/lamp/v2.yaml\nwrote spec/lamp/v2.frames.yaml\n")
     assert result.stderr.endswith("; then run: canwright diff v1 v2\n")
@@ -46,7 +46,7 @@ def test_nothing_but_label_and_date_differs(lamp: Path) -> None:
     assert (lamp / "v3.yaml").read_text("utf-8") == made.replace("v2", "v3").replace("2026-01", "2026-02")
 
 
-def test_the_frames_may_be_left_behind(lamp: Path) -> None:
+def test_copy_without_golden_frames(lamp: Path) -> None:
     result = copy("spec/lamp/v1.yaml", "v2", "--no-frames")
     assert result.stdout == "wrote spec/lamp/v2.yaml\n"
     assert result.stderr.endswith("; then run: canwright diff spec/lamp/v1.yaml spec/lamp/v2.yaml\n")
@@ -64,7 +64,7 @@ def test_the_frames_may_be_left_behind(lamp: Path) -> None:
         (("bad", "v2"), "has errors; correct them first"),
     ],
 )
-def test_what_is_rejected(arguments: tuple[str, ...], says: str, lamp: Path) -> None:
+def test_invalid_arguments_of_copy_are_rejected(arguments: tuple[str, ...], says: str, lamp: Path) -> None:
     (lamp / "bad.yaml").write_text(OLD.replace("reply: echo", "reply: eco"), "utf-8")
     before = sorted(file.name for file in lamp.iterdir())
     result = copy(*arguments)
@@ -72,7 +72,7 @@ def test_what_is_rejected(arguments: tuple[str, ...], says: str, lamp: Path) -> 
     assert sorted(file.name for file in lamp.iterdir()) == before
 
 
-def test_frames_that_are_there_are_never_overwritten(lamp: Path) -> None:
+def test_copy_never_overwrites_golden_frames(lamp: Path) -> None:
     (lamp / "v2.frames.yaml").write_text("mine", "utf-8")
     assert "v2.frames.yaml exists already" in copy("v1", "v2").output
     assert not (lamp / "v2.yaml").exists()

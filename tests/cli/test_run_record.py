@@ -219,7 +219,7 @@ def test_a_deleted_file_is_generated_again() -> None:
     assert HEADER.read_bytes() == content
 
 
-def test_files_and_modes_that_do_not_matter() -> None:
+def test_added_files_and_modes_of_outputs_do_not_change_a_run() -> None:
     """A run leaves them as they are, so it has nothing to do."""
     run(*GENERATE)
     (HEADER.parent / "mine.h").touch()
@@ -315,7 +315,7 @@ def test_each_byte_of_a_record_matters(project: Path) -> None:
 
 
 @pytest.mark.parametrize("place", ["a file", "a folder"])
-def test_without_a_cache_folder_runs_work(place: str, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_runs_work_without_a_cache_folder(place: str, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if place == "a file":
         (project / "cache").write_text("")
     else:

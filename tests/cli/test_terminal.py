@@ -45,7 +45,7 @@ def shell(line: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
     return done
 
 
-def test_encodings_without_these_characters() -> None:
+def test_output_in_an_encoding_without_its_characters() -> None:
     for encoding in ("cp437", "latin-1"):
         done = shell("canwright diff v1 v2", PYTHONIOENCODING=encoding)
         assert b"C `..._COMMAND_DIM` -> `..._COMMAND_DIM_TO`" in done.stdout

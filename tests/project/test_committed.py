@@ -34,7 +34,7 @@ def tracked(*folders: str) -> list[Path]:
     ]
 
 
-def test_generated_is_what_would_be_generated(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_committed_outputs_equal_newly_generated_outputs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     result = CliRunner().invoke(main, ["check"], catch_exceptions=False)
     assert result.exit_code == 0, result.output[:4000]
@@ -81,7 +81,7 @@ def test_specs_fit_the_json_schema(name: str, files: list[Path]) -> None:
         assert [error.message for error in validator.iter_errors(content)] == [], file
 
 
-def test_no_protocol_stands_in_the_generator() -> None:
+def test_the_generator_contains_no_word_of_a_protocol() -> None:
     for file in tracked("generator", "templates"):
         found = FOREIGN.search(file.read_text("utf-8", "replace"))
         assert not found, f"{file}: {found}"

@@ -44,20 +44,20 @@ def read(specs: list[Path]) -> list[EditionInput]:
     return [specification(spec) for spec in specs]
 
 
-def test_reading_grows_with_the_commands(specs: list[Path]) -> None:
+def test_calls_to_load_a_spec_grow_linearly_with_its_commands(specs: list[Path]) -> None:
     few, more, most = (calls(specification, spec) for spec in specs)
     assert most - more < MOST * (more - few)
 
 
 @pytest.mark.parametrize("target", target_names())
-def test_a_target_grows_with_the_commands(target: str, read: list[EditionInput]) -> None:
+def test_calls_of_a_target_grow_linearly_with_the_commands(target: str, read: list[EditionInput]) -> None:
     generate(read[:1], [target], {})
     few, more, most = (calls(generate, [one], [target], {}) for one in read)
     assert most - more < MOST * (more - few)
 
 
 @given(st.lists(st.tuples(st.integers(0, 15), st.integers(0, 15)), max_size=12))
-def test_pairs_are_all_that_agree_in_what_both_know(bits: list[tuple[int, int]]) -> None:
+def test_pairs_join_items_that_agree_in_their_common_keys(bits: list[tuple[int, int]]) -> None:
     known = [Known(mask, value & mask) for mask, value in bits]
     expected = [
         (i, j)

@@ -201,7 +201,7 @@ def _raw(frame: GoldenFrame, row: Mapping[str, str]) -> int:
     return raw - (1 << width) if encoding[1] == "i" and raw >> width - 1 else raw
 
 
-def test_what_the_matrix_states(tmp_path: Path) -> None:
+def test_the_columns_of_the_matrix(tmp_path: Path) -> None:
     """Flags are bits, replies of some nodes come from these; numbers, other codes, forms of replies, edition and date."""
     (tmp_path / "lamp.yaml").write_text(MATRIX_SPEC, "utf-8")
     rows = _cells(tmp_path / "lamp.yaml", "en")
@@ -312,7 +312,7 @@ def test_other_files_are_not_overwritten(tmp_path: Path) -> None:
         build([specification(SPECS[1])], tmp_path)
 
 
-def test_the_command(tmp_path: Path) -> None:
+def test_the_handover_command_writes_all_documents(tmp_path: Path) -> None:
     (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
     arguments = ["handover", "--spec", str(tmp_path / "lamp.yaml"), "--out", str(tmp_path / "out")]
     result = CliRunner().invoke(main, arguments, catch_exceptions=False)

@@ -74,7 +74,7 @@ class _Twice(Target):
         yield Output("READ.ME", "")
 
 
-def test_two_outputs_with_one_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_two_outputs_with_one_path_are_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "lamp.yaml").write_text(MINIMAL)
     specification: EditionInput = canwright.load(tmp_path / "lamp.yaml")
     monkeypatch.setattr(registry, "target", lambda name: _Twice())

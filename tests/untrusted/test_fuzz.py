@@ -222,7 +222,7 @@ def try_out(folder: Path, spec: Data, frames: Data | None) -> str:
 
 @bounded(150)
 @given(st.binary(max_size=200) | st.text(max_size=200).map(lambda text: text.encode("utf-8", "surrogatepass")))
-def test_bytes(tmp_path: Path, content: bytes) -> None:
+def test_any_bytes_are_loaded_or_have_findings(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "bytes.yaml"
     for whole in (content, MINIMAL.encode()[: len(content) * 3] + content, MINIMAL.encode() + content):
         file.write_bytes(whole)
@@ -231,7 +231,7 @@ def test_bytes(tmp_path: Path, content: bytes) -> None:
 
 @bounded(250)
 @given(CHANCES)
-def test_a_small_spec_with_mistakes(tmp_path: Path, chance: random.Random) -> None:
+def test_a_small_spec_with_random_mistakes_has_findings_or_loads(tmp_path: Path, chance: random.Random) -> None:
     try_out(tmp_path, mutated(yaml.load(MINIMAL, yaml.CSafeLoader), chance), None)
 
 

@@ -28,7 +28,7 @@ def many(count: int, text: str) -> str:
 
 
 @pytest.mark.parametrize("kind", ["folder", "pipe", "device"])
-def test_what_is_no_file_is_not_read(kind: str, tmp_path: Path) -> None:
+def test_pipes_and_folders_are_not_read_as_specs(kind: str, tmp_path: Path) -> None:
     file = {"folder": tmp_path, "pipe": tmp_path / "pipe.yaml", "device": Path("/dev/zero")}[kind]
     if kind == "pipe":
         os.mkfifo(file)
@@ -56,14 +56,14 @@ def test_no_more_than_the_limit_is_read(tmp_path: Path) -> None:
         ("é: \u00b5\nb: ".encode() + b"\xff", "2:4 encoding"),
     ],
 )
-def test_what_is_not_utf_8_is_refused_where_it_stands(content: bytes, expected: str, tmp_path: Path) -> None:
+def test_invalid_utf_8_is_rejected_with_its_position(content: bytes, expected: str, tmp_path: Path) -> None:
     (tmp_path / "x.yaml").write_bytes(content)
     with pytest.raises(SpecError) as refused:
         read_document(tmp_path / "x.yaml")
     assert places(list(refused.value.diagnostics)) == [expected]
 
 
-def test_all_that_is_wrong_with_the_yaml_is_told_at_once_and_with_the_rest(tmp_path: Path) -> None:
+def test_all_mistakes_of_yaml_and_of_the_language_are_reported_together(tmp_path: Path) -> None:
     text = (
         MINIMAL.replace("raw_range: 0..1000", "raw_range: &all 0..1000, raw_range: *all")
         .replace("raw: u16", "raw: !!str u99, about: no")
@@ -120,7 +120,7 @@ TOO_MUCH: dict[str, Callable[[], str]] = {
 
 
 @pytest.mark.parametrize("what", TOO_MUCH)
-def test_too_much_is_refused_at_once(what: str, tmp_path: Path) -> None:
+def test_input_beyond_a_limit_is_rejected_quickly(what: str, tmp_path: Path) -> None:
     text = TOO_MUCH[what]()
     start = time.process_time()
     found = findings(tmp_path, text)
@@ -154,7 +154,7 @@ def test_numbers_are_written_in_one_way(written: str, rule: str, tmp_path: Path)
         assert marked(findings(tmp_path, text)) == [f'{rule}: "{written}"']
 
 
-def test_limits_leave_room() -> None:
+def test_the_limits_permit_large_real_specs() -> None:
     assert len(notation.nodes("0..65535")) == notation.MAX_NODES
     assert len(notation.indices("0..63")) == notation.MAX_ELEMENTS
     assert notation.at("id.28").bit == notation.LAST_ID_BIT

@@ -96,7 +96,7 @@ def test_every_text_of_the_language_is_filled() -> None:
 
 
 @pytest.mark.parametrize("text", sampled(HOSTILE, 3))
-def test_a_text_is_only_text(text: str, harmless: Files, shown: str, tmp_path: Path) -> None:
+def test_hostile_texts_stay_text_in_every_output(text: str, harmless: Files, shown: str, tmp_path: Path) -> None:
     """In generated files, on pages and in a terminal."""
     hostile = made([text], tmp_path, ("en",))
     assert _shown(tmp_path) == shown.replace(HARMLESS, " ".join(text.split()))
@@ -332,7 +332,7 @@ class _Page(html.parser.HTMLParser):
 
 
 @each_compiler
-def test_compilers_make_the_same_of_it(compiler: Compiler, tmp_path: Path) -> None:
+def test_hostile_texts_do_not_change_compiled_headers(compiler: Compiler, tmp_path: Path) -> None:
     """All hostile texts at once, from another one on in each turn, so that they meet different places."""
     objects = [_object([HARMLESS], compiler, tmp_path / "harmless")]
     objects += [_object(HOSTILE[n:] + HOSTILE[:n], compiler, tmp_path / str(n)) for n in (0, 31)]
@@ -358,7 +358,7 @@ def _shown(folder: Path) -> str:
 
 
 @pytest.mark.parametrize("text", REFUSED, ids=ascii)
-def test_a_text_that_cannot_be_seen_is_refused(text: str, tmp_path: Path) -> None:
+def test_texts_with_invisible_characters_are_rejected(text: str, tmp_path: Path) -> None:
     """As it is and as an escape, in the text, in a comment, and in a key."""
     plain, escaped = f'"{text}"', '"' + "".join(f"\\U{ord(c):08X}" for c in text) + '"'
     places = ("title: X\n" + SPEC, SPEC.replace("notes: []", "X: []"))
