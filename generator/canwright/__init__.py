@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .model.layout import Field, Layout
     from .model.message import Command, Direction, Message
     from .model.refusal import Refusal
-    from .model.types import Type
+    from .model.types import Assignment, Type
     from .semantics.decoder import Decoded, Decoder, Rejection
     from .semantics.encoder import Encoder
     from .semantics.exchange import check_reply
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Assignment",
     "CanFrame",
     "Command",
     "Decoded",
@@ -62,7 +63,7 @@ _MODULES: Mapping[str, Sequence[str]] = {
     "model.layout": ("Field", "Layout"),
     "model.message": ("Command", "Direction", "Message"),
     "model.refusal": ("Refusal",),
-    "model.types": ("Type",),
+    "model.types": ("Assignment", "Type"),
     "semantics.decoder": ("Decoded", "Decoder", "Rejection"),
     "semantics.encoder": ("Encoder",),
     "semantics.exchange": ("check_reply",),
@@ -86,7 +87,7 @@ def load(file: str | os.PathLike[str]) -> EditionInput:
 def generate(
     specifications: Sequence[EditionInput],
     targets: Sequence[str] | None = None,
-    parameters: Mapping[str, str] | None = None,
+    parameters: Assignment | None = None,
     options: Options | None = None,
 ) -> Mapping[str, bytes]:
     """The generated files by path, such as `c/include/lamp/v1.h`; writes nothing.

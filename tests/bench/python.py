@@ -72,7 +72,10 @@ def _compared_with_cantools() -> Iterable[Measure]:
     golden = {
         frame.command: frame
         for frame in item.frames.frames
-        if frame.reply and not frame.decode_only and _agree(frame.parameters) and frame.data[0] in peers
+        if frame.direction is Direction.REPLY
+        and not frame.decode_only
+        and _agree(frame.parameters)
+        and frame.data[0] in peers
     }
     frames = [(frame.id, frame.data) for frame in golden.values()]
     with_fields = [(*frame, _reader(v2_35.decode_reply(*frame, known).fields())) for frame in frames]
@@ -161,7 +164,7 @@ def _reader(fields: Iterable[str]) -> Callable[[object], object]:
     return attrgetter(*names) if names else type
 
 
-def _agree(parameters: Mapping[str, int | str]) -> bool:
+def _agree(parameters: Mapping[str, int | str | Fraction]) -> bool:
     return all(str(value) == PARAMETERS.get(name, str(value)) for name, value in parameters.items())
 
 

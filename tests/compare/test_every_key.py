@@ -158,7 +158,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "MessageSpec.of": {"commands.turn.reply": {"of": "colours"}},
     "MessageSpec.from_each": {"commands.all.reply.from_each": "1..2"},
     "MessageSpec.code": {"commands.all.reply.code": 0x71},
-    "MessageSpec.accept": {"commands.all.reply.accepted_codes": [0x71]},
+    "MessageSpec.accept": {"commands.all.reply.accept": [0x71]},
     "MessageSpec.address": {"commands.read.request": {"address": "all"}},
     "MessageSpec.dlc": {"commands.all.reply.dlc": 7},
     "MessageSpec.remote": {

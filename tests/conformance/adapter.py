@@ -59,7 +59,7 @@ class Cannot(Exception):  # noqa: N818 - it is no error
         self.name = name
 
 
-Parameters = Mapping[str, int | str]
+Parameters = Mapping[str, int | str | Fraction]
 
 
 class Adapter(ABC):
@@ -131,9 +131,9 @@ class DecodeOnlyAdapter(Adapter):
         raise Cannot("encode")
 
 
-def assignment(parameters: Parameters) -> dict[str, str]:
+def assignment(parameters: Parameters) -> dict[str, str | Fraction]:
     """Parameters as the model has them."""
-    return {name: str(value) for name, value in parameters.items()}
+    return {name: str(value) if isinstance(value, int) else value for name, value in parameters.items()}
 
 
 def write_files(outputs: Iterable[Output], workdir: Path) -> Path:

@@ -15,9 +15,9 @@ from canwright.model.layout import Field, Space, bits_of
 from canwright.model.message import Direction, Key, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Parameter
+from canwright.resolve.number_parameters import number
 from canwright.semantics.decoder import linear_of
 from canwright.semantics.encoder import Encoder, Encoders
-from canwright.semantics.parameters import number
 
 from ..float_rule import float_of
 from ..semantics.random_frames import random_frame

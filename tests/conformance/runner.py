@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 
-from canwright.language.golden_frames import (
+from canwright.model.edition import Edition
+from canwright.model.golden_frames import (
     CheckedFrame,
     Exchange,
     GoldenFrame,
@@ -16,7 +17,6 @@ from canwright.language.golden_frames import (
     RefusedFrame,
     RefusedValues,
 )
-from canwright.model.edition import Edition
 from canwright.model.message import Message
 from canwright.semantics.decoder import Decoder, Rejection
 
@@ -159,8 +159,8 @@ class Runner:
             found = self._adapter.encode_raw(entry.encode, entry.command, entry.node, entry.raw, entry.parameters)
         if not isinstance(found, Refused) or found.says is not entry.says:
             return f"{found}, not {entry.says.value}"
-        if entry.field is not None and found.field != entry.field:
-            return f"names {found.field}, not {entry.field}"
+        if entry.field_name is not None and found.field != entry.field_name:
+            return f"names {found.field}, not {entry.field_name}"
         return ""
 
     def _exchange(self, entry: Exchange) -> str:

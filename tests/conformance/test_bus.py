@@ -8,7 +8,7 @@ from pathlib import Path
 
 import can
 import pytest
-from canwright.language.golden_frames import GoldenFrame
+from canwright.model.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.semantics.frame import CanFrame, node_of

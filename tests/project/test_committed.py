@@ -13,7 +13,7 @@ import pytest
 import yaml
 from canwright.cli import main
 from canwright.language.edition import EditionSpec, schema_text
-from canwright.language.golden_frames import GoldenFrames
+from canwright.language.golden_frames import GoldenFramesSpec
 from canwright.project.loader import frames_file, spec_files
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator
@@ -41,9 +41,11 @@ def test_committed_outputs_equal_newly_generated_outputs(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(
-    ("name", "concept"), [("canwright.schema.json", EditionSpec), ("canwright.frames.schema.json", GoldenFrames)]
+    ("name", "concept"), [("canwright.schema.json", EditionSpec), ("canwright.frames.schema.json", GoldenFramesSpec)]
 )
-def test_the_json_schema_is_that_of_the_language(name: str, concept: type[EditionSpec] | type[GoldenFrames]) -> None:
+def test_the_json_schema_is_that_of_the_language(
+    name: str, concept: type[EditionSpec] | type[GoldenFramesSpec]
+) -> None:
     text = (ROOT / "spec" / name).read_text("utf-8")
     assert text == schema_text(concept), f"run `canwright schema > spec/{name}`"
 

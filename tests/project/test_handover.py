@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import pytest
 from canwright.cli import main
-from canwright.language.golden_frames import GoldenFrame
+from canwright.model.golden_frames import GoldenFrame
 from canwright.output.paths import OutputError
 from canwright.project import matrix, spreadsheets
 from canwright.project.handover import build

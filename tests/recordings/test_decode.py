@@ -19,11 +19,11 @@ import can
 import cantools.database
 import pytest
 from canwright.cli import main
-from canwright.language.golden_frames import GoldenFrame
 from canwright.model.edition import Edition
+from canwright.model.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.golden_file import read_golden_file
-from canwright.project.loader import frames_file, specification
+from canwright.project.loader import specification
 from canwright.recordings import plot
 from canwright.recordings.bus_behaviour import Behaviour, OldBits
 from canwright.recordings.directions import Directions
@@ -32,6 +32,7 @@ from canwright.recordings.golden_text import golden_text
 from canwright.recordings.recorded import Mark, Recorded
 from canwright.recordings.rows import Row, RowReader
 from canwright.recordings.summary import NodeSummary, Summary
+from canwright.resolve.golden_frames import resolve_golden_frames
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
@@ -339,10 +340,10 @@ def rows(edition: Edition, recorded: Sequence[Recorded], parameters: dict[str, s
     return list(RowReader(functools.partial(same, parameters)).rows(judged))
 
 
-def golden_of(file: Path) -> tuple[Edition, list[GoldenFrame]]:
-    golden = read_golden_file(frames_file(file)).golden
-    assert golden
-    return specification(file).edition, golden.frames
+def golden_of(file: Path) -> tuple[Edition, Sequence[GoldenFrame]]:
+    item = specification(file)
+    assert item.frames
+    return item.edition, item.frames.frames
 
 
 @pytest.mark.parametrize("file", SPECS, ids=called)
@@ -409,7 +410,7 @@ def test_golden_frames_are_printed_as_they_are_written(file: Path, tmp_path: Pat
     (tmp_path / "x.frames.yaml").write_text(head + "".join(printed), "utf-8")
     found = read_golden_file(tmp_path / "x.frames.yaml")
     assert not found.findings and found.golden
-    for again, original in zip(found.golden.frames, golden, strict=True):
+    for again, original in zip(resolve_golden_frames(edition, found.golden).frames, golden, strict=True):
         for key in ("id", "extended", "remote", "data", "node", "raw", "direction"):
             assert getattr(again, key) == getattr(original, key), original
         messages = [edition.command(frame.command).message(frame.direction) for frame in (again, original)]

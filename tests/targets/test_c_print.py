@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 import pytest
-from canwright.language.golden_frames import GoldenFrame, RefusedFrame
+from canwright.model.golden_frames import GoldenFrame, RefusedFrame
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import cantools
 import pytest
-from canwright.language.golden_frames import GoldenFrame, GoldenFrames
+from canwright.model.golden_frames import GoldenFrame, GoldenFrames
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets import dbc
@@ -321,11 +321,12 @@ def test_several_senders_of_one_id_are_all_named() -> None:
 def example() -> EditionInput:
     """The edition with golden frames, so that the guide has examples; only one of each direction is fit for it."""
     plain = specification(MAIN)
-    parameters: dict[str, int | str] = {"series": "MG"}
+    parameters = {"series": "MG"}
     reply = GoldenFrame(
         source="by_hand",
         parameters=parameters,
-        reply="read_status_1",
+        direction=Direction.REPLY,
+        command="read_status_1",
         id=0x142,
         node=2,
         data=bytes.fromhex("9A E2 00 E0 01 00 00 08"),
@@ -335,7 +336,8 @@ def example() -> EditionInput:
     request = GoldenFrame(
         source="by_hand",
         parameters=parameters,
-        request="turn_to_angle",
+        direction=Direction.REQUEST,
+        command="turn_to_angle",
         id=0x143,
         node=3,
         data=bytes.fromhex("A5 01 00 00 39 30 00 00"),
@@ -345,7 +347,8 @@ def example() -> EditionInput:
     longer = GoldenFrame(
         source="by_hand",
         parameters=parameters,
-        reply="read_status_3",
+        direction=Direction.REPLY,
+        command="read_status_3",
         id=0x141,
         node=1,
         data=bytes.fromhex("9D 1E 40 00 80 00 C0 00"),
@@ -355,9 +358,6 @@ def example() -> EditionInput:
     )
     incomplete = replace(request, node=1, id=0x141, values={"angle": Fraction("123.45")})
     frames = GoldenFrames(
-        canwright=1,
-        family="mwd_motor",
-        edition="v2.35",
         sources={"by_hand": "By hand"},
         frames=[longer, reply, incomplete, request],
     )

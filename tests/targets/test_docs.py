@@ -64,7 +64,7 @@ def test_links_to_the_explorer_are_golden_frames_with_their_parameters(pages: di
     frames = specification(SPEC).frames
     assert frames is not None
     golden = {
-        (formatting.sent(frame), frame.direction.value, *((n, str(v)) for n, v in frame.parameters.items()))
+        (formatting.sent(frame), frame.direction.value, *formatting.parameter_values(frame.parameters).items())
         for frame in frames.frames
     }
     linked = set()

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from canwright.language.golden_frames import GoldenFrame
 from canwright.model import formatting
+from canwright.model.golden_frames import GoldenFrame
 from canwright.project.loader import specification
 from canwright.targets import c, docs, python
 from canwright.targets.base import CodeExample, EditionInput, Output, Target, WorkedExchange

@@ -14,7 +14,7 @@ import pytest
 import yaml
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.language.edition import EditionSpec, json_schema
-from canwright.language.golden_frames import GoldenFrames
+from canwright.language.golden_frames import GoldenFramesSpec
 from canwright.project.loader import load
 from canwright.project.pipeline import generate
 from canwright.targets.registry import target_names
@@ -24,7 +24,7 @@ from ..untrusted.everything import FRAMES, SPEC
 
 NOT_SHOWN = {
     "EditionSpec.canwright": "the version of the language",
-    "GoldenFrames.canwright": "the version of the language",
+    "GoldenFramesSpec.canwright": "the version of the language",
     "TypeSpec.plausible": "for `identify` and `decode`, see tests/recordings/test_identify.py",
     **{
         f"{concept}.renamed_from": "for `diff`, see tests/compare/test_renames.py"
@@ -34,7 +34,7 @@ NOT_SHOWN = {
 
 NOT_SHOWN |= {
     f"{concept}.{key}": "for readers of the golden frames"
-    for concept in ("Exchange", "RefusedFrame", "RefusedValues")
+    for concept in ("ExchangeSpec", "RefusedFrameSpec", "RefusedValuesSpec")
     for key in ("manual", "note")
 }
 
@@ -50,60 +50,62 @@ OF_EDITION: dict[str, dict[str, Any]] = {
 REQUEST = {"id": 0x101, "data": "11 03 00 00 00 00 00 00"}
 FRAME, REFUSED, VALUES, EXCHANGE = "frames.0", "refused.0", "refused.1", "exchanges.0"
 OF_FRAMES: dict[str, dict[str, Any]] = {
-    "GoldenFrames.family": {"family": "torch"},
-    "GoldenFrames.edition": {"edition": "v2"},
-    "GoldenFrames.sources": {"sources": {"paper": TEXT}},
-    "GoldenFrames.frames": {"frames": []},
-    "GoldenFrames.refused": {"refused": [REQUEST | {"decode": "request", "source": "manual", "says": "unknown_id"}]},
-    "GoldenFrames.exchanges": {
+    "GoldenFramesSpec.family": {"family": "torch"},
+    "GoldenFramesSpec.edition": {"edition": "v2"},
+    "GoldenFramesSpec.sources": {"sources": {"paper": TEXT}},
+    "GoldenFramesSpec.frames": {"frames": []},
+    "GoldenFramesSpec.refused": {
+        "refused": [REQUEST | {"decode": "request", "source": "manual", "says": "unknown_id"}]
+    },
+    "GoldenFramesSpec.exchanges": {
         "exchanges": [{"source": "manual", "request": REQUEST, "reply": REQUEST | {"id": 0x102}}]
     },
-    "CheckedFrame.id": {f"{EXCHANGE}.reply.id": 0x102},
-    "CheckedFrame.extended": {f"{EXCHANGE}.reply.extended": True},
-    "CheckedFrame.remote": {f"{EXCHANGE}.reply.remote": True},
-    "CheckedFrame.data": {f"{EXCHANGE}.reply.data": "11 01 64 00 00 00 00 00"},
-    "Exchange.source": {f"{EXCHANGE}.source": "paper"},
-    "Exchange.parameters": {f"{EXCHANGE}.parameters": {"size": "huge"}},
-    "Exchange.request": {f"{EXCHANGE}.request": {"id": 0x102, "data": "10 01 64 00 00 00 00 00"}},
-    "Exchange.reply": {f"{EXCHANGE}.reply": {"id": 0x102, "data": "10 01 64 00 00 00 00 00"}},
-    "Exchange.says": {f"{EXCHANGE}.says": "not_answer"},
-    "GoldenFrame.source": {f"{FRAME}.source": "paper"},
-    "GoldenFrame.manual": {f"{FRAME}.manual": "9"},
-    "GoldenFrame.note": {f"{FRAME}.note": TEXT},
-    "GoldenFrame.parameters": {f"{FRAME}.parameters": {"count": 2}},
-    "GoldenFrame.request": {f"{FRAME}.request": "dim"},
-    "GoldenFrame.reply": {f"{FRAME}.reply": "turn"},
-    "GoldenFrame.id": {f"{FRAME}.id": 0x102},
-    "GoldenFrame.extended": {f"{FRAME}.extended": True},
-    "GoldenFrame.remote": {f"{FRAME}.remote": True},
-    "GoldenFrame.node": {f"{FRAME}.node": 2},
-    "GoldenFrame.data": {f"{FRAME}.data": "12 65 00 00 00 02 00 00"},
-    "GoldenFrame.raw": {f"{FRAME}.raw.angle": 101},
-    "GoldenFrame.values": {f"{FRAME}.values.angle": 3},
-    "GoldenFrame.decode_only": {f"{FRAME}.decode_only": True},
-    "RefusedFrame.source": {f"{REFUSED}.source": "paper"},
-    "RefusedFrame.parameters": {f"{REFUSED}.parameters": {"size": "huge"}},
-    "RefusedFrame.decode": {f"{REFUSED}.decode": "reply", f"{REFUSED}.id": 0x200},
-    "RefusedFrame.id": {f"{REFUSED}.id": 0x101},
-    "RefusedFrame.extended": {"refused.2.extended": None},
-    "RefusedFrame.remote": {"refused.3.remote": None},
-    "RefusedFrame.data": {f"{REFUSED}.id": 0x101, f"{REFUSED}.data": "11 03 00 00 00 00 00 00"},
-    "RefusedFrame.says": {f"{REFUSED}.says": "wrong_length"},
-    "RefusedValues.source": {f"{VALUES}.source": "paper"},
-    "RefusedValues.parameters": {f"{VALUES}.parameters": {"size": "huge"}},
-    "RefusedValues.encode": {f"{VALUES}.encode": "reply"},
-    "RefusedValues.command": {f"{VALUES}.command": "dim"},
-    "RefusedValues.node": {f"{VALUES}.node": 9},
-    "RefusedValues.raw": {f"{VALUES}.values": None, f"{VALUES}.raw": {"angle": 0}},
-    "RefusedValues.values": {f"{VALUES}.values": {"angle": 0, "share": 0}},
-    "RefusedValues.says": {f"{VALUES}.says": "no_scale"},
-    "RefusedValues.field": {f"{VALUES}.field": "share"},
+    "CheckedFrameSpec.id": {f"{EXCHANGE}.reply.id": 0x102},
+    "CheckedFrameSpec.extended": {f"{EXCHANGE}.reply.extended": True},
+    "CheckedFrameSpec.remote": {f"{EXCHANGE}.reply.remote": True},
+    "CheckedFrameSpec.data": {f"{EXCHANGE}.reply.data": "11 01 64 00 00 00 00 00"},
+    "ExchangeSpec.source": {f"{EXCHANGE}.source": "paper"},
+    "ExchangeSpec.parameters": {f"{EXCHANGE}.parameters": {"size": "huge"}},
+    "ExchangeSpec.request": {f"{EXCHANGE}.request": {"id": 0x102, "data": "10 01 64 00 00 00 00 00"}},
+    "ExchangeSpec.reply": {f"{EXCHANGE}.reply": {"id": 0x102, "data": "10 01 64 00 00 00 00 00"}},
+    "ExchangeSpec.says": {f"{EXCHANGE}.says": "not_answer"},
+    "GoldenFrameSpec.source": {f"{FRAME}.source": "paper"},
+    "GoldenFrameSpec.manual": {f"{FRAME}.manual": "9"},
+    "GoldenFrameSpec.note": {f"{FRAME}.note": TEXT},
+    "GoldenFrameSpec.parameters": {f"{FRAME}.parameters": {"count": 2}},
+    "GoldenFrameSpec.request": {f"{FRAME}.request": "dim"},
+    "GoldenFrameSpec.reply": {f"{FRAME}.reply": "turn"},
+    "GoldenFrameSpec.id": {f"{FRAME}.id": 0x102},
+    "GoldenFrameSpec.extended": {f"{FRAME}.extended": True},
+    "GoldenFrameSpec.remote": {f"{FRAME}.remote": True},
+    "GoldenFrameSpec.node": {f"{FRAME}.node": 2},
+    "GoldenFrameSpec.data": {f"{FRAME}.data": "12 65 00 00 00 02 00 00"},
+    "GoldenFrameSpec.raw": {f"{FRAME}.raw.angle": 101},
+    "GoldenFrameSpec.values": {f"{FRAME}.values.angle": 3},
+    "GoldenFrameSpec.decode_only": {f"{FRAME}.decode_only": True},
+    "RefusedFrameSpec.source": {f"{REFUSED}.source": "paper"},
+    "RefusedFrameSpec.parameters": {f"{REFUSED}.parameters": {"size": "huge"}},
+    "RefusedFrameSpec.decode": {f"{REFUSED}.decode": "reply", f"{REFUSED}.id": 0x200},
+    "RefusedFrameSpec.id": {f"{REFUSED}.id": 0x101},
+    "RefusedFrameSpec.extended": {"refused.2.extended": None},
+    "RefusedFrameSpec.remote": {"refused.3.remote": None},
+    "RefusedFrameSpec.data": {f"{REFUSED}.id": 0x101, f"{REFUSED}.data": "11 03 00 00 00 00 00 00"},
+    "RefusedFrameSpec.says": {f"{REFUSED}.says": "wrong_length"},
+    "RefusedValuesSpec.source": {f"{VALUES}.source": "paper"},
+    "RefusedValuesSpec.parameters": {f"{VALUES}.parameters": {"size": "huge"}},
+    "RefusedValuesSpec.encode": {f"{VALUES}.encode": "reply"},
+    "RefusedValuesSpec.command": {f"{VALUES}.command": "dim"},
+    "RefusedValuesSpec.node": {f"{VALUES}.node": 9},
+    "RefusedValuesSpec.raw": {f"{VALUES}.values": None, f"{VALUES}.raw": {"angle": 0}},
+    "RefusedValuesSpec.values": {f"{VALUES}.values": {"angle": 0, "share": 0}},
+    "RefusedValuesSpec.says": {f"{VALUES}.says": "no_scale"},
+    "RefusedValuesSpec.field": {f"{VALUES}.field": "share"},
 }
 
 Files = Mapping[str, str]
 
 
-def _keys(concept: type[EditionSpec] | type[GoldenFrames]) -> set[str]:
+def _keys(concept: type[EditionSpec] | type[GoldenFramesSpec]) -> set[str]:
     schema = json_schema(concept)
     concepts = {schema["title"]: schema, **schema["$defs"]}
     return {f"{name}.{key}" for name, one in concepts.items() for key in one.get("properties", {})}
@@ -159,7 +161,7 @@ def unchanged(tmp_path_factory: pytest.TempPathFactory) -> Mapping[bool, Files]:
 
 
 def test_every_key_is_known() -> None:
-    assert {*OF_EDITION, *OF_FRAMES, *NOT_SHOWN} == _keys(EditionSpec) | _keys(GoldenFrames)
+    assert {*OF_EDITION, *OF_FRAMES, *NOT_SHOWN} == _keys(EditionSpec) | _keys(GoldenFramesSpec)
     assert not {*OF_EDITION, *OF_FRAMES} & {*NOT_SHOWN}
 
 

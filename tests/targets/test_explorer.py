@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 import yaml
-from canwright.language.golden_frames import GoldenFrame, Value
 from canwright.model import formatting
+from canwright.model.golden_frames import GoldenFrame, Value
 from canwright.project.loader import specification
 from canwright.targets import c, python
 from canwright.targets.javascript.edition_source import EditionSpec

@@ -68,7 +68,7 @@ def known(size: str, number: str) -> dict[str, int | str]:
     return {"size": size, "top": number, "other": number}
 
 
-def line(edition: Edition, name: str, parameters: Mapping[str, int | str]) -> tuple[Type, Linear]:
+def line(edition: Edition, name: str, parameters: Mapping[str, int | str | Fraction]) -> tuple[Type, Linear]:
     type_ = next(t for t in edition.types if t.name == name)
     found = linear_of(type_, {key: str(value) for key, value in parameters.items()})
     assert found is not None

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
+from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
 from canwright.targets.python.examples import Example, example
@@ -62,13 +63,20 @@ Frame = tuple[int, bytes]
 def answers(item: EditionInput, x: Example) -> dict[Frame, list[Frame]]:
     """The replies of the node to the requests of the programs, as golden frames have them."""
     assert item.frames is not None
-    sent = [frame for frame in item.frames.frames if class_name(f"{frame.request}_request") == x.request]
+    sent = [
+        frame
+        for frame in item.frames.frames
+        if class_name(f"{frame.command}_request") == x.request and frame.direction is Direction.REQUEST
+    ]
     found = {(one.id, one.data): [(int(x.reply_id, 16), bytes.fromhex(x.data))] for one in sent}
     for command in item.edition.commands:
         if class_name(f"{command.name}_request") == x.probe.partition("(")[0]:
             assert command.request is not None and command.reply is not None
             ids = [rule.base + x.node * rule.node_step for rule in (command.request.id, command.reply.id)]
-            data = [next(f.data for f in item.frames.frames if command.name == getattr(f, kind)) for kind in KINDS]
+            data = [
+                next(f.data for f in item.frames.frames if command.name == f.command and f.direction.value == kind)
+                for kind in KINDS
+            ]
             found[ids[0], data[0]] = [(ids[1], data[1])]
     return found
 
@@ -88,7 +96,7 @@ def test_all_programs(spec: Path, returned: bool, tmp_path: Path) -> None:
     folder, item = write(tmp_path, spec), specification(spec)
     x = example([item])
     assert item.frames is not None and isinstance(x, Example)
-    requests = [frame for frame in item.frames.frames if frame.request]
+    requests = [frame for frame in item.frames.frames if frame.direction is Direction.REQUEST]
     shown = [re.sub(r"^TIMEOUT = .*", PATIENT, one, flags=re.M) for one in programs(folder)]
     if returned and x.shares_ids and not x.probe:
         shown = [one.replace("are_returned=False", "are_returned=True") for one in shown]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import can
 import pytest
-from canwright.language.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame
+from canwright.model.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified

@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 from canwright.language.edition import EditionSpec, json_schema
-from canwright.language.golden_frames import GoldenFrames
+from canwright.language.golden_frames import GoldenFramesSpec
 from canwright.language.suggestions import VISIBLE
 from canwright.project.loader import load
 from canwright.targets.base import EditionInput
@@ -97,7 +97,7 @@ exchanges:
 def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) -> EditionInput:
     """The edition with what `say` says in every text."""
     folder.mkdir(exist_ok=True)
-    for name, written, concept in (("lamp.yaml", SPEC, EditionSpec), ("lamp.frames.yaml", FRAMES, GoldenFrames)):
+    for name, written, concept in (("lamp.yaml", SPEC, EditionSpec), ("lamp.frames.yaml", FRAMES, GoldenFramesSpec)):
         data = yaml.load(written, yaml.CSafeLoader)
         if concept is EditionSpec:
             data["languages"] = list(languages)
@@ -109,7 +109,7 @@ def filled(say: Say, folder: Path, languages: tuple[str, ...] = ("en", "zh")) ->
 def text_fields() -> set[str]:
     """`Concept.key` of every text that the language knows."""
     found: set[str] = set()
-    for concept in (EditionSpec, GoldenFrames):
+    for concept in (EditionSpec, GoldenFramesSpec):
         schema = _schema(concept)
         filler = _Filler(schema, str, ())
         for name, one in {schema["title"]: schema, **schema["$defs"]}.items():
@@ -120,7 +120,7 @@ def text_fields() -> set[str]:
 def filled_fields() -> set[str]:
     """`Concept.key` of every text that is filled."""
     found: set[str] = set()
-    for written, concept in ((SPEC, EditionSpec), (FRAMES, GoldenFrames)):
+    for written, concept in ((SPEC, EditionSpec), (FRAMES, GoldenFramesSpec)):
         filler = _Filler(_schema(concept), str, ("en",))
         filler.all(yaml.load(written, yaml.CSafeLoader))
         found |= filler.found
@@ -193,7 +193,7 @@ class _Filler:
 
 
 @functools.cache
-def _schema(concept: type[EditionSpec] | type[GoldenFrames]) -> Schema:
+def _schema(concept: type[EditionSpec] | type[GoldenFramesSpec]) -> Schema:
     return json_schema(concept)
 
 

@@ -92,7 +92,7 @@ def _strings(value: object) -> Iterator[str]:
 
 def test_every_text_of_the_language_is_filled() -> None:
     assert filled_fields() == text_fields()
-    assert {"CommandSpec.notes", "TypeSpec.differs", "AddressSpec.title", "GoldenFrame.note"} <= filled_fields()
+    assert {"CommandSpec.notes", "TypeSpec.differs", "AddressSpec.title", "GoldenFrameSpec.note"} <= filled_fields()
 
 
 @pytest.mark.parametrize("text", sampled(HOSTILE, 3))

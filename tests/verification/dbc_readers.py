@@ -20,8 +20,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from canwright.language.golden_frames import GoldenFrame
 from canwright.model.edition import Edition
+from canwright.model.golden_frames import GoldenFrame
 from canwright.model.layout import Element, Field, Space
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput, Options

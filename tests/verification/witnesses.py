@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from canwright.compare import Change, Witness
 from canwright.compare.change import Fact, with_facts
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
+from canwright.model.types import Assignment
 from canwright.targets.python.text import attribute
 
 from .behaviour import Binding, Frame, Meaning, Names, meaning
@@ -75,7 +76,7 @@ def _wrong(witness: Witness, old: Binding, new: Binding, names: Names) -> Iterat
             yield from (f"{text}, read: {witness.says()}" for text in _differences(read, seen))
 
 
-def _parameters(binding: Binding, assignment: Mapping[str, str], names: Names, *, is_old: bool) -> Any:
+def _parameters(binding: Binding, assignment: Assignment, names: Names, *, is_old: bool) -> Any:
     """The parameters that a witness states; others have values that the comparison does not use."""
     given: dict[str, Any] = {}
     former = {now: was for was, now in names.parameters.items()}
@@ -85,7 +86,7 @@ def _parameters(binding: Binding, assignment: Mapping[str, str], names: Names, *
         if is_old and stated is None:
             stated = assignment.get(names.parameters.get(parameter.name, parameter.name))
         if stated is not None and is_old and former:
-            stated = values.get(stated, stated)
+            stated = values.get(str(stated), stated)
         if parameter.is_choice:
             chosen = next((v for v in parameter.values if v.name == stated), parameter.values[-1])
             given[parameter.name] = chosen.number if parameter.is_numeric else chosen.name

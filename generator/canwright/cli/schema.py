@@ -7,7 +7,7 @@ import click
 from ..document.builder import MAX_VALUES
 from ..document.document import MAX_BYTES
 from ..language.edition import EditionSpec, schema_text
-from ..language.golden_frames import GoldenFrames
+from ..language.golden_frames import GoldenFramesSpec
 from ..resolve.limits import MAX_COMMANDS, MAX_FIELDS
 from ..rules.too_large import MAX_COMBINATIONS, MAX_SIZE
 from .terminal import print_data
@@ -33,4 +33,4 @@ def schema(frames: bool, page: bool) -> None:
 
         print_data(reference.page(_LIMITS))
         return
-    print_data(schema_text(GoldenFrames if frames else EditionSpec))
+    print_data(schema_text(GoldenFramesSpec if frames else EditionSpec))

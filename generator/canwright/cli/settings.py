@@ -8,7 +8,7 @@ from ..language import notation
 from ..model.edition import Edition
 from ..model.message import Direction
 from ..model.types import Assignment
-from ..semantics import parameters
+from ..resolve import number_parameters
 from ..targets.base import EditionInput, Options, TargetWithOptions
 from ..targets.registry import target, target_names
 from .common import stop
@@ -65,7 +65,7 @@ def check_value(editions: Sequence[Edition], setting: str, name: str, value: str
     numbers = [(edition, p) for edition, p in owners if not p.is_choice]
     for edition, parameter in numbers:
         try:
-            parameters.number(edition, parameter, value)
+            number_parameters.number(edition, parameter, value)
         except ValueError as error:
             stop(f"--set {setting}: {error}")
     if not numbers and not any(v.name == value for _, p in owners for v in p.values):

@@ -33,7 +33,7 @@ def positions(change: Change, old: Document, new: Document) -> tuple[Position, P
         and item[: min(len(before), len(after))] in (before, after)
     ):
         before = after = item  # written in both, but without effect in one
-    cases = {value for case in change.cases for value in case.values()}
+    cases = {str(value) for case in change.cases for value in case.values()}
     before, after = _edited(old, new, before, after, cases)
     return old.position(before, key=True), new.position(after, key=True)
 

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
-from functools import cached_property
 from typing import Annotated, Literal
 
 from ..model.message import Direction
@@ -41,7 +40,7 @@ ParameterValue = Annotated[int | str, Notation(_parameter_value, "a number or a 
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sourced(Concept):
+class SourcedSpec(Concept):
     """The source of an entry, and what is known about the node."""
 
     source: Annotated[Name, Doc("A name of `sources`.")]
@@ -55,7 +54,7 @@ class Sourced(Concept):
 
 
 @dataclass(frozen=True, kw_only=True)
-class GoldenFrame(Sourced):
+class GoldenFrameSpec(SourcedSpec):
     """A request or reply of a command, and its meaning.
 
     Decoding `id` and `data` returns exactly `node`, `raw` and `values`. Encoding `raw` returns exactly `id` and `data`,
@@ -79,17 +78,9 @@ class GoldenFrame(Sourced):
     ] = field(default_factory=dict)
     decode_only: Annotated[bool, Doc("True if an encoder writes other bytes, for example 0 in reserved bits.")] = False
 
-    @property
-    def direction(self) -> Direction:
-        return Direction.REQUEST if self.request else Direction.REPLY
-
-    @property
-    def command(self) -> str:
-        return self.request or self.reply or ""
-
 
 @dataclass(frozen=True, kw_only=True)
-class RefusedFrame(Sourced):
+class RefusedFrameSpec(SourcedSpec):
     """A frame that every target must reject, and the reason."""
 
     decode: Annotated[Direction, Doc("The direction in which it is decoded.")]
@@ -101,7 +92,7 @@ class RefusedFrame(Sourced):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RefusedValues(Sourced):
+class RefusedValuesSpec(SourcedSpec):
     """Values that every target must reject, and the reason."""
 
     encode: Annotated[Direction, Doc("The message of the command.")]
@@ -116,7 +107,7 @@ class RefusedValues(Sourced):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CheckedFrame(Concept):
+class CheckedFrameSpec(Concept):
     """One frame of an exchange."""
 
     id: Annotated[int, Limits(ge=0), Doc("CAN id.")]
@@ -126,11 +117,11 @@ class CheckedFrame(Concept):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exchange(Sourced):
+class ExchangeSpec(SourcedSpec):
     """A request and a later frame: its reply, or the reason that it is not one."""
 
-    request: Annotated[CheckedFrame, Doc("The frame of the host.")]
-    reply: Annotated[CheckedFrame, Doc("The later frame of a node.")]
+    request: Annotated[CheckedFrameSpec, Doc("The frame of the host.")]
+    reply: Annotated[CheckedFrameSpec, Doc("The later frame of a node.")]
     says: Annotated[Refusal | None, Doc("The reason for the rejection; omitted if the reply answers the request.")] = (
         None
     )
@@ -141,11 +132,11 @@ def _refused_kind(value: Mapping[str, object]) -> int:
     return int("encode" in value or not {"decode", "id", "data"} & set(value))
 
 
-Refused = Annotated[RefusedFrame | RefusedValues, Choose(_refused_kind)]
+Refused = Annotated[RefusedFrameSpec | RefusedValuesSpec, Choose(_refused_kind)]
 
 
 @dataclass(frozen=True, kw_only=True)
-class GoldenFrames(Concept):
+class GoldenFramesSpec(Concept):
     """The golden frames of one edition."""
 
     example = {"canwright": 1, "family": "lamp", "edition": "v1", "sources": {}, "frames": []}
@@ -162,14 +153,6 @@ class GoldenFrames(Concept):
         dict[Name, Text],
         Doc("Sources of the frames, by name.", examples=({"manual": "Examples of the manual."},)),
     ]
-    frames: Annotated[list[GoldenFrame], Doc("Frames and their meaning.")]
+    frames: Annotated[list[GoldenFrameSpec], Doc("Frames and their meaning.")]
     refused: Annotated[list[Refused], Doc("Frames and values that must be rejected.")] = field(default_factory=list)
-    exchanges: Annotated[list[Exchange], Doc("Requests, each with a later frame.")] = field(default_factory=list)
-
-    @cached_property
-    def of_command(self) -> dict[tuple[str, Direction], list[GoldenFrame]]:
-        """The frames of each direction of a command."""
-        frames: dict[tuple[str, Direction], list[GoldenFrame]] = {}
-        for frame in self.frames:
-            frames.setdefault((frame.command, frame.direction), []).append(frame)
-        return frames
+    exchanges: Annotated[list[ExchangeSpec], Doc("Requests, each with a later frame.")] = field(default_factory=list)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..templating.environment import environment
 from . import aliases
 from .edition import EditionSpec, schema_text
-from .golden_frames import GoldenFrames
+from .golden_frames import GoldenFramesSpec
 
 JsonSchema = Mapping[str, Any]
 
@@ -43,7 +43,7 @@ class ConceptReference(NamedTuple):
 def concepts() -> tuple[ConceptReference, ...]:
     """Every concept of specs and golden frames, each after a concept that contains it."""
     result: dict[str, ConceptReference] = {}
-    for root in (EditionSpec, GoldenFrames):
+    for root in (EditionSpec, GoldenFramesSpec):
         whole = json.loads(schema_text(root))
         for name, schema in _reached(root.__name__, whole):
             if "properties" in schema:

@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 from .layout import Field, Segment, Space
 from .message import Command, IdRule, Key
 from .metadata import Effect
-from .types import Bound, ByParameter, Encoding, Linear, Order, Parameter, Range, Type
+from .types import Assignment, Bound, ByParameter, Encoding, Linear, Order, Parameter, Range, Type
 
 MAX_DIGITS = 24
 """So many characters of a number are read before it is rounded."""
@@ -62,6 +62,16 @@ def bound(end: Bound, written: Callable[[Fraction], str] = exact) -> str:
 def step(linear: Linear) -> str:
     """The resolution (1 LSB) without its unit, as written in the spec: `33/2048`."""
     return multiple(linear.printed or exact(linear.scale), linear.times)
+
+
+def parameter_value(value: str | Fraction) -> str:
+    """The value of a parameter: the name of a choice, or an exact number."""
+    return exact(value) if isinstance(value, Fraction) else value
+
+
+def parameter_values(assignment: Assignment) -> dict[str, str]:
+    """The values of parameters by name, as text."""
+    return {name: parameter_value(value) for name, value in assignment.items()}
 
 
 def offset(linear: Linear, written: Callable[[Fraction], str] = exact) -> str:

@@ -184,6 +184,10 @@ class Layout:
         value = assignment.get(self.parameter)
         return next((v for v in self.variants if value in v.values), None)
 
+    def has(self, field: Field, assignment: Assignment) -> bool:
+        """Whether a field exists under `assignment`; False if that depends on a missing parameter."""
+        return not field.only or assignment.get(self.parameter or "") in field.only
+
     @cached_property
     def parameters(self) -> tuple[str, ...]:
         """Names of all choice parameters that fields, scales and ranges of this layout depend on."""

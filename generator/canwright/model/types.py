@@ -26,8 +26,20 @@ class ImpliedTitle(dict[str, str]):
     """The title of an item for which the spec has none: the words of its name."""
 
 
-Assignment = Mapping[str, str]
-"""Parameter values by name, as `{"model": "A"}`; unknown ones are left out."""
+Assignment = Mapping[str, str | Fraction]
+"""Parameter values by name, as `{"model": "A", "ratio": Fraction(6)}`: a choice by the name of its value, a number as a
+fraction. Unknown parameters are left out."""
+
+
+def number_of(assignment: Assignment, parameter: str | None) -> Fraction | None:
+    """The number that a parameter is; None if it is unknown, or a name that is no number."""
+    value = assignment.get(parameter) if parameter is not None else None
+    if value is None or isinstance(value, Fraction):
+        return value
+    try:
+        return Fraction(value)
+    except (ValueError, ZeroDivisionError):
+        return None
 
 
 class Order(str, Enum):
@@ -106,7 +118,7 @@ class ByParameter(Generic[T]):
         """The value under `assignment`; None if it is unknown or its parameter is not assigned."""
         if self.parameter is None:
             return self.constant
-        return self.cases.get(assignment.get(self.parameter, ""))
+        return self.cases.get(str(assignment.get(self.parameter, "")))
 
     def distinct(self) -> Sequence[tuple[tuple[str, ...], T | None]]:
         """The different values, each with the parameter values under which it applies, in spec order."""

@@ -10,7 +10,7 @@ from ..diagnostics.diagnostic import Diagnostic, DocumentPath, SpecError, neares
 from ..document import ambiguous
 from ..document.document import Document, read_document
 from ..language.decoder import decode
-from ..language.golden_frames import GoldenFrames
+from ..language.golden_frames import GoldenFramesSpec
 
 LISTS = ("frames", "refused", "exchanges")
 
@@ -19,7 +19,7 @@ LISTS = ("frames", "refused", "exchanges")
 class GoldenFile:
     """Golden frames with their document and findings; `golden` is None without a file, or after an error."""
 
-    golden: GoldenFrames | None = None
+    golden: GoldenFramesSpec | None = None
     document: Document | None = None
     findings: tuple[Diagnostic, ...] = ()
 
@@ -38,7 +38,7 @@ def read_golden_file(file: Path) -> GoldenFile:
         document, _ = read_document(file)
     except SpecError as error:
         return GoldenFile(findings=error.diagnostics)
-    decoded = decode(document, GoldenFrames)
+    decoded = decode(document, GoldenFramesSpec)
     findings = (*decoded.findings, *_unknown_sources(document))
     return GoldenFile(None if findings else decoded.value, document, findings)
 

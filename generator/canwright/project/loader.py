@@ -13,6 +13,7 @@ from ..document.document import Document, read_document
 from ..language.decoder import decode
 from ..language.edition import EditionSpec
 from ..resolve.edition import resolve
+from ..resolve.golden_frames import resolve_golden_frames
 from ..rules.checker import check
 from ..rules.rule import CheckInput
 from ..targets.base import EditionInput
@@ -61,11 +62,12 @@ def _load(file: Path, name: str | None, golden_file: GoldenFile) -> Loaded:
     names = {"family": edition.family, "edition": edition.name}
     others = golden_file.other_edition({key: text for key, text in names.items() if (key,) not in decoded.invalid})
     errors = [*decoded.findings, *unresolved.findings, *golden_file.findings, *others]
-    subject = CheckInput(edition, spec, golden_file.golden)
+    golden = None if golden_file.golden is None else resolve_golden_frames(edition, golden_file.golden)
+    subject = CheckInput(edition, spec, golden)
     errors, warnings = check(subject, document, golden_file.document, errors, decoded.invalid, unresolved)
     if errors:
         raise SpecError([*errors, *warnings])
-    return Loaded(EditionInput(edition, golden_file.golden), document, tuple(sorted(warnings, key=lambda d: d.place)))
+    return Loaded(EditionInput(edition, golden), document, tuple(sorted(warnings, key=lambda d: d.place)))
 
 
 def specification(file: Path) -> EditionInput:

@@ -14,6 +14,7 @@ from ..model.edition import Edition
 from ..model.layout import Field, ReservedRole, Space
 from ..model.message import Direction, IdRule, Message
 from ..model.types import Encoding, Type
+from ..semantics.bits import data_bits
 from ..semantics.candidates import Candidates
 from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constants
 from ..semantics.exchange import check_reply
@@ -21,7 +22,6 @@ from ..semantics.frame import (
     CanFrame,
     Parts,
     bits_at,
-    data_bits,
     has_id,
     has_id_rule,
     node_in_id,

@@ -42,7 +42,10 @@ def golden_text(edition: Edition, message: Message, frame: CanFrame, assignment:
     }
     values = {name: text for name, text in values.items() if len(text) <= _WIDTH}  # the language rejects longer numbers
     raws = {name: str(raw) for name, raw in decoded.raws.items()}
-    used = {name: _parameter(edition.parameter(name), assignment[name]) for name in _used(message, assignment)}
+    used = {
+        name: _parameter(edition.parameter(name), formatting.parameter_value(assignment[name]))
+        for name in _used(message, assignment)
+    }
     parts += [
         f"{key}: {_mapping(one)}" for key, one in (("parameters", used), ("raw", raws), ("values", values)) if one
     ]

@@ -19,7 +19,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ..model.edition import Edition
 from ..model.message import Direction, IdRule
-from ..semantics.frame import CanFrame, data_bits, node_in_id, node_of
+from ..semantics.bits import data_bits
+from ..semantics.frame import CanFrame, node_in_id, node_of
 from .changes import BLOCK, NodeFrames
 from .recorded import Mark, Recorded
 from .results import Identification, NodeResult

@@ -14,8 +14,9 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Variant
 from ..model.message import Direction, IdRule, Message
+from ..semantics.bits import data_bits
 from ..semantics.candidates import Candidates
-from ..semantics.frame import CanFrame, bits_at, data_bits, has_id, read_bits
+from ..semantics.frame import CanFrame, bits_at, has_id, read_bits
 from .checks import STRONG, WEAK, Check, FieldCheck, Reason, ReservedCheck
 from .probes import probes_of, unpackers
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Direction
-from ..semantics.frame import data_bits
+from ..semantics.bits import data_bits
 from .checks import STRONG, Reason
 from .scoring import Interpretation, Kind, Observation, reply_rule
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..language.golden_frames import CheckedFrame, Exchange
+from ..model.golden_frames import CheckedFrame, Exchange
 from ..model.refusal import Refusal
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.exchange import check_reply

@@ -7,9 +7,9 @@ from fractions import Fraction
 
 from ..diagnostics.diagnostic import nearest
 from ..language.edition import EditionSpec, MessageSpec
-from ..language.golden_frames import GoldenFrame
 from ..model import formatting
 from ..model.edition import Edition
+from ..model.golden_frames import GoldenFrame
 from ..model.layout import Field, Space
 from ..model.message import Direction, Message
 from ..model.types import Assignment, Order
@@ -39,9 +39,8 @@ class _FrameChecker:
 
     def problems(self, frame: GoldenFrame) -> list[EntryProblem]:
         direction = frame.direction
-        if not frame.command or (frame.request and frame.reply):
-            text = "this frame has no command" if not frame.command else "a frame is either a request or a reply"
-            return [((), text, "write `request: COMMAND` or `reply: COMMAND`")]
+        if not frame.command:
+            return [((), "a frame is either a request or a reply", "write `request: COMMAND` or `reply: COMMAND`")]
         message = self._messages[direction].get(frame.command)
         if message is None:
             return [self._unknown(frame.command, direction)]

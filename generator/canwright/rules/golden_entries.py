@@ -7,16 +7,16 @@ from fractions import Fraction
 from typing import TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath, nearest
-from ..language.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame, Sourced
 from ..language.notation import LAST_ID, SHORT_ID
 from ..model import formatting
 from ..model.edition import Edition
+from ..model.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame, Sourced
 from ..model.layout import Field
 from ..model.message import Message
 from ..model.types import Parameter
+from ..resolve.number_parameters import number
 from ..semantics.decoder import Decoded, Value
 from ..semantics.frame import Raw
-from ..semantics.parameters import number
 from .rule import Finding, Findings, RelatedItem
 
 EntryProblem = tuple[DocumentPath, str, str] | tuple[DocumentPath, str, str, RelatedItem]
@@ -56,7 +56,7 @@ def _ids(entry: Sourced) -> Iterator[EntryProblem]:
 
 
 def _parameters(
-    edition: Edition, known: Mapping[str, Parameter], given: Mapping[str, int | str]
+    edition: Edition, known: Mapping[str, Parameter], given: Mapping[str, int | str | Fraction]
 ) -> Iterator[EntryProblem]:
     for name, value in given.items():
         path: DocumentPath = ("parameters", name)

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from ..diagnostics.diagnostic import DocumentPath, nearest
-from ..language.golden_frames import RefusedFrame, RefusedValues, Value
 from ..model import formatting
 from ..model.edition import Edition
+from ..model.golden_frames import RefusedFrame, RefusedValues, Value
 from ..model.layout import Field
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
@@ -75,9 +75,9 @@ class _RejectionChecker:
             )
             return
         yield from _other_reason(entry.says, found)
-        if found.reason is entry.says and entry.field is not None and entry.field != found.field:
+        if found.reason is entry.says and entry.field_name is not None and entry.field_name != found.field:
             hint = f"field: {found.field}" if found.field else "remove `field`"
-            yield ("field",), f"the spec rejects this, but not because of `{entry.field}`: {found.text}", hint
+            yield ("field",), f"the spec rejects this, but not because of `{entry.field_name}`: {found.text}", hint
 
 
 def _other_reason(says: Refusal, found: Rejection) -> Iterator[EntryProblem]:
@@ -148,7 +148,7 @@ def _shown(value: Value | Fraction) -> str:
 
 def _beyond(encoder: Encoder, message: Message, entry: RefusedValues) -> str:
     """The hint for accepted values: values that would be rejected."""
-    field = (encoder.fields(message) or {}).get(entry.field or next(iter(entry.values or entry.raw), ""))
+    field = (encoder.fields(message) or {}).get(entry.field_name or next(iter(entry.values or entry.raw), ""))
     if entry.says is Refusal.OUT_OF_RANGE and field is not None:
         return f"remove it, or write a value of `{field.name}` outside {encoder.limits(field.type)}"
     nodes = message.id.nodes

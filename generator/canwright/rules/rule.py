@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath, Severity
 from ..language.edition import EditionSpec
-from ..language.golden_frames import GoldenFrames
 from ..model.edition import Edition
+from ..model.golden_frames import GoldenFrames
 
 
 class CheckInput(NamedTuple):

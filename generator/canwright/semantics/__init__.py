@@ -1,8 +1,10 @@
-"""The meaning of frames, derived from the model: dispatch plan, decoder, encoder, exchanges.
+"""The plan of an edition: what its frames mean, derived once from the model and in terms of no language.
 
-`dispatch` plans how a frame is identified, `decoder` executes that plan and reads the fields, `encoder` writes frames,
-`exchange` checks whether a frame answers a request, `candidates` lists the messages that a recorded frame can be.
+- `dispatch`: which message a frame is;
+- `plan`: the steps of decoding and encoding a message, with their order; accepted keys and reserved bits;
+- `valid_raws`: the raw integers that a type allows;
+- `exchange`: which replies answer which request;
+- `decoder`, `encoder`, `candidates`: the reference, which executes the plan, with reasons for rejection.
 
-Belongs here: the reference behaviour that every target has to match, and the reasons for which frames and values are
-rejected. Imports `model`, and of `language` the notation of numbers.
+Belongs here: every fact about frames that more than one target needs. Imports the model alone.
 """

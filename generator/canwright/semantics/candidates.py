@@ -6,17 +6,10 @@ from collections.abc import Sequence
 
 from ..model.edition import Edition
 from ..model.message import Direction, Message
+from .bits import data_bits
 from .decoder import Decoder, Identified
-from .frame import CanFrame, data_bits, has_id, is_message
-
-
-def answers_by_request(edition: Edition) -> Sequence[Message]:
-    """The replies that can have a code which, without the request, belongs to another message."""
-    return [
-        reply
-        for reply in edition.messages(Direction.REPLY)
-        if reply.keys and not {reply.keys[0].value, *reply.accepted_codes} <= {*reply.identifying_codes}
-    ]
+from .frame import CanFrame, has_id, is_message
+from .plan import only_by_request
 
 
 class Candidates:
@@ -28,7 +21,7 @@ class Candidates:
     def __init__(self, edition: Edition) -> None:
         self._decoder = Decoder(edition)
         self._messages = edition.all_messages()
-        self._answers = answers_by_request(edition)
+        self._answers = only_by_request(edition)
         self._key_bits: dict[tuple[int, bool, bool], int | None] = {}
         self._known: dict[tuple[int, bool, bool, int, int], Sequence[Message]] = {}
 

@@ -13,15 +13,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..language import notation
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import Field, Variant
 from ..model.message import BitRun, Direction, Message
 from ..model.refusal import Refusal
-from ..model.types import Assignment, Encoding, Linear, Type
+from ..model.types import Assignment, Encoding, Linear, Type, number_of
 from .dispatch import Discriminator, DispatchNode, Length, MaskedId, Match, Route, Select, dispatch_plan
-from .frame import CanFrame, Raw, difference, node_in_id, raw_of, raws, read_bits, wrong_constants
+from .frame import CanFrame, Raw, difference, differs, node_in_id, raw_of, read_bits
+from .plan import CheckConstant, ChooseFields, ReadField, message_plan
 
 Value = Fraction | str | list[str] | None
 
@@ -102,32 +102,47 @@ _REASONS = {"length": Refusal.WRONG_LENGTH, "keys": Refusal.UNKNOWN_CODE}
 
 
 def _fields(found: Identified, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
-    """The fields of a message; rejected if a constant differs or a parameter that decides on the fields is missing."""
+    """The fields of a message, by the steps of its plan."""
     layout = found.message.layout
-    wrong = rejects_constants(found.message, frame, assignment)
-    if wrong is not None:
-        return wrong
+    raws: dict[str, Raw] = {}
+    values: dict[str, Value | list[Value]] = {}
+    for step in message_plan(found.message).decoding:
+        if isinstance(step, ChooseFields):
+            if layout.variant(assignment) is None:
+                return missing_parameter(found.message, step)
+        elif not layout.has(step.field, assignment):
+            continue
+        elif isinstance(step, ReadField):
+            raw = raw_of(step.field, frame)
+            raws[step.field.name], values[step.field.name] = raw, field_value(step.field, raw, assignment)
+        elif differs(step.field, step.raw, frame):
+            return _wrong_constant(step)
     variant = layout.variant(assignment)
-    if variant is None:
-        text = f"the fields of {found.message.name} depend on `{layout.parameter}`, which is missing"
-        return Rejection(Refusal.MISSING_PARAMETER, text)
-    return Decoded(*found, variant, raws(variant, frame), values(variant, frame, assignment))
+    assert variant is not None
+    return Decoded(*found, variant, raws, values)
 
 
 def rejects_constants(message: Message, frame: CanFrame, assignment: Assignment) -> Rejection | None:
-    """The rejection of a frame of a message in which a constant differs; None for a frame with all its constants."""
-    variant = message.layout.variant(assignment)
-    present = variant.fields if variant else (field for field in message.layout.fields if not field.only)
-    wrong = wrong_constants(present, frame)
-    if not wrong:
-        return None
-    text = f"the constant `{wrong[0].name}` is not {wrong[0].role.sent_raw}"
-    return Rejection(Refusal.WRONG_CONSTANT, text, wrong[0].name)
+    """The rejection of a frame of a message in which a constant differs; None for a frame with all its constants.
+
+    A constant that exists only under an unknown parameter is not checked.
+    """
+    checks = (step for step in message_plan(message).decoding if isinstance(step, CheckConstant))
+    for check in checks:
+        if message.layout.has(check.field, assignment) and differs(check.field, check.raw, frame):
+            return _wrong_constant(check)
+    return None
 
 
-def values(variant: Variant, frame: CanFrame, assignment: Assignment) -> dict[str, Value | list[Value]]:
-    """The value of each field, without constants; a list for an array."""
-    return {f.name: field_value(f, raw_of(f, frame), assignment) for f in variant.fields if f.role.is_value}
+def missing_parameter(message: Message, step: ChooseFields) -> Rejection:
+    """The rejection of a message whose fields are unknown."""
+    text = f"the fields of {message.name} depend on `{step.parameter}`, which is missing"
+    return Rejection(Refusal.MISSING_PARAMETER, text)
+
+
+def _wrong_constant(check: CheckConstant) -> Rejection:
+    name = check.field.name
+    return Rejection(Refusal.WRONG_CONSTANT, f"the constant `{name}` is not {check.raw}", name)
 
 
 def field_value(field: Field, raw: Raw, assignment: Assignment) -> Value | list[Value]:
@@ -171,11 +186,8 @@ def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
     linear = type_.linear.at(assignment)
     if linear is None or linear.times is None:
         return linear
-    try:
-        number = notation.rational(assignment.get(linear.times, ""))
-    except ValueError:
-        return None
-    return linear.at({linear.times: number}) if number > 0 else None
+    number = number_of(assignment, linear.times)
+    return linear.at({linear.times: number}) if number is not None and number > 0 else None
 
 
 def _message(node: DispatchNode, direction: Direction, frame: CanFrame) -> Message | Rejection:

@@ -7,19 +7,21 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
 from fractions import Fraction
 
-from ..language import notation
-from ..language.golden_frames import Value
 from ..model import formatting
-from ..model.layout import Field, FixedRole, Segment, Space
+from ..model.golden_frames import Value
+from ..model.layout import Field, Space
 from ..model.message import Message
 from ..model.refusal import Refusal
-from ..model.types import Bound, Encoding, Range, Type
-from .decoder import Rejection, is_finite, linear_of, value_of
+from ..model.types import Assignment, Bound, Encoding, Type, number_of
+from .bits import placed
+from .decoder import Rejection, is_finite, linear_of, missing_parameter, value_of
 from .frame import CanFrame, Raw
+from .plan import CheckField, CheckNode, ChooseFields, WriteField, WriteFixed, message_plan
+from .valid_raws import FiniteFloats, FlagBits, NamedRaws, is_within, valid_raws, width_limits
 
 Number = int | float | Decimal | Fraction
 
@@ -30,9 +32,9 @@ class Encoders:
     """An encoder for each set of parameters, created on first use."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[tuple[str, int | str], ...], Encoder] = {}
+        self._known: dict[tuple[tuple[str, int | str | Fraction], ...], Encoder] = {}
 
-    def for_parameters(self, parameters: Mapping[str, int | str]) -> Encoder:
+    def for_parameters(self, parameters: Mapping[str, int | str | Fraction]) -> Encoder:
         key = tuple(parameters.items())
         known = self._known.get(key)
         if known is None:
@@ -43,14 +45,16 @@ class Encoders:
 class Encoder:
     """Encodes messages under some parameters; facts about messages, fields and types are cached."""
 
-    def __init__(self, parameters: Mapping[str, int | str]) -> None:
-        self.assignment = {name: str(value) for name, value in parameters.items()}
-        self._fields: dict[Message, dict[str, Field] | None] = {}
+    def __init__(self, parameters: Mapping[str, int | str | Fraction]) -> None:
+        self.assignment: Assignment = {
+            name: str(value) if isinstance(value, int) else value for name, value in parameters.items()
+        }
+        self._fields: dict[Message, Mapping[str, Field] | None] = {}
         self._allows: dict[Type, Callable[[int], bool]] = {}
         self._nearest: dict[Field, Callable[[Fraction], int | Rejection]] = {}
 
-    def fields(self, message: Message) -> dict[str, Field] | None:
-        """The fields of a message by name, without constants; None if they depend on a missing parameter."""
+    def fields(self, message: Message) -> Mapping[str, Field] | None:
+        """The fields of a message that users give, by name; None if they depend on a missing parameter."""
         if message not in self._fields:
             variant = message.layout.variant(self.assignment)
             fields = None if variant is None else {f.name: f for f in variant.fields if f.role.is_value}
@@ -59,56 +63,57 @@ class Encoder:
 
     def encode_raws(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame | Rejection:
         """The frame of a message with these raw integers by field. Raises ValueError for other fields."""
-        rejection = self.rejects(message, node)
-        if rejection:
-            return rejection
-        fields = _given(message, self.fields(message), raws)
-        rejections = (self.rejects_raw(field, raws[name]) for name, field in fields.items())
-        return next(filter(None, rejections), None) or self._frame(message, node, raws)
+        return self._encode(
+            message, node, raws, lambda field: self.rejects_raw(field, raws[field.name]) or raws[field.name]
+        )
 
     def encode_values(
         self, message: Message, node: int | None, values: Mapping[str, Value | Number | list[Number]]
     ) -> CanFrame | Rejection:
         """The frame of a message with these values by field. Raises ValueError for other fields."""
+        return self._encode(message, node, values, lambda field: self.field_raw(field, exact_value(values[field.name])))
+
+    def _encode(
+        self,
+        message: Message,
+        node: int | None,
+        given: Mapping[str, object],
+        raw_of: Callable[[Field], Raw | Rejection],
+    ) -> CanFrame | Rejection:
+        """Executes the steps of a message; `raw_of` converts what is given for a field, or rejects it."""
         rejection = self.rejects(message, node)
         if rejection:
             return rejection
-        raws: dict[str, Raw] = {}
-        for name, field in _given(message, self.fields(message), values).items():
-            raw = self.field_raw(field, exact_value(values[name]))
-            if isinstance(raw, Rejection):
-                return raw
-            raws[name] = raw
-        return self._frame(message, node, raws)
-
-    def _frame(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame:
-        """The frame of valid raw integers; reserved bits are 0 unless the spec gives another value."""
+        _check_names(message, self.fields(message), given)
+        raws: dict[Field, Raw] = {}
         id_, data = message.id.base + (node or 0) * message.id.node_step, 0
-        parts: list[tuple[Space, Sequence[Segment], int]] = [(k.space, k.segments, k.value) for k in message.keys]
-        variant = message.layout.variant(self.assignment)
-        for field in variant.fields if variant else ():
-            raw = field.role.raw if isinstance(field.role, FixedRole) else raws[field.name]
-            ordered = raw if isinstance(raw, list) else [raw] * len(field.elements)
-            parts += [(field.space, e.segments, one) for e, one in zip(field.elements, ordered, strict=True)]
-        for space, segments, raw in parts:
-            for s in segments:
-                bits = (raw >> s.raw_low & (1 << s.width) - 1) << s.low
+        for step in message_plan(message).encoding:
+            if isinstance(step, (CheckNode, ChooseFields)):
+                continue  # decided by `rejects`, before the names of fields are known
+            if step.field is not None and not message.layout.has(step.field, self.assignment):
+                continue
+            if isinstance(step, CheckField):
+                raw = raw_of(step.field)
+                if isinstance(raw, Rejection):
+                    return raw
+                raws[step.field] = raw
+                continue
+            for space, bits in _written(step, raws):
                 if space is Space.ID:
                     id_ |= bits
                 else:
-                    data |= bits << s.byte * 8
+                    data |= bits
         written = b"" if message.remote else data.to_bytes(message.dlc, "little")
         return CanFrame(id_, written, message.id.extended, message.remote)
 
     def rejects(self, message: Message, node: int | None) -> Rejection | None:
         """The reason why the message cannot be sent to or from a node; None without one."""
-        nodes = message.id.nodes
-        if nodes is not None and (node is None or node not in nodes):
-            text = f"{message.name} has no node {node}; its nodes are {nodes[0]}..{nodes[-1]}"
-            return Rejection(Refusal.UNKNOWN_NODE, text, "node")
-        if self.fields(message) is None:
-            text = f"the fields of {message.name} depend on `{message.layout.parameter}`, which is missing"
-            return Rejection(Refusal.MISSING_PARAMETER, text)
+        for step in message_plan(message).encoding:
+            if isinstance(step, CheckNode) and (node is None or node not in step.nodes):
+                text = f"{message.name} has no node {node}; its nodes are {step.nodes[0]}..{step.nodes[-1]}"
+                return Rejection(Refusal.UNKNOWN_NODE, text, "node")
+            if isinstance(step, ChooseFields) and self.fields(message) is None:
+                return missing_parameter(message, step)
         return None
 
     def rejects_raw(self, field: Field, raw: Raw) -> Rejection | None:
@@ -171,26 +176,30 @@ class Encoder:
         return formatting.span(span) if span else f"raw {low}..{high}"
 
     def _allowed(self, type_: Type) -> Callable[[int], bool]:
-        if type_.enum:
-            return frozenset(member.value for member in type_.enum).__contains__
-        if type_.flags:
-            mask = sum(1 << flag.value for flag in type_.flags)
+        valid = valid_raws(type_).at(self.assignment) or width_limits(type_)
+        if isinstance(valid, NamedRaws):
+            return frozenset(valid.values).__contains__
+        if isinstance(valid, FlagBits):
+            mask = valid.mask
             return lambda raw: not raw & ~mask
         low, high = type_.raw_limits
-        span = type_.raw_range.at(self.assignment)
-        if span is None:
-            return lambda raw: low <= raw <= high
-        bottom, top = self._ends(span)
-        if type_.encoding is Encoding.FLOAT:
-            return lambda raw: low <= raw <= high and _is_within(value_of(type_, raw, self.assignment), bottom, top)
-        return lambda raw: low <= raw <= high and _is_within(raw, bottom, top)
+        if isinstance(valid, FiniteFloats):
+            if valid.scaled is None:
+                return lambda raw: low <= raw <= high
+            ends = self._end(valid.scaled.low), self._end(valid.scaled.high)
+            return lambda raw: low <= raw <= high and _has_value_within(value_of(type_, raw, self.assignment), *ends)
+        first, last = valid.low, valid.high
+        if valid.low_bound is None and valid.high_bound is None:
+            return lambda raw: first <= raw <= last
+        bounds = self._end(valid.low_bound), self._end(valid.high_bound)
+        return lambda raw: first <= raw <= last and is_within(raw, *bounds)
 
-    def _ends(self, span: Range) -> tuple[Fraction | int | None, Fraction | int | None]:
-        return self._end(span.low), self._end(span.high)
-
-    def _end(self, bound: Bound) -> Fraction | int | None:
+    def _end(self, bound: Bound | None) -> Fraction | int | None:
         """The bound of a range; None if it depends on a missing parameter."""
-        end = bound.at({n: notation.rational(text) for n, text in self.assignment.items() if n == bound.parameter})
+        if bound is None:
+            return None
+        number = number_of(self.assignment, bound.parameter)
+        end = bound.at({} if number is None else {bound.parameter or "": number})
         return end.numerator if end is not None and end.denominator == 1 else end
 
     def _inverse(self, field: Field) -> Callable[[Fraction], int | Rejection]:
@@ -235,11 +244,20 @@ def _exact(number: Number) -> Fraction | str:
     return Fraction(number) if math.isfinite(number) else str(float(number))
 
 
-def _given(message: Message, fields: Mapping[str, Field] | None, given: Mapping[str, object]) -> Mapping[str, Field]:
-    """The fields of a message. Raises ValueError unless exactly these are given."""
+def _check_names(message: Message, fields: Mapping[str, Field] | None, given: Mapping[str, object]) -> None:
+    """Raises ValueError unless exactly the fields of a message are given."""
     if fields is None or set(fields) != set(given):
         raise ValueError(f"{message.name} has the fields {', '.join(fields or ())}, not {', '.join(given)}")
-    return fields
+
+
+def _written(step: WriteFixed | WriteField, raws: Mapping[Field, Raw]) -> Iterator[tuple[Space, int]]:
+    """The bits that a step writes."""
+    if isinstance(step, WriteFixed):
+        yield step.space, placed(step.segments, step.raw)
+        return
+    raw = raws[step.field]
+    for element, number in zip(step.field.elements, raw if isinstance(raw, list) else [raw], strict=True):
+        yield step.field.space, placed(element.segments, number)
 
 
 def _wrong_count(field: Field, count: int) -> Rejection | None:
@@ -248,11 +266,9 @@ def _wrong_count(field: Field, count: int) -> Rejection | None:
     return None if count == wanted else Rejection(Refusal.OUT_OF_RANGE, text, field.name)
 
 
-def _is_within(value: object, low: Fraction | int | None, high: Fraction | int | None) -> bool:
-    """Whether a number lies between two bounds, as far as they are known; False for anything else."""
-    if not isinstance(value, (int, Fraction)):
-        return False
-    return (low is None or value >= low) and (high is None or value <= high)
+def _has_value_within(value: object, low: Fraction | int | None, high: Fraction | int | None) -> bool:
+    """Whether a value is a number between two bounds, as far as they are known."""
+    return isinstance(value, (int, Fraction)) and is_within(value, low, high)
 
 
 def _float_bits(field: Field, value: Fraction) -> int | Rejection:

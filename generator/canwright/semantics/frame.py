@@ -6,10 +6,11 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from ..model import formatting
-from ..model.layout import Field, Segment, Space, Variant
+from ..model.layout import ConstantRole, Field, Segment, Space, Variant
 from ..model.message import BitRun, Message
 from ..model.types import Encoding, Type
 from .dispatch import node_of_id
+from .plan import AcceptedKey, message_plan
 
 Raw = int | list[int]
 
@@ -64,7 +65,7 @@ def bits_at(parts: Parts, source: int) -> int:
 
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
-    """The raw integer of each field, without constants."""
+    """The raw integer of each value of a variant."""
     return {f.name: raw_of(f, frame) for f in variant.fields if f.role.is_value}
 
 
@@ -82,16 +83,13 @@ def _signed(type_: Type, raw: int) -> int:
 
 def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
     """The constant fields with another value in a frame."""
-    return [f for f in fields if f.role.is_checked and raw_of(f, frame) != f.role.required_raw]
+    return [f for f in fields if isinstance(f.role, ConstantRole) and differs(f, f.role.raw, frame)]
 
 
-def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:
-    """The data bits of some segments as a mask of the data, read as one little-endian integer."""
-    taken = 0
-    for space, segments in places:
-        for s in segments if space is Space.DATA else ():
-            taken |= ((1 << s.width) - 1) << (s.byte * 8 + s.low)
-    return taken
+def differs(field: Field, raw: int, frame: CanFrame) -> bool:
+    """Whether an element of a field has another raw integer in a frame."""
+    actual = raw_of(field, frame)
+    return any(element != raw for element in actual) if isinstance(actual, list) else actual != raw
 
 
 def node_in_id(message: Message, frame: CanFrame) -> int | None:
@@ -107,7 +105,7 @@ def node_of(message: Message, frame: CanFrame) -> int | None:
 
 def has_id(message: Message, frame: CanFrame) -> bool:
     """Whether the id of a frame is one of the message's, keys in the id included."""
-    if not all(_has_key(message, i, frame) for i, key in enumerate(message.keys) if key.space is Space.ID):
+    if not all(_has_key(accepted, frame) for accepted in message_plan(message).keys if accepted.key.space is Space.ID):
         return False
     return has_id_rule(message, frame)
 
@@ -124,7 +122,7 @@ def is_message(message: Message, frame: CanFrame) -> bool:
     """Whether a frame has the id, the length and the keys of a message."""
     if len(frame.data) != message.dlc and not frame.remote:
         return False
-    return has_id(message, frame) and all(_has_key(message, i, frame) for i in range(len(message.keys)))
+    return has_id(message, frame) and all(_has_key(accepted, frame) for accepted in message_plan(message).keys)
 
 
 class Difference(NamedTuple):
@@ -148,12 +146,10 @@ def difference(message: Message, frame: CanFrame) -> Difference | None:
         return Difference(
             "length", f"{formatting.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}"
         )
-    key = next(key for i, key in enumerate(message.keys) if not _has_key(message, i, frame))
+    key = next(accepted.key for accepted in message_plan(message).keys if not _has_key(accepted, frame))
     found = f"{formatting.place(key.space, key.segments)} is 0x{read_bits(key, frame):02X}"
     return Difference("keys", f"{found}, but {message.name} has 0x{key.value:02X}")
 
 
-def _has_key(message: Message, index: int, frame: CanFrame) -> bool:
-    key = message.keys[index]
-    found = read_bits(key, frame)
-    return found == key.value or (index == 0 and found in (*message.accepted_codes, *message.identifying_codes))
+def _has_key(accepted: AcceptedKey, frame: CanFrame) -> bool:
+    return read_bits(accepted.key, frame) in accepted.values

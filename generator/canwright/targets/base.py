@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import ClassVar, NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath, Severity
-from ..language.golden_frames import GoldenFrame, GoldenFrames
 from ..model.edition import Edition
+from ..model.golden_frames import GoldenFrame, GoldenFrames
 from ..model.message import Command
 from ..model.types import Assignment
 
@@ -36,7 +36,7 @@ class WorkedExchange(NamedTuple):
     command: Command
     request: GoldenFrame | None
     reply: GoldenFrame | None
-    parameters: Mapping[str, str]
+    parameters: Assignment
     is_answered: bool
     """Whether the reply answers the request."""
 

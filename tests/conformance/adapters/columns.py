@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
@@ -45,7 +46,7 @@ class ColumnsAdapter(DecodeOnlyAdapter):
         super().__init__(edition)
         self._module: Any = module
         self._runtime: Any = runtime
-        self._decoders: dict[tuple[tuple[str, int | str], ...], Any] = {}
+        self._decoders: dict[tuple[tuple[str, int | str | Fraction], ...], Any] = {}
 
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> ColumnsAdapter:

@@ -9,9 +9,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
+from canwright.model import formatting
 from canwright.model.layout import ReservedRole, Space
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
@@ -56,7 +58,7 @@ class DbcAdapter(Adapter):
         super().__init__(specification.edition)
         self._decoder = Decoder(specification.edition)
         self._traffics = traffics(self.edition)
-        self._made: dict[tuple[tuple[str, str], ...], Sequence[File]] = {}
+        self._made: dict[tuple[tuple[str, str | Fraction], ...], Sequence[File]] = {}
         self._loaded: dict[str, DbcFile] = {}
         self._left_out = {m.name for m in self.edition.all_messages() if obstacle(m)}
         for traffic in self._traffics.values():
@@ -146,7 +148,7 @@ class DbcAdapter(Adapter):
             if not parameter.is_numeric:
                 choices.append([str(given)] if given is not None else [value.name for value in parameter.values])
             elif given is not None and (parameter.is_choice or parameter.name in self._deciding):
-                fixed[parameter.name] = str(given)
+                fixed[parameter.name] = formatting.exact(given) if isinstance(given, Fraction) else str(given)
         words = [f"{name}_{value}" for name, value in fixed.items()]
         for combination in itertools.product(*choices):
             yield frozenset((*combination, *words)), fixed

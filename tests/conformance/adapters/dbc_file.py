@@ -15,7 +15,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field, Space
 from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
-from canwright.model.types import Encoding
+from canwright.model.types import Encoding, number_of
 from canwright.semantics.frame import has_id
 from canwright.targets.dbc.text import fitting
 
@@ -27,7 +27,6 @@ LETTER = {Direction.REQUEST: "c", Direction.REPLY: "r"}
 EXTENDED = 1 << 31
 """What a DBC adds to an id of 29 bits."""
 
-_NUMBER = re.compile(r"\d+(\.\d+)?")
 _ID = re.compile(r'(?:BO_|BO_TX_BU_|VAL_|SIG_VALTYPE_|CM_ (?:BO_|SG_)|BA_ "\w+" (?:BO_|SG_)) (\d+) ')
 
 
@@ -227,13 +226,14 @@ def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: 
     bits = sum(1 << flag.value for flag in field.type.flags)
     if (named and raw not in named) or (bits and raw & ~bits):
         raise Cannot("unnamed")
-    assignment = {name: str(value) for name, value in parameters.items()}
+    assignment = {n: value if isinstance(value, Fraction) else str(value) for n, value in parameters.items()}
     span, linear = field.type.raw_range.at(assignment), field.type.linear.at(assignment)
     if direction is Direction.REPLY and span:
         number = Fraction(raw)
         if field.type.encoding is Encoding.FLOAT and linear:
             number = Fraction(float_of(field.type.width, raw)) * linear.scale + linear.offset
-        numbers = {name: Fraction(str(value)) for name, value in parameters.items() if _NUMBER.fullmatch(str(value))}
+        known = ((name, number_of(assignment, name)) for name in assignment)
+        numbers = {name: number for name, number in known if number is not None}
         low, high = span.low.at(numbers), span.high.at(numbers)
         if (low is not None and number < low) or (high is not None and number > high):
             raise Cannot("reply_limits")

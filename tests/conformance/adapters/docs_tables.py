@@ -92,7 +92,7 @@ class End:
     factor: Fraction
     parameter: str
 
-    def at(self, parameters: Mapping[str, int | str]) -> Fraction | None:
+    def at(self, parameters: Mapping[str, int | str | Fraction]) -> Fraction | None:
         if not self.parameter:
             return self.number
         given = parameters.get(self.parameter)

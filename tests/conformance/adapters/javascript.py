@@ -10,6 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from canwright.model import formatting
 from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
@@ -48,7 +49,7 @@ class JavaScriptAdapter(Adapter):
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
-        question = {"direction": direction.value, "frame": _frame(frame), "parameters": dict(parameters)}
+        question = {"direction": direction.value, "frame": _frame(frame), "parameters": _plain(parameters)}
         task = "decode" if expected is None else "decodeAs"
         found = self.ask(task, command=expected, **question)
         if isinstance(found, Refused):
@@ -83,7 +84,7 @@ class JavaScriptAdapter(Adapter):
     def _encode(
         self, direction: Direction, command: str, node: int | None, parameters: Parameters, **content: Any
     ) -> Encoded | Refused:
-        content |= {"node": node, "parameters": dict(parameters)}
+        content |= {"node": node, "parameters": _plain(parameters)}
         found = self.ask("encode", direction=direction.value, command=command, content=content)
         if isinstance(found, Refused):
             return found
@@ -164,3 +165,8 @@ def _value(value: Any) -> Value:
     if isinstance(value, list):
         return [_value(one) for one in value]  # type: ignore[return-value]
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _plain(parameters: Parameters) -> Mapping[str, int | str]:
+    """Parameters without fractions, which JSON does not have."""
+    return {n: formatting.exact(value) if isinstance(value, Fraction) else value for n, value in parameters.items()}

@@ -10,7 +10,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.model.types import Type
+from canwright.model.types import Assignment, Type
 from canwright.semantics.decoder import Decoder, Rejection, Value as ModelValue
 from canwright.semantics.encoder import Encoders
 from canwright.semantics.exchange import check_reply
@@ -97,13 +97,13 @@ class ReferenceAdapter(Adapter):
         return _refused(found) if isinstance(found, Rejection) else None
 
 
-def _as_double(value: ExactValue, type_: Type, known: Mapping[str, str]) -> ExactValue:
+def _as_double(value: ExactValue, type_: Type, known: Assignment) -> ExactValue:
     if isinstance(value, list):
         return [as_double(one, type_, known) for one in value]
     return as_double(value, type_, known)
 
 
-def as_double(value: Fraction | str, type_: Type, known: Mapping[str, str]) -> Fraction | str:
+def as_double(value: Fraction | str, type_: Type, known: Assignment) -> Fraction | str:
     """The exact value of the raw integer that a double is converted to; any other value itself."""
     linear = type_.linear.at(known)
     if not isinstance(value, Fraction) or linear is None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
-from canwright import DocumentPath, Edition, EditionInput, NameProblem, Output, Target
+from canwright import Assignment, DocumentPath, Edition, EditionInput, NameProblem, Output, Target
 
 COLUMNS = ("message", "direction", "field", "bits", "type", "unit")
 RESERVED = frozenset({"group", "order", "select"})
@@ -18,7 +18,7 @@ class CsvTarget(Target):
 
     title = "CSV"
 
-    def generate(self, specifications: Sequence[EditionInput], set_parameters: Mapping[str, str]) -> Iterator[Output]:
+    def generate(self, specifications: Sequence[EditionInput], set_parameters: Assignment) -> Iterator[Output]:
         for edition, _ in specifications:
             table = io.StringIO()
             writer = csv.writer(table, lineterminator="\n")

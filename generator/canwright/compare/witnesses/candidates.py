@@ -6,14 +6,14 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 
-from ...language import notation
 from ...model.layout import Field, NodeRole, Segment, Space
 from ...model.message import BitRun, Direction, Message
-from ...model.types import Assignment, Bound, Encoding, Type
+from ...model.types import Assignment, Bound, Encoding, Type, number_of
+from ...semantics.bits import data_bits
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.dispatch import DispatchNode, Length, MaskedId, Select
 from ...semantics.encoder import Encoder
-from ...semantics.frame import CanFrame, Raw, data_bits, read_bits
+from ...semantics.frame import CanFrame, Raw, read_bits
 
 MAX_FRAMES = 64
 """So many frames of one message are tried for the decisions of the other edition."""
@@ -64,7 +64,8 @@ def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:
 
 def end_of(bound: Bound, assignment: Assignment) -> Fraction | None:
     """The end of a range under some parameters; None if it depends on another one."""
-    return bound.at({n: notation.rational(text) for n, text in assignment.items() if n == bound.parameter})
+    number = number_of(assignment, bound.parameter)
+    return bound.at({} if number is None else {bound.parameter or "": number})
 
 
 def base_raws(encoder: Encoder, message: Message, node: int | None) -> dict[str, Raw] | None:

@@ -12,9 +12,10 @@ from ...model import formatting
 from ...model.layout import MAX_DATA_BYTES, ConstantRole, Element, Field, NodeRole, ReservedRole, Space
 from ...model.message import Direction, Key, KeyRole, Message
 from ...model.types import IDENTITY, Assignment, ByParameter, Encoding, Type
+from ...semantics.bits import data_bits
 from ...semantics.decoder import Decoder, Identified, Value, field_value, is_finite, rejects_constants, value_of
 from ...semantics.encoder import Encoder, Encoders
-from ...semantics.frame import CanFrame, Raw, data_bits, difference, has_id_rule, raw_of, wrong_constants
+from ...semantics.frame import CanFrame, Raw, difference, has_id_rule, raw_of, wrong_constants
 from .. import match
 from ..change import Fact, Impact, Side, Word
 from . import candidates

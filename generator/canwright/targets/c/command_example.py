@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame, Value
 from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame, Value
 from ...model.layout import Field
 from ...model.message import Direction, Message
 from ..base import WorkedExchange
@@ -94,8 +94,10 @@ def command_example(edition: Edition, worked: WorkedExchange) -> CommandExampleV
     asked, answer = worked.request, worked.reply
     return CommandExampleView(
         e=of.view,
-        parameters=tuple(initializers(edition, of.names, worked.parameters)),
-        request=_sent(of, command.request, asked, worked.parameters) if command.request and asked else None,
+        parameters=tuple(initializers(edition, of.names, formatting.parameter_values(worked.parameters))),
+        request=_sent(of, command.request, asked, formatting.parameter_values(worked.parameters))
+        if command.request and asked
+        else None,
         reply=_received(of, command.reply, answer, worked.is_answered) if command.reply and answer else None,
     )
 

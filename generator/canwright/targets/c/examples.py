@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame
+from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Encoding, Type
@@ -142,7 +143,8 @@ class _Example:
         return [
             f
             for f in (self._golden.of_command.get((command.name, direction), ()) if self._golden else ())
-            if not f.decode_only and all(self._known.get(name) == str(value) for name, value in f.parameters.items())
+            if not f.decode_only
+            and all(self._known.get(name) == value for name, value in formatting.parameter_values(f.parameters).items())
         ]
 
     def _plain_pair(self, command: Command) -> tuple[int, Raw, Raw] | None:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
-from ...language.golden_frames import CheckedFrame, GoldenFrame, GoldenFrames, RawValue, RefusedFrame, RefusedValues
 from ...model.edition import Edition
+from ...model.golden_frames import CheckedFrame, GoldenFrame, GoldenFrames, RawValue, RefusedFrame, RefusedValues
 from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
 from ...semantics.decoder import Decoder, Identified
@@ -21,7 +21,7 @@ from .view import DirectionView, EditionView, FrameView
 EXTENDED, REMOTE = 1 << 31, 1 << 30
 UNIQUE, ENCODED = "CANWRIGHT_GOLDEN_UNIQUE", "CANWRIGHT_GOLDEN_ENCODED"
 
-Known = Mapping[str, int | str]
+Known = Mapping[str, int | str | Fraction]
 Raws = Mapping[str, RawValue]
 T = TypeVar("T")
 
@@ -148,7 +148,7 @@ class _SelfTest:
                         f"{entry.node or 0}u",
                         f"{_index(self._messages, message)}u",
                         f"{self._raw_index(message, entry.raw)}u",
-                        self._names.upper("field", entry.field or "none"),
+                        self._names.upper("field", entry.field_name or "none"),
                         f"{self._parameters(entry.parameters)}u",
                         f"CANWRIGHT_{entry.says.name}",
                     )

@@ -8,10 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language import notation
 from ...model.edition import Edition
 from ...model.message import Direction
-from ...model.types import Assignment
+from ...model.types import Assignment, number_of
 from ..base import EVERYTHING, Options
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, Scope, Traffic, partners
@@ -91,9 +90,9 @@ class _Files:
         self._options = options
         self._comments = Comments(options.language or ENGLISH)
         self._numbers: Mapping[str, Fraction] = {
-            p.name: notation.rational(set_parameters[p.name])
+            p.name: number
             for p in edition.parameters
-            if not p.is_choice and p.name in set_parameters
+            if not p.is_choice and (number := number_of(set_parameters, p.name)) is not None
         }
         self._signals = {one: Signals(one, self._numbers, self._comments) for one in KIND}
         self.assignments = list(_assignments(edition, set_parameters))
@@ -258,7 +257,7 @@ def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assig
 def _known(edition: Edition, assignment: Assignment, numbers: Mapping[str, Fraction]) -> Iterator[str]:
     """The parameter values in file names: a name alone, a number together with the name of its parameter."""
     for name, value in assignment.items():
-        yield f"{name}_{value}" if edition.parameter(name).is_numeric else value
+        yield f"{name}_{value}" if edition.parameter(name).is_numeric else str(value)
     for name, fixed in numbers.items():
         yield f"{name}_{number(fixed)}"
 

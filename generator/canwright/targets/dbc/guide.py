@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame
+from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame
 from ...model.message import LISTED_NODES, Direction
-from ...model.types import Assignment, Parameter
-from ...semantics import parameters
+from ...model.types import Assignment, Parameter, number_of
 from ..base import EditionInput, header
 from .comments import ENGLISH, languages
 from .fields import LETTER
@@ -135,9 +135,8 @@ def _selection(made: Made) -> Iterator[str]:
 def _usual(specification: EditionInput, parameter: Parameter) -> str:
     """A typical value of a number parameter: that of the first golden frame with one."""
     golden = specification.frames.frames if specification.frames else ()
-    texts = (str(f.parameters[parameter.name]) for f in golden if parameter.name in f.parameters)
-    found = (parameters.number(specification.edition, parameter, text) for text in texts)
-    return number(next(found, parameter.maximum or Fraction(1)))
+    numbers = (number_of(f.parameters, parameter.name) for f in golden)
+    return number(next(filter(None, numbers), parameter.maximum or Fraction(1)))
 
 
 def _section(made: Made) -> Section:
@@ -219,7 +218,7 @@ def _examples(specification: EditionInput, files: Sequence[File], direction: Dir
         if direction in file.directions and not file.table
     ]
     for frame in golden:
-        known = {str(value) for value in frame.parameters.values()}
+        known = set(formatting.parameter_values(frame.parameters).values())
         for file, known_there, by_id in whole:
             view = by_id.get(frame.id) if known_there == known else None
             example = _example(specification.edition, file, view, frame) if view else None

@@ -22,7 +22,7 @@ class Signals:
         self._letter = LETTER[direction]
         self._numbers = numbers
         self._comments = comments
-        self._fields: dict[tuple[tuple[str, str], ...], Fields] = {}
+        self._fields: dict[tuple[tuple[str, str | Fraction], ...], Fields] = {}
 
     def of(self, parts: Sequence[Part], assignment: Assignment) -> tuple[Signal, ...]:
         """All signals of a frame; the first selector identifies the message."""

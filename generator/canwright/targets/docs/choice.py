@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame, GoldenFrames
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame, GoldenFrames
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Type
@@ -78,7 +78,7 @@ class Choice:
 def _worked(
     command: Command, request: GoldenFrame | None, reply: GoldenFrame | None, is_answered: bool
 ) -> WorkedExchange:
-    parameters = {n: str(v) for frame in (request, reply) if frame for n, v in frame.parameters.items()}
+    parameters = {n: v for frame in (request, reply) if frame for n, v in frame.parameters.items()}
     return WorkedExchange(command, request, reply, parameters, is_answered)
 
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...compare import Change, compare
-from ...language.golden_frames import GoldenFrames
 from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrames
 from ...model.layout import Field, Layout, Variant
 from ...model.message import Command, Direction, Message
 from ...model.metadata import Mode

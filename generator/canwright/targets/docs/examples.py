@@ -6,9 +6,8 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.edition import Text
-from ...language.golden_frames import GoldenFrame, GoldenFrames, Value
 from ...model import formatting
+from ...model.golden_frames import GoldenFrame, GoldenFrames, Value
 from ...model.message import Message
 from ...templating.markup import code, markdown
 from .links import explorer_link
@@ -34,7 +33,7 @@ class Worked(NamedTuple):
     def example(self, labels: Mapping[str, str], sources: Mapping[str, str], language: str) -> Example:
         """The example in a language; `sources` are texts in that language, by name."""
         remarks = [labels["section"].format(self.golden.manual)] if self.golden.manual else []
-        remarks += filter(None, [in_language(self.golden.note or "", language)])
+        remarks += filter(None, [self.golden.note.get(language)])
         source = markdown(sources[self.golden.source].rstrip(".。"))
         if remarks:
             source += labels["remark"].format(markdown(labels["and"].join(remarks)))
@@ -47,7 +46,7 @@ def worked(edition: str, frame: GoldenFrame, message: Message) -> Worked:
     return Worked(
         frame,
         f"[`{formatting.sent(frame)}`]({explorer_link(edition, frame, message)})",
-        ", ".join(code(f"{name} = {value}") for name, value in frame.parameters.items()),
+        ", ".join(code(f"{name} = {value}") for name, value in formatting.parameter_values(frame.parameters).items()),
         "<br>".join(_meanings(frame, units)) or "%(none)s",
     )
 
@@ -55,16 +54,8 @@ def worked(edition: str, frame: GoldenFrame, message: Message) -> Worked:
 def sources(golden: GoldenFrames, language: str) -> Mapping[str, str]:
     """Texts of the sources in one language, by name; a plain text is for all languages."""
     return {
-        name: source if isinstance(source, str) else in_language(source, language)
-        for name, source in golden.sources.items()
+        name: source if isinstance(source, str) else source.get(language, "") for name, source in golden.sources.items()
     }
-
-
-def in_language(text: Text, language: str) -> str:
-    """A text in a language; empty without one. A plain text is in English."""
-    if isinstance(text, str):
-        return text if language == "en" else ""
-    return "".join(said for of, said in text.items() if of == language)
 
 
 def _meanings(frame: GoldenFrame, units: Mapping[str, str]) -> Iterator[str]:

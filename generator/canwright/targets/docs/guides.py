@@ -76,8 +76,7 @@ def telling_frames(listed: Sequence[tuple[str, Common]]) -> Iterator[Telling]:
 
 def _is_rejected(decoder: Decoder, frame: Any) -> bool:
     sent = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-    assignment = {name: str(value) for name, value in frame.parameters.items()}
-    return isinstance(decoder.decode(Direction.REPLY, sent, assignment), Rejection)
+    return isinstance(decoder.decode(Direction.REPLY, sent, frame.parameters), Rejection)
 
 
 class Length(NamedTuple):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from urllib.parse import quote, urlencode
 
-from ...language.golden_frames import GoldenFrame
 from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame
 from ...model.message import Command, Message
 
 COMMANDS = "commands/"
@@ -38,7 +38,7 @@ def explorer_link(edition: str, frame: GoldenFrame, message: Message) -> str:
     """
     state = {"frame": formatting.sent(frame), "edition": edition}
     state |= {"direction": message.direction.value, "command": message.command}
-    state |= {f"parameter.{name}": str(value) for name, value in frame.parameters.items()}
+    state |= {f"parameter.{name}": value for name, value in formatting.parameter_values(frame.parameters).items()}
     return f"../../../../javascript/explorer/index.html#{urlencode(state, quote_via=quote)}"
 
 

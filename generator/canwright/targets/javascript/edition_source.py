@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 
 from ...diagnostics.unicode_safety import visible
-from ...language.golden_frames import GoldenFrames
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrames
 from ..base import EditionInput, header
 from . import text
 from .tables import EditionTables

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ...language.golden_frames import GoldenFrame, Value as GoldenValue
+from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame, Value as GoldenValue
 from ...model.message import Direction
+from ...model.types import Parameter
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame
@@ -52,7 +54,8 @@ def _examples(item: EditionInput, editions: Sequence[Edition]) -> Iterator[Examp
         requests = frames.get((command.name, Direction.REQUEST), ())
         replies = frames.get((command.name, Direction.REPLY), ())
         for request, reply in ((q, r) for q in requests for r in replies if _belong(q, r, decoder)):
-            parameters: Mapping[str, Value] = {**request.parameters, **reply.parameters}
+            given = {**request.parameters, **reply.parameters}
+            parameters = {name: _written(item.edition.parameter(name), value) for name, value in given.items()}
             yield Example(
                 module=import_name(item.edition, editions),
                 command=text.quoted(command.name),
@@ -92,3 +95,9 @@ def _value(value: GoldenValue) -> Value:
     if isinstance(value, Fraction):
         return value.numerator if value.denominator == 1 else float(value)
     return value
+
+
+def _written(parameter: Parameter, value: str | Fraction) -> int | str:
+    """A parameter as a program writes it: the number of a choice among numbers, any other value as text."""
+    number = next((choice.number for choice in parameter.values if choice.name == value), None)
+    return formatting.parameter_value(value) if number is None else number

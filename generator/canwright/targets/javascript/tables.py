@@ -10,7 +10,7 @@ from ...model.layout import Field, FixedRole, Layout, Segment, Space
 from ...model.message import BitRun, Command, Direction, IdRule, Message
 from ...model.types import Bound, ByParameter, Linear, Parameter, Range, Type
 from ...semantics import dispatch
-from ...semantics.candidates import answers_by_request
+from ...semantics.plan import only_by_request
 from . import text
 from .text import NULL, Value
 
@@ -46,7 +46,7 @@ class EditionTables:
             "layouts": [self._layout(layout) for layout in self.layouts],
             "messages": [self._message(message) for message in self.messages],
             "answers": list(self._answers()),
-            "explained": [self.messages[message] for message in answers_by_request(edition)],
+            "explained": [self.messages[message] for message in only_by_request(edition)],
             "requests": list(self._routes(Direction.REQUEST)),
             "replies": list(self._routes(Direction.REPLY)),
         }

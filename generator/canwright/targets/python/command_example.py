@@ -6,9 +6,9 @@ import functools
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame
 from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame
 from ...model.message import Message
 from ..base import WorkedExchange
 from . import code, text

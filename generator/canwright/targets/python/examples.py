@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...language.golden_frames import GoldenFrame, Value
+from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame, Value
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Assignment, Parameter
@@ -183,7 +184,7 @@ def _is_implausible(field: Field, value: object) -> bool:
 def arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
     """The values that make the message of a frame; None where a field has no value."""
     found: list[Argument] = []
-    variant = message.layout.variant({name: str(value) for name, value in frame.parameters.items()})
+    variant = message.layout.variant(frame.parameters)
     for field in (f for f in (variant.fields if variant else ()) if f.role.is_value):
         view = views[field.type.name]
         value = _value(field, frame.values.get(field.name), view)
@@ -204,7 +205,7 @@ def _value(field: Field, value: Value | None, view: types.TypeView) -> str | Non
     return f"{view.enum}.{text.member_name(value)}" if value and field.type.enum and value != "none" else None
 
 
-def parameter_argument(parameter: Parameter, given: Mapping[str, int | str]) -> str:
+def parameter_argument(parameter: Parameter, given: Assignment) -> str:
     """An argument of `Parameters`."""
-    value = str(given[parameter.name])
+    value = formatting.parameter_value(given[parameter.name])
     return f"{text.attribute(parameter.name)}={types.parameter_key(parameter, value) if parameter.is_choice else value}"

@@ -11,8 +11,8 @@ from ...model.layout import ConstantRole, Field, Layout, ReservedRole, Segment, 
 from ...model.message import BitRun, Command, Direction, IdRule, Message
 from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
-from ...semantics.candidates import answers_by_request
-from ...semantics.frame import data_bits
+from ...semantics.bits import data_bits
+from ...semantics.plan import only_by_request
 from ..nested_source import Code
 from . import text
 from .filters import flag_filter
@@ -52,7 +52,7 @@ class EditionTables:
         """All tables."""
         edition = self._edition
         within = edition.bus.reply_within_ms
-        explained = answers_by_request(edition)
+        explained = only_by_request(edition)
         return EditionView(
             name=edition.name,
             reply_within=None if within is None else text.number(within * 1_000_000),

@@ -1,0 +1,109 @@
+"""Golden frames: bytes and their expected values, from a named source, and frames that must be rejected."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+
+from .message import Direction
+from .refusal import Refusal
+from .types import Assignment, Text
+
+Single = Fraction | str
+Value = Single | list[Single]
+"""A number in a unit, or a name; a list of an array and of flags."""
+RawValue = int | list[int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sourced:
+    """The source of an entry, and what is known about the node."""
+
+    source: str
+    manual: str = ""
+    note: Text = field(default_factory=dict)
+    parameters: Assignment = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckedFrame:
+    """One frame of an exchange."""
+
+    id: int
+    extended: bool = False
+    remote: bool = False
+    data: bytes
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoldenFrame(Sourced):
+    """A request or reply of a command, and its meaning.
+
+    Decoding `id` and `data` returns exactly `node`, `raw` and `values`. Encoding `raw` returns exactly `id` and `data`,
+    and so does encoding `values` if all of them are given. `decode_only` disables the check of the encoder.
+    """
+
+    direction: Direction
+    command: str
+    id: int
+    extended: bool = False
+    remote: bool = False
+    node: int | None = None
+    data: bytes
+    raw: Mapping[str, RawValue] = field(default_factory=dict)
+    values: Mapping[str, Value] = field(default_factory=dict)
+    decode_only: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class RefusedFrame(Sourced):
+    """A frame that every target must reject, and the reason."""
+
+    decode: Direction
+    id: int
+    extended: bool = False
+    remote: bool = False
+    data: bytes
+    says: Refusal
+
+
+@dataclass(frozen=True, kw_only=True)
+class RefusedValues(Sourced):
+    """Values that every target must reject, and the reason."""
+
+    encode: Direction
+    command: str
+    node: int | None = None
+    raw: Mapping[str, RawValue] = field(default_factory=dict)
+    values: Mapping[str, Value] = field(default_factory=dict)
+    says: Refusal
+    field_name: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exchange(Sourced):
+    """A request and a later frame: its reply, or the reason that it is not one."""
+
+    request: CheckedFrame
+    reply: CheckedFrame
+    says: Refusal | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoldenFrames:
+    """The golden frames of one edition; `sources` are their sources by name, a plain text for all languages."""
+
+    sources: Mapping[str, Text | str]
+    frames: Sequence[GoldenFrame]
+    refused: Sequence[RefusedFrame | RefusedValues] = ()
+    exchanges: Sequence[Exchange] = ()
+
+    @cached_property
+    def of_command(self) -> Mapping[tuple[str, Direction], Sequence[GoldenFrame]]:
+        """The frames of each direction of a command."""
+        frames: dict[tuple[str, Direction], list[GoldenFrame]] = {}
+        for frame in self.frames:
+            frames.setdefault((frame.command, frame.direction), []).append(frame)
+        return frames

@@ -1,0 +1,189 @@
+"""The plan of a message: the steps of decoding and encoding, in order, in terms of no language.
+
+With the dispatch plan (`dispatch`), the valid raw integers (`valid_raws`) and the exchanges (`exchange`) this is all that
+frames mean. The reference executes the steps; targets print or interpret them.
+
+Decoding begins when the dispatch plan has identified the message. Encoding begins when the command is available: with
+parameters for which `Command.only` excludes it, a target rejects the command before any step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+from ..model.edition import Edition
+from ..model.layout import ConstantRole, Field, FixedRole, ReservedRole, Segment, Space
+from ..model.message import Direction, Key, Message
+from .bits import data_bits, placed
+
+
+@dataclass(frozen=True)
+class CheckConstant:
+    """Reject (wrong_constant) if an element of the field has another raw integer than `raw`."""
+
+    field: Field
+    raw: int
+
+
+@dataclass(frozen=True)
+class CheckNode:
+    """Reject (unknown_node) if the node is not one of `nodes`, or is missing."""
+
+    nodes: range
+
+
+@dataclass(frozen=True)
+class ChooseFields:
+    """Reject (missing_parameter) if the parameter that decides which fields exist is missing.
+
+    Before this step, only fields without `only` are used; afterwards, fields that do not exist are skipped.
+    """
+
+    parameter: str
+
+
+@dataclass(frozen=True)
+class ReadField:
+    """Read the raw integer of the field, or one for each element."""
+
+    field: Field
+
+
+@dataclass(frozen=True)
+class CheckField:
+    """Reject (out_of_range, not_finite) if a raw integer is invalid for the type of the field, see `valid_raws`.
+
+    An encoder of values converts them here: to the nearest raw integer, ties away from zero.
+    """
+
+    field: Field
+
+
+@dataclass(frozen=True)
+class WriteFixed:
+    """Write the same raw integer into bits of every frame: of a key, or of a constant or reserved field."""
+
+    space: Space
+    segments: tuple[Segment, ...]
+    raw: int
+    field: Field | None
+
+
+@dataclass(frozen=True)
+class WriteField:
+    """Write the raw integers of the field. All other bits are 0."""
+
+    field: Field
+
+
+DecodingStep = CheckConstant | ChooseFields | ReadField
+EncodingStep = CheckNode | ChooseFields | CheckField | WriteFixed | WriteField
+
+
+@dataclass(frozen=True)
+class AcceptedKey:
+    """A key with the values that a receiver accepts; the first is the one that a sender writes."""
+
+    key: Key
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class MaskedBits:
+    """Some bits of the data, read as one little-endian integer, and their value."""
+
+    mask: int
+    value: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MessagePlan:
+    """The steps of a message.
+
+    Both directions of the work decide in the order of the steps. Fields are in the order of the spec, and constants that
+    always exist come before the parameter that decides on others.
+    """
+
+    message: Message
+    keys: tuple[AcceptedKey, ...]
+    decoding: tuple[DecodingStep, ...]
+    encoding: tuple[EncodingStep, ...]
+
+    @property
+    def length(self) -> int:
+        """The number of data bytes of a frame; a remote frame has none."""
+        return 0 if self.message.remote else self.message.dlc
+
+    @cached_property
+    def reserved(self) -> MaskedBits:
+        """The data bits that a sender always writes with the same value and a receiver ignores."""
+        used = [(key.space, key.segments) for key in self.message.keys]
+        value = 0
+        for field in self.message.layout.fields:
+            for element in field.elements if field.space is Space.DATA else ():
+                if isinstance(field.role, ReservedRole) and not field.only:
+                    value |= placed(element.segments, field.role.raw)
+                else:
+                    used.append((field.space, element.segments))
+        return MaskedBits((1 << 8 * self.message.dlc) - 1 & ~data_bits(used), value)
+
+
+@lru_cache(maxsize=4096)
+def message_plan(message: Message) -> MessagePlan:
+    """The plan of a message; cached, because every frame asks for it."""
+    return MessagePlan(
+        message=message,
+        keys=tuple(_accepted(message, number) for number in range(len(message.keys))),
+        decoding=tuple(_decoding(message)),
+        encoding=tuple(_encoding(message)),
+    )
+
+
+def only_by_request(edition: Edition) -> Sequence[Message]:
+    """The replies that can have a code which, without the request, belongs to another message."""
+    return [
+        reply
+        for reply in edition.messages(Direction.REPLY)
+        if reply.keys and not {reply.keys[0].value, *reply.accepted_codes} <= {*reply.identifying_codes}
+    ]
+
+
+def value_fields(fields: Iterable[Field]) -> Mapping[str, Field]:
+    """The fields that users see, by name."""
+    return {field.name: field for field in fields if field.role.is_value}
+
+
+def _accepted(message: Message, number: int) -> AcceptedKey:
+    key = message.keys[number]
+    further = (*message.accepted_codes, *message.identifying_codes) if number == 0 else ()
+    return AcceptedKey(key, tuple(dict.fromkeys((key.value, *further))))
+
+
+def _decoding(message: Message) -> Iterator[DecodingStep]:
+    fields = message.layout.fields
+    checks = [CheckConstant(field, field.role.raw) for field in fields if isinstance(field.role, ConstantRole)]
+    yield from (check for check in checks if not check.field.only)
+    yield from _choice(message)
+    yield from (check for check in checks if check.field.only)
+    yield from map(ReadField, value_fields(fields).values())
+
+
+def _encoding(message: Message) -> Iterator[EncodingStep]:
+    fields = message.layout.fields
+    if message.id.nodes is not None:
+        yield CheckNode(message.id.nodes)
+    yield from _choice(message)
+    values = [field for field in fields if field.role.is_value]
+    yield from map(CheckField, values)
+    yield from (WriteFixed(key.space, key.segments, key.value, None) for key in message.keys)
+    for field in fields:
+        if isinstance(field.role, FixedRole):
+            yield from (WriteFixed(field.space, e.segments, field.role.raw, field) for e in field.elements)
+    yield from map(WriteField, values)
+
+
+def _choice(message: Message) -> Iterator[ChooseFields]:
+    if message.layout.parameter is not None:
+        yield ChooseFields(message.layout.parameter)

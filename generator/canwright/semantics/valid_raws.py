@@ -1,0 +1,100 @@
+"""The valid raw integers of a type, for the reference and for every target."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, lru_cache
+
+from ..model.types import Bound, ByParameter, Encoding, Range, Type
+
+
+@dataclass(frozen=True)
+class NamedRaws:
+    """The values of an enum, in ascending order."""
+
+    values: tuple[int, ...]
+
+    @cached_property
+    def runs(self) -> tuple[range, ...]:
+        """The values as runs of consecutive integers."""
+        runs: list[range] = []
+        for value in self.values:
+            if runs and value == runs[-1].stop:
+                runs[-1] = range(runs[-1].start, value + 1)
+            else:
+                runs.append(range(value, value + 1))
+        return tuple(runs)
+
+
+@dataclass(frozen=True)
+class FlagBits:
+    """Integers with no other bit than those of `mask`."""
+
+    mask: int
+
+
+@dataclass(frozen=True)
+class RawInterval:
+    """The integers from `low` to `high`, both whole and within the width of the type.
+
+    `low_bound` and `high_bound` are further ends that depend on a number parameter; None without one. An end is not
+    checked while its parameter is unknown.
+    """
+
+    low: int
+    high: int
+    low_bound: Bound | None = None
+    high_bound: Bound | None = None
+
+
+@dataclass(frozen=True)
+class FiniteFloats:
+    """The bit patterns of finite floats whose value in the unit is in `scaled`; of all finite floats if it is None."""
+
+    scaled: Range | None
+
+
+ValidRaws = NamedRaws | FlagBits | RawInterval | FiniteFloats
+
+
+@lru_cache(maxsize=4096)
+def valid_raws(type_: Type) -> ByParameter[ValidRaws]:
+    """The valid raw integers of a type; they may depend on the choice that the raw range depends on.
+
+    Where the parameter of the range is unknown, only the width limits them, see `width_limits`.
+    """
+    if type_.enum:
+        return ByParameter.always(NamedRaws(tuple(sorted(member.value for member in type_.enum))))
+    if type_.flags:
+        return ByParameter.always(FlagBits(sum(1 << flag.value for flag in type_.flags)))
+    by = type_.raw_range
+    if by.parameter is None:
+        return ByParameter.always(_within(type_, by.constant))
+    cases = {name: _within(type_, span) for name, span in by.cases.items()}
+    return ByParameter(parameter=by.parameter, constant=None, cases=cases)
+
+
+def width_limits(type_: Type) -> ValidRaws:
+    """The valid raw integers of a type without its raw range."""
+    return _within(type_, None)
+
+
+def _within(type_: Type, span: Range | None) -> ValidRaws:
+    if type_.encoding is Encoding.FLOAT:
+        return FiniteFloats(span)
+    low, high = type_.raw_limits
+    if span is None:
+        return RawInterval(low, high)
+    return RawInterval(
+        low if span.low.parameter else max(low, math.ceil(span.low.constant)),
+        high if span.high.parameter else min(high, math.floor(span.high.constant)),
+        span.low if span.low.parameter else None,
+        span.high if span.high.parameter else None,
+    )
+
+
+def is_within(value: int | Fraction, low: int | Fraction | None, high: int | Fraction | None) -> bool:
+    """Whether a number lies between two ends, as far as they are known."""
+    return (low is None or value >= low) and (high is None or value <= high)
