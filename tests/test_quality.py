@@ -1,9 +1,11 @@
-"""Types, style, complexity and the order of imports, with the tools that the test extra installs."""
+"""Types, style, complexity, names and the order of imports."""
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -19,3 +21,45 @@ def test_tool_reports_nothing(command: tuple[str, ...]) -> None:
     tool, *arguments = command
     result = subprocess.run([BIN / tool, *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout + result.stderr
+
+
+VAGUE = {"one", "found", "other", "others"}
+"""Names of variables and parameters that do not say what they contain."""
+
+
+def vague_names(source: str) -> Iterator[tuple[int, str]]:
+    """The lines of variables and parameters with vague names, and the names."""
+    for item in ast.walk(ast.parse(source)):
+        if isinstance(item, ast.arg) and item.arg in VAGUE:
+            yield item.lineno, item.arg
+        elif isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store) and item.id in VAGUE:
+            yield item.lineno, item.id
+        elif isinstance(item, (ast.MatchAs, ast.MatchStar, ast.ExceptHandler)) and item.name in VAGUE:
+            yield item.lineno, str(item.name)
+
+
+@pytest.mark.parametrize("folder", ["generator", "tests"])
+def test_names_of_variables_say_what_they_contain(folder: str) -> None:
+    files = sorted((ROOT / folder).rglob("*.py"))
+    assert [
+        f"{file.relative_to(ROOT)}:{line}: {name}"
+        for file in files
+        for line, name in sorted(vague_names(file.read_text("utf-8")))
+    ] == []
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "one = 1",
+        "for found in []: pass",
+        "[other for other in []]",
+        "lambda others: 1",
+        "def f(*, one): pass",
+        "with f() as found: pass",
+        "(other := 1)",
+        "match 1:\n    case other: pass",
+    ],
+)
+def test_a_vague_name_is_found(source: str) -> None:
+    assert len(list(vague_names(source))) == 1

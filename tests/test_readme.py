@@ -76,7 +76,7 @@ REPEATED = [
         f"{REPLAY}::test_{name}"
         for name in (
             "random_questions",
-            "facts_of_headers",
+            "facts_of_c_headers_are_those_of_the_model",
             "requests_to_nodes_without_the_command_are_rejected",
             "fields_without_a_check_are_written_whole",
         )

@@ -29,11 +29,11 @@ PACKAGES: Mapping[str, str] = {
 
 def tool(name: str) -> str:
     """The path of a program; exits with the name of its package if it is not installed."""
-    found = shutil.which(name)
-    if found is None:
+    path = shutil.which(name)
+    if path is None:
         package = "qemu-user" if name.startswith("qemu-") else PACKAGES[name]
         raise SystemExit(f"{name} is not installed; on Debian: apt-get install {package}")
-    return found
+    return path
 
 
 def run(*command: str | Path, cwd: Path | None = None) -> str:

@@ -64,7 +64,7 @@ def test_generate_writes_nothing_for_a_spec_with_an_error(folder: Path) -> None:
     assert not (folder / "out").exists()
 
 
-def test_exit_status_2_when_it_cannot_run(folder: Path) -> None:
+def test_the_exit_status_is_2_if_the_command_cannot_run(folder: Path) -> None:
     result = run("generate")
     assert (result.exit_code, "no spec found in spec/" in result.output) == (2, True)
     assert run("generate", "--spec", "missing.yaml").exit_code == 2

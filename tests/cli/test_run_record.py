@@ -315,7 +315,7 @@ def test_each_byte_of_a_record_matters(project: Path) -> None:
 
 
 @pytest.mark.parametrize("place", ["a file", "a folder"])
-def test_without_a_cache_folder_runs_work(place: str, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_runs_work_without_a_cache_folder(place: str, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if place == "a file":
         (project / "cache").write_text("")
     else:

@@ -87,30 +87,30 @@ class Runner:
 
     def _decode(self, frame: GoldenFrame) -> str:
         """As the message that it is expected to be."""
-        found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, frame.command)
-        return self._compare(frame, found, self._adapter.message_of(frame.direction, frame.command))
+        answer = self._adapter.decode(frame.direction, _can(frame), frame.parameters, frame.command)
+        return self._compare(frame, answer, self._adapter.message_of(frame.direction, frame.command))
 
     def _decode_alone(self, frame: GoldenFrame) -> str:
         """By itself it means the same, though a reply may be the message of another command that has its code."""
-        found = self._adapter.decode(frame.direction, _can(frame), frame.parameters, None)
+        answer = self._adapter.decode(frame.direction, _can(frame), frame.parameters, None)
         wanted = self._decoder.identify(frame.direction, _can(frame))
         if isinstance(wanted, Rejection):
             return f"no message of the spec: {wanted.text}"
-        return self._compare(frame, found, wanted.message)
+        return self._compare(frame, answer, wanted.message)
 
-    def _compare(self, frame: GoldenFrame, found: Decoded | Refused, message: Message) -> str:
-        if not isinstance(found, Decoded):
-            return f"refused: {found}"
-        if self._adapter.message_of(frame.direction, found.command) is not message:
-            return f"decoded as {found.command}, not as {message.name}"
+    def _compare(self, frame: GoldenFrame, answer: Decoded | Refused, message: Message) -> str:
+        if not isinstance(answer, Decoded):
+            return f"refused: {answer}"
+        if self._adapter.message_of(frame.direction, answer.command) is not message:
+            return f"decoded as {answer.command}, not as {message.name}"
         in_data = message.node_in_data
         node = frame.node if in_data is None else frame.raw[in_data.name]
-        if found.node != node:
-            return f"node {found.node}, not {node}"
-        if dict(found.raw) != dict(frame.raw):
-            return f"raw {dict(found.raw)}, not {dict(frame.raw)}"
+        if answer.node != node:
+            return f"node {answer.node}, not {node}"
+        if dict(answer.raw) != dict(frame.raw):
+            return f"raw {dict(answer.raw)}, not {dict(frame.raw)}"
         for name, wanted in frame.values.items():
-            got = found.values.get(name)
+            got = answer.values.get(name)
             raw = frame.raw[name]
             one_ulp = 2.0**-52 if isinstance(raw, int) and abs(raw) > 1 << 53 else 0.0
             if not self._same(wanted, got, max(one_ulp, self._adapter.tolerance)):
@@ -143,29 +143,31 @@ class Runner:
             self._adapter.encode_values(frame.direction, frame.command, frame.node, frame.values, frame.parameters),
         )
 
-    def _encoded(self, frame: GoldenFrame, found: Encoded | Refused) -> str:
-        if found == Encoded(frame.id, frame.data, frame.extended, frame.remote):
+    def _encoded(self, frame: GoldenFrame, answer: Encoded | Refused) -> str:
+        if answer == Encoded(frame.id, frame.data, frame.extended, frame.remote):
             return ""
-        return f"wrote {found}, not 0x{frame.id:X} {frame.data.hex(' ')}"
+        return f"wrote {answer}, not 0x{frame.id:X} {frame.data.hex(' ')}"
 
     def _refused_frame(self, entry: RefusedFrame) -> str:
-        found = self._adapter.decode(entry.decode, _can(entry), entry.parameters, None)
-        return "" if isinstance(found, Refused) and found.says is entry.says else f"{found}, not {entry.says.value}"
+        answer = self._adapter.decode(entry.decode, _can(entry), entry.parameters, None)
+        return "" if isinstance(answer, Refused) and answer.says is entry.says else f"{answer}, not {entry.says.value}"
 
     def _refused_values(self, entry: RefusedValues) -> str:
         if entry.values:
-            found = self._adapter.encode_values(entry.encode, entry.command, entry.node, entry.values, entry.parameters)
+            answer = self._adapter.encode_values(
+                entry.encode, entry.command, entry.node, entry.values, entry.parameters
+            )
         else:
-            found = self._adapter.encode_raw(entry.encode, entry.command, entry.node, entry.raw, entry.parameters)
-        if not isinstance(found, Refused) or found.says is not entry.says:
-            return f"{found}, not {entry.says.value}"
-        if entry.field_name is not None and found.field != entry.field_name:
-            return f"names {found.field}, not {entry.field_name}"
+            answer = self._adapter.encode_raw(entry.encode, entry.command, entry.node, entry.raw, entry.parameters)
+        if not isinstance(answer, Refused) or answer.says is not entry.says:
+            return f"{answer}, not {entry.says.value}"
+        if entry.field_name is not None and answer.field != entry.field_name:
+            return f"names {answer.field}, not {entry.field_name}"
         return ""
 
     def _exchange(self, entry: Exchange) -> str:
-        found = self._adapter.answers(_can(entry.request), _can(entry.reply))
-        says = found.says if found else None
+        answer = self._adapter.answers(_can(entry.request), _can(entry.reply))
+        says = answer.says if answer else None
         return "" if says is entry.says else f"{says}, not {entry.says}"
 
 

@@ -29,7 +29,7 @@ def buses(request: pytest.FixtureRequest) -> Iterator[tuple[can.BusABC, can.BusA
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
-def test_frames_cross_a_bus(
+def test_golden_frames_cross_a_python_can_bus(
     spec: Path, buses: tuple[can.BusABC, can.BusABC], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     item = specification(spec)

@@ -64,7 +64,7 @@ def test_random_questions(spec: Path, adapters: Adapters) -> None:
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
-def test_facts_of_headers(spec: Path, adapters: Adapters) -> None:
+def test_facts_of_c_headers_are_those_of_the_model(spec: Path, adapters: Adapters) -> None:
     _, adapter = adapters(spec, "c")
     assert isinstance(adapter, CAdapter)
     assert adapter.wrong_facts() == []
@@ -99,7 +99,7 @@ class _OtherMessages(ReferenceAdapter):
         return dataclasses.replace(found, command=others[0])
 
 
-def test_another_message_with_the_same_fields_fails(tmp_path: Path) -> None:
+def test_a_replay_fails_if_a_frame_is_decoded_as_another_message(tmp_path: Path) -> None:
     item = specification(ROOT / "spec/mwd_motor/v2.35.yaml")
     assert item.frames is not None
     report = Runner(item.edition, item.frames, _OtherMessages.create(item, tmp_path)).run()

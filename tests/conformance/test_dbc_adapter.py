@@ -50,19 +50,19 @@ def test_frames_that_are_refused(data: str, id_: int, says: Refusal) -> None:
     assert read(data, {"size": "small"}, id_=id_) == Refused(says)
 
 
-def test_another_id_format_is_another_id() -> None:
+def test_an_extended_id_differs_from_the_standard_id_of_its_number() -> None:
     frame = CanFrame(0x101, bytes.fromhex("1A 00 00 00 00 00 00 00"), extended=True)
     assert adapter("tiny").decode(Direction.REPLY, frame, {}, None) == Refused(Refusal.UNKNOWN_ID)
 
 
-def test_flags_come_back_as_the_byte_they_are() -> None:
+def test_flags_are_decoded_as_raw_byte_and_names() -> None:
     result = read("1A 00 02 00 00 00 00 61", {"steps": 10})
     assert isinstance(result, Decoded)
     assert result.raw == {"turn": 0x200, "faults": 0x61}
     assert result.values == {"turn": 180.0, "faults": ["hot", "dead"]}
 
 
-def test_a_value_whose_scale_is_not_known_is_none() -> None:
+def test_a_value_without_a_known_scale_is_none() -> None:
     result = read("1A 00 02 00 00 00 00 61", {})
     assert isinstance(result, Decoded)
     assert result.values["turn"] is None
@@ -77,14 +77,14 @@ def test_a_value_whose_scale_is_not_known_is_none() -> None:
         ({"dim": Fraction(5), "colour": "green"}, {"size": "small"}, Refused(Refusal.OUT_OF_RANGE, "colour")),
     ],
 )
-def test_values_within_and_beyond(
+def test_values_within_and_beyond_their_range(
     values: dict[str, ExactValue], parameters: Parameters, expected: str | Refused
 ) -> None:
     wanted = Encoded(0x101, bytes.fromhex(expected)) if isinstance(expected, str) else expected
     assert write("shine", values, parameters) == wanted
 
 
-def test_nodes_and_parameters_that_are_missing() -> None:
+def test_unknown_nodes_and_missing_parameters_are_rejected() -> None:
     turn: dict[str, ExactValue] = {"turn": Fraction(90), "power": Fraction(0)}
     assert write("turn", turn, {"steps": 12}, node=4) == Refused(Refusal.UNKNOWN_NODE)
     assert write("turn", turn, {}) == Refused(Refusal.MISSING_PARAMETER, "turn")
@@ -128,7 +128,7 @@ def test_nodes_and_parameters_that_are_missing() -> None:
         ),
     ],
 )
-def test_what_no_dbc_can_say_has_a_name(exception: str, case: functools.partial[object]) -> None:
+def test_what_a_dbc_cannot_express_is_a_named_exception(exception: str, case: functools.partial[object]) -> None:
     assert exception in DbcAdapter.cannot
     with pytest.raises(Cannot) as raised:
         case()
@@ -149,7 +149,7 @@ def all_of(message: CanMessage) -> tuple[object, ...]:
 
 
 @pytest.mark.parametrize("spec", [ROOT / "spec/mwd_motor/v2.35.yaml", ROOT / "tests/specs/cells/v1.yaml"], ids=called)
-def test_a_message_loaded_by_itself_is_that_of_the_whole_file(spec: Path) -> None:
+def test_a_message_loaded_alone_equals_that_of_the_whole_file(spec: Path) -> None:
     outputs = [output for output in dbc.generate([specification(spec)], {}) if output.path.endswith("-reply.dbc")]
     text = outputs[0].text
     wholes, parts = load(text).messages, DbcMessages(text)

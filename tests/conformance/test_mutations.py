@@ -162,7 +162,7 @@ def _says_the_same(edition: Edition, other: Edition) -> bool:
 
 
 @pytest.mark.parametrize("spec", ORIGINALS)
-def test_the_unchanged_spec_passes(spec: str, tmp_path: Path) -> None:
+def test_the_replay_of_an_unchanged_spec_passes(spec: str, tmp_path: Path) -> None:
     item = _changed(spec, lambda data: None, tmp_path)
     assert item.frames is not None
     assert _says_the_same(item.edition, ORIGINALS[spec].edition)
@@ -170,7 +170,7 @@ def test_the_unchanged_spec_passes(spec: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("spec", "mutant", "targets"), list(_cases()))
-def test_a_changed_spec_fails(spec: str, mutant: str, targets: tuple[str, ...], tmp_path: Path) -> None:
+def test_the_replay_of_a_changed_spec_fails(spec: str, mutant: str, targets: tuple[str, ...], tmp_path: Path) -> None:
     try:
         item = _changed(spec, MUTANTS[spec][mutant], tmp_path)
     except SpecError as error:
@@ -189,7 +189,7 @@ def test_a_changed_spec_fails(spec: str, mutant: str, targets: tuple[str, ...], 
         ("commands.set_levels.request channel<->levels", "elsewhere"),
     ],
 )
-def test_a_rejection_for_another_reason_fails(claimed: str, complaint: str, tmp_path: Path) -> None:
+def test_a_rejection_for_an_unrelated_reason_is_noticed(claimed: str, complaint: str, tmp_path: Path) -> None:
     spec = "mixer/v2-2024-02"
     with pytest.raises(SpecError) as rejected:
         _changed(spec, MUTANTS[spec]["commands.mute_group.reply.layout.volume.at 1"], tmp_path)
@@ -236,7 +236,9 @@ def _items(data: object, path: DocumentPath = ()) -> Iterator[tuple[DocumentPath
 
 @pytest.mark.parametrize("target", ["c", "dbc", "docs", "javascript"])
 @pytest.mark.parametrize(("spec", "mutant"), [(spec, one) for spec, some in EVERYWHERE.items() for one in some])
-def test_every_target_notices(spec: str, mutant: str, target: str, tmp_path: Path) -> None:
+def test_the_replay_of_a_changed_spec_fails_in_every_target(
+    spec: str, mutant: str, target: str, tmp_path: Path
+) -> None:
     item = _changed(spec, MUTANTS[spec][mutant], tmp_path)
     assert _replay(item, target, tmp_path), f"{mutant} survives in {target}"
 
@@ -262,7 +264,7 @@ def _fails(item: EditionInput, adapter: Adapter, key: str, entry: object) -> boo
 
 
 @pytest.mark.parametrize("spec", [called(spec) for spec in SMALL])
-def test_check_says_what_a_replay_says(spec: str, tmp_path: Path) -> None:
+def test_check_reports_the_golden_frames_that_fail_in_a_replay(spec: str, tmp_path: Path) -> None:
     """Of every golden frame, when the spec is changed and they are not; so no replay is needed to find what is stale."""
     seen = 0
     for name in _spread(list(MUTANTS[spec]), COMPLETE):

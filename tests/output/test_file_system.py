@@ -151,7 +151,9 @@ def test_a_folder_that_may_not_be_made(runs: Runs, scenario: Scenario, tmp_path:
 
 @pytest.mark.parametrize("command", ["generate", "check"])
 @pytest.mark.parametrize("path", ["docs/en/index.md", ".canwright.json", "docs/en", "."])
-def test_what_may_not_be_read(runs: Runs, writes: Runs, scenario: Scenario, out: Path, path: str, command: str) -> None:
+def test_a_file_that_may_not_be_read(
+    runs: Runs, writes: Runs, scenario: Scenario, out: Path, path: str, command: str
+) -> None:
     scenario.restore(out)
     (out / path).chmod(0)
     bound = Binding(common_user=True)
@@ -172,7 +174,7 @@ def test_a_file_in_place_of_the_folder(runs: Runs, scenario: Scenario, tmp_path:
     assert (tmp_path / "file").read_bytes() == b"mine\n"
 
 
-def test_a_check_writes_nothing(runs: Runs, scenario: Scenario, tmp_path: Path) -> None:
+def test_a_check_of_outputs_writes_nothing(runs: Runs, scenario: Scenario, tmp_path: Path) -> None:
     """No step of it, where nothing was generated, where it is old, and where it is up to date."""
     for name, status in (("nothing", 1), ("old", 1), ("new", 0)):
         out = tmp_path / name

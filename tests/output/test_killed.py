@@ -59,7 +59,7 @@ def visible(out: Path) -> dict[str, bytes]:
     return {path: data for path, data in tree(out).items() if path == MANIFEST or not path.startswith(".")}
 
 
-def test_the_old_output_is_whole_or_the_next_run_completes(
+def test_after_a_killed_run_the_old_output_is_whole_or_the_next_run_completes(
     runs: Runs, remains: list[Path], scenario: Scenario, out: Path
 ) -> None:
     assert len(remains) > 60 and len(decided(remains)) > 15
@@ -125,7 +125,7 @@ def test_the_completing_run_may_be_killed_too(runs: Runs, remains: list[Path], s
         assert tree(out) == scenario.new, step
 
 
-def test_a_first_run_killed(scenario: Scenario, out: Path, tmp_path: Path) -> None:
+def test_the_run_after_a_killed_first_run_completes(scenario: Scenario, out: Path, tmp_path: Path) -> None:
     """Where no folder was."""
     first = out.with_name("first")
     new = {path: data for path, data in scenario.new.items() if path not in USER_FILES}
@@ -140,7 +140,7 @@ def test_a_first_run_killed(scenario: Scenario, out: Path, tmp_path: Path) -> No
     assert step > 60
 
 
-def test_killed_while_undoing(runs: Runs, scenario: Scenario, out: Path) -> None:
+def test_a_run_killed_while_it_undoes_another(runs: Runs, scenario: Scenario, out: Path) -> None:
     """A folder that may not be written makes the run undo its changes; killed at each step of that."""
     closed = out / "docs/en/v1"
     undone = False

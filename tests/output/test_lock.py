@@ -89,7 +89,7 @@ def test_the_lock_is_removed_after_a_failure(scenario: Scenario, out: Path) -> N
     assert not (out / LOCK).exists()
 
 
-def test_a_lock_that_is_a_hard_link(tmp_path: Path) -> None:
+def test_a_lock_that_is_a_hard_link_is_not_written(tmp_path: Path) -> None:
     """Locking would open, and some versions of filelock would empty, a file outside the output folder."""
     (tmp_path / "out").mkdir()
     (tmp_path / "empty").touch()

@@ -76,7 +76,9 @@ def test_nothing_goes_through_a_link(scenario: Scenario, out: Path, outside: Pat
 
 
 @pytest.mark.parametrize("dangling", [False, True], ids=["there", "dangling"])
-def test_the_folder_itself_is_no_link(scenario: Scenario, outside: Path, tmp_path: Path, dangling: bool) -> None:
+def test_an_output_folder_that_is_a_link_is_rejected(
+    scenario: Scenario, outside: Path, tmp_path: Path, dangling: bool
+) -> None:
     link = tmp_path / "link"
     link.symlink_to(tmp_path / "nothing" if dangling else outside)
     with pytest.raises(OutputError, match=f"{link} is a symbolic link; name the folder that it leads to with --out"):
@@ -84,7 +86,7 @@ def test_the_folder_itself_is_no_link(scenario: Scenario, outside: Path, tmp_pat
     assert tree(outside) == scenario.old and not (tmp_path / "nothing").exists()
 
 
-def test_something_else_at_the_path_of_a_folder_or_a_file(scenario: Scenario, out: Path, outside: Path) -> None:
+def test_a_pipe_or_folder_at_the_path_of_an_output_is_rejected(scenario: Scenario, out: Path, outside: Path) -> None:
     (out / "python").write_bytes(b"mine\n")
     assert_rejected(scenario, out, outside, f"{out}/python is not a folder; move it away")
     (out / "python").unlink()
@@ -157,7 +159,7 @@ def record(request: pytest.FixtureRequest, out: Path) -> str:
 
 
 @pytest.mark.parametrize("text", HOSTILE_RECORDS)
-def test_a_damaged_record(scenario: Scenario, out: Path, outside: Path, record: str, text: str) -> None:
+def test_a_damaged_record_is_rejected(scenario: Scenario, out: Path, outside: Path, record: str, text: str) -> None:
     (out / record).write_bytes(HOSTILE_RECORDS[text])
     assert_rejected(scenario, out, outside, f"{out}/{record} is damaged: .*; {REMEDIES[record]}")
     if record == JOURNAL:
@@ -167,14 +169,16 @@ def test_a_damaged_record(scenario: Scenario, out: Path, outside: Path, record: 
 
 
 @pytest.mark.parametrize("path", HOSTILE_PATHS, ids=ascii)
-def test_a_record_that_leads_outside(scenario: Scenario, out: Path, outside: Path, record: str, path: str) -> None:
+def test_a_record_with_paths_outside_the_folder_is_rejected(
+    scenario: Scenario, out: Path, outside: Path, record: str, path: str
+) -> None:
     manifest = json.loads(scenario.old[MANIFEST])
     manifest["files"][path.format(outside=outside)] = ZERO
     (out / record).write_text(json.dumps(manifest), "utf-8")
     assert_rejected(scenario, out, outside, f"{out}/{record} is damaged: .* is not a path inside.*; {REMEDIES[record]}")
 
 
-def test_a_record_without_end(scenario: Scenario, out: Path, record: str) -> None:
+def test_a_record_that_is_too_large_is_rejected(scenario: Scenario, out: Path, record: str) -> None:
     with (out / record).open("wb") as stream:
         stream.truncate(2**40)
     with pytest.raises(OutputError, match=f"{out}/{record} is damaged: it is larger than .*; {REMEDIES[record]}"):

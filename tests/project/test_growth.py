@@ -44,7 +44,7 @@ def read(specs: list[Path]) -> list[EditionInput]:
     return [specification(spec) for spec in specs]
 
 
-def test_reading_grows_with_the_commands(specs: list[Path]) -> None:
+def test_calls_to_load_a_spec_grow_linearly_with_its_commands(specs: list[Path]) -> None:
     few, more, most = (calls(specification, spec) for spec in specs)
     assert most - more < MOST * (more - few)
 

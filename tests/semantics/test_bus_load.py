@@ -15,5 +15,5 @@ from canwright.semantics.bus_load import FrameBits, frame_bits
         (True, 0, FrameBits(67, 80)),
     ],
 )
-def test_frame_lengths(extended: bool, data_bytes: int, expected: FrameBits) -> None:
+def test_bits_of_frames_with_and_without_stuffing(extended: bool, data_bytes: int, expected: FrameBits) -> None:
     assert frame_bits(extended, data_bytes) == expected

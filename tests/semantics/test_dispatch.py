@@ -26,7 +26,7 @@ Outcome = tuple[str, int | None] | Refusal
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
-def test_random_and_golden_frames(spec: Path) -> None:
+def test_the_dispatch_plan_identifies_random_and_golden_frames(spec: Path) -> None:
     item = specification(spec)
     assert item.frames is not None
     golden = [CanFrame(f.id, f.data, f.extended, f.remote) for f in item.frames.frames]
@@ -77,7 +77,7 @@ commands:
 
 
 @pytest.mark.parametrize("text", [PLACES, LENGTHS, UNUSED, TABLE], ids=["places", "lengths", "unused", "table"])
-def test_random_frames_of_unusual_specs(text: str, tmp_path: Path) -> None:
+def test_the_dispatch_plan_identifies_random_frames_of_unusual_specs(text: str, tmp_path: Path) -> None:
     of_text = edition(tmp_path, text)
     compare(of_text, list(random_frames(of_text, FRAMES)))
 

@@ -64,7 +64,7 @@ def test_a_template_is_compiled_once(first: tuple[dict[str, bytes], int, Path], 
 
 
 @pytest.mark.parametrize("length", [0, 2, 30, 45, 100, 1000])
-def test_what_is_damaged_is_compiled_again(
+def test_a_damaged_compiled_template_is_compiled_again(
     first: tuple[dict[str, bytes], int, Path], tmp_path: Path, length: int
 ) -> None:
     made, compiled, cache = first
@@ -74,7 +74,9 @@ def test_what_is_damaged_is_compiled_again(
     assert generate(tmp_path / "again", tmp_path / "cache") == (made, compiled)
 
 
-def test_other_options_of_jinja_compile_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_templates_are_compiled_again_for_other_options_of_jinja(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from canwright.templating import environment, resources
 
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
@@ -90,13 +92,13 @@ def test_other_options_of_jinja_compile_anew(tmp_path: Path, monkeypatch: pytest
     environment._environment.cache_clear()
 
 
-def test_without_a_place_to_keep_them_all_goes_on(tmp_path: Path) -> None:
+def test_templates_work_without_a_cache_folder(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     first, compiled = generate(tmp_path / "out", tmp_path / "file/below")
     assert first and compiled
 
 
-def test_nothing_is_kept_where_python_keeps_nothing(tmp_path: Path) -> None:
+def test_no_template_is_cached_if_python_writes_no_bytecode(tmp_path: Path) -> None:
     _, compiled = generate(tmp_path / "out", tmp_path / "cache", PYTHONDONTWRITEBYTECODE="1")
     assert compiled and not kept(tmp_path / "cache")
 
@@ -120,7 +122,7 @@ def worked_out(source: str) -> list[int]:
     return found
 
 
-def test_no_filter_is_worked_out_while_a_template_is_compiled() -> None:
+def test_no_filter_is_evaluated_while_a_template_is_compiled() -> None:
     """What a filter makes of a constant would be kept with the template, and stay when the filter changes."""
     assert worked_out("{{ a | code }}{{ [a] | code }}\n{{ 'a' | code }}") == [2]
     templates = sorted((ROOT / "templates").rglob("*.j2"))

@@ -231,7 +231,7 @@ def test_any_bytes_give_findings_or_files(tmp_path: Path, content: bytes) -> Non
 
 @bounded(250)
 @given(CHANCES)
-def test_a_small_spec_with_mistakes(tmp_path: Path, chance: random.Random) -> None:
+def test_a_small_spec_with_random_mistakes_has_findings_or_loads(tmp_path: Path, chance: random.Random) -> None:
     try_out(tmp_path, mutated(yaml.load(MINIMAL, yaml.CSafeLoader), chance), None)
 
 

@@ -38,7 +38,9 @@ def _case(family: str, name: str, folder: Path) -> Case:
         ("joint", "commands.get_limit.reply.layout.limit becomes a constant", SAFE, SAFE),
     ],
 )
-def test_what_generated_code_does(family: str, edit: str, sending: int, receiving: int, tmp_path: Path) -> None:
+def test_verdicts_agree_with_generated_code(
+    family: str, edit: str, sending: int, receiving: int, tmp_path: Path
+) -> None:
     sides = _case(family, edit, tmp_path).found.sides
     assert (sides[SENDING].low, sides[RECEIVING].low) == (sending, receiving)
 
@@ -57,7 +59,7 @@ def test_a_sample_of_all_edits(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["beside it", "top bit", "becomes the constant", "names of", "in another order"])
-def test_a_sample_of_a_kind(kind: str, tmp_path: Path) -> None:
+def test_verdicts_of_a_sample_of_each_kind_agree_with_generated_code(kind: str, tmp_path: Path) -> None:
     files = [f for f in (*OWN, *SMALL) if f.parent.name in ("arm", "cells", "winch", "valve")]
     totals = run(files, tmp_path, sample=3, only=kind)
     wrong = [c.name for c in totals.cases if c.dangerous or c.wrong_witnesses or c.ordered or c.missing]

@@ -19,13 +19,13 @@ from . import editions
 
 
 @pytest.mark.parametrize("first", range(6))
-def test_a_sample_of_simulated_buses(first: int, tmp_path: Path) -> None:
+def test_a_sample_of_simulated_buses_is_identified(first: int, tmp_path: Path) -> None:
     listed = islice(editions.cases((4, 60)[first % 2], first), 2 * first, None, 23)
     assert not [problem for case in listed for problem in editions.problems(case, tmp_path)]
 
 
 @pytest.mark.exhaustive
-def test_simulated_buses(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_simulated_buses_are_identified(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["editions", "--seeds", "3"])
     assert editions.main() == 0
 

@@ -33,7 +33,7 @@ static inline int f(int x)
 
 
 @pytest.mark.parametrize("language", SAMPLE)
-def test_a_sample_is_killed(language: str, tmp_path: Path) -> None:
+def test_a_sample_of_mutants_is_killed(language: str, tmp_path: Path) -> None:
     spec = next(spec for spec in SPECS if called(spec) == "pump/v1")
     subject = mutation.LANGUAGES[language](spec, tmp_path)
     own = [mutant for mutant in subject.mutants() if not mutant.is_runtime]
