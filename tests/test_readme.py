@@ -179,3 +179,12 @@ def test_links_lead_to_a_file_or_a_heading(page: str) -> None:
     for path, heading in re.findall(r"\]\(([^)#:]*)#?([^):]*)\)", text):
         assert (ROOT / page).parent.joinpath(path).exists(), path
         assert path or heading in headings, heading
+
+
+def test_files_that_contributing_names_exist() -> None:
+    """Except examples, which contain a name in capitals."""
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+    named = {path for path in re.findall(r"`([a-z_.]+/[\w/.-]+)`", text) if not re.search("[A-Z]{2}", path)}
+    folders = (ROOT, ROOT / "generator/canwright", ROOT / "generator/canwright/targets/javascript")
+    assert len(named) > 40
+    assert [path for path in sorted(named) if not any((folder / path).exists() for folder in folders)] == []
