@@ -53,7 +53,9 @@ commands:
         ),
     ],
 )
-def test_a_reused_name_is_another_item(old: str, name: str, title: str, renamed: str, reused: str, tmp_path: Path) -> None:
+def test_a_reused_name_is_another_item(
+    old: str, name: str, title: str, renamed: str, reused: str, tmp_path: Path
+) -> None:
     original, (was, _, rest) = edition(tmp_path, SPEC), old.partition(":")
     new = f"{name}:{rest}"
     titled = new.replace(f"title: {old.partition('title: ')[2].rstrip(',')}", f"title: {title}")
