@@ -59,6 +59,7 @@ def test_headers_of_all_small_specs_compile_without_a_warning(
     compiler.check(standard, *flags, made / "everything.c")
 
 
+@pytest.mark.interop("mypy")
 def test_mypy_finds_nothing_in_the_packages_of_small_specs(made: Path) -> None:
     families = sorted({spec.parent.name for spec in SMALL})
     _succeeds(sys.executable, "-m", "mypy", "--strict", "--no-incremental", *families, folder=made / "python")

@@ -57,7 +57,10 @@ def of_node(data: bytes) -> v2_35.AnyReply:
 @pytest.mark.parametrize(
     "command",
     [
-        ("mypy", "--strict", "--warn-unreachable", "--no-incremental", "."),
+        pytest.param(
+            ("mypy", "--strict", "--warn-unreachable", "--no-incremental", "."),
+            marks=pytest.mark.interop("mypy"),
+        ),
         pytest.param(
             ("basedpyright", "--level", "error", "--pythonpath", sys.executable),
             marks=pytest.mark.interop("basedpyright"),

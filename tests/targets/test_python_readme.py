@@ -125,6 +125,7 @@ def test_a_silent_node_ends_the_control_loop(returned: bool, tmp_path: Path) -> 
     assert done.stderr.endswith("TimeoutError: no reply to SetPowerRequest(node=1, power=200)\n")
 
 
+@pytest.mark.interop("mypy")
 def test_programs_are_typed(tmp_path: Path) -> None:
     folder = write(tmp_path, SPEC)
     (folder / "use.py").write_text("".join(programs(folder)), "utf-8")
