@@ -18,9 +18,9 @@ def findings(changes: Iterable[Change]) -> str:
 def recorded(name: str) -> dict[str, str]:
     """The recorded findings of every case."""
     lines = (FOLDER / name).read_text("utf-8").splitlines()
-    return {case: found for case, _, found in (line.rpartition(": ") for line in lines)}
+    return {case: text for case, _, text in (line.rpartition(": ") for line in lines)}
 
 
 def record(name: str, cases: Mapping[str, str]) -> None:
     """Replaces the recorded findings."""
-    (FOLDER / name).write_text("".join(f"{case}: {found}\n" for case, found in cases.items()), "utf-8")
+    (FOLDER / name).write_text("".join(f"{case}: {text}\n" for case, text in cases.items()), "utf-8")

@@ -30,10 +30,10 @@ def test_every_kind_has_an_example() -> None:
 def test_what_a_comparison_says(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(CHANGE_EXAMPLES / rule)
     monkeypatch.setenv("NO_COLOR", "1")
-    found = Comparison.of(load(Path("previous.yaml")), load(Path("current.yaml")), Policy())
-    assert text(Report((found,))) + "\n" == Path("expected.txt").read_text("utf-8")
-    assert rule in [change.rule.id for change in found.changes]
-    assert not any(re.search(r"[{}]", change.says()) for change in found.changes)
+    comparison = Comparison.of(load(Path("previous.yaml")), load(Path("current.yaml")), Policy())
+    assert text(Report((comparison,))) + "\n" == Path("expected.txt").read_text("utf-8")
+    assert rule in [change.rule.id for change in comparison.changes]
+    assert not any(re.search(r"[{}]", change.says()) for change in comparison.changes)
 
 
 @pytest.mark.parametrize("rule", CHANGES)
@@ -82,18 +82,18 @@ def test_order_of_the_old_keys_makes_no_difference(file: Path, tmp_path: Path) -
     old, new = (yaml.load(file.read_text("utf-8"), yaml.CSafeLoader) for _ in range(2))
     codes = [c["code"] for c in new["commands"].values() if isinstance(c.get("code"), int)]
     single = [c for c in new["commands"].values() if codes.count(c.get("code")) == 1 and "table" not in c]
-    for other in [c for c in single[1:] if c.get("address") == single[0].get("address")][:1]:
-        single[0]["code"], other["code"] = other["code"], single[0]["code"]
+    for command in [c for c in single[1:] if c.get("address") == single[0].get("address")][:1]:
+        single[0]["code"], command["code"] = command["code"], single[0]["code"]
     for type_ in new.get("types", {}).values():
         if isinstance(type_.get("scale"), dict):
             type_["scale"] = {key: value if key == "by" else "7/3" for key, value in type_["scale"].items()}
     changed = edition(tmp_path, dumped(new))
     turned = edition(tmp_path, dumped(reordered(old, lambda keys: keys[::-1])))
-    one, other = (
+    expected, actual = (
         {(c.rule.id, str(c.item), c.says(), c.impact) for c in compare(edition_, changed)}
         for edition_ in (specification(file).edition, turned)
     )
-    assert one == other
+    assert expected == actual
 
 
 def test_a_text_in_one_language_is_shown_in_that_language(tmp_path: Path) -> None:
@@ -169,12 +169,12 @@ def test_a_multiple_of_a_parameter(written: tuple[str, str], sentences: list[str
     old = edition(tmp_path, USES_OTHER)
     changed = USES_OTHER.replace(*written)
     assert changed != USES_OTHER
-    found = compare(old, edition(tmp_path, changed))
-    assert [change.says() for change in found] == sentences
+    changes = compare(old, edition(tmp_path, changed))
+    assert [change.says() for change in changes] == sentences
     kinds = {"scale-rewritten": Category.DOC, "parameters-of-type-changed": Category.API}
-    assert [c.rule.category for c in found] == [kinds.get(c.rule.id, Category.VALUE) for c in found]
+    assert [c.rule.category for c in changes] == [kinds.get(c.rule.id, Category.VALUE) for c in changes]
 
 
 def test_a_renamed_parameter_does_not_change_scales(tmp_path: Path) -> None:
-    found = compare(edition(tmp_path, USES_OTHER), edition(tmp_path, USES_OTHER.replace("top", "uppermost")))
-    assert [change.rule.id for change in found] == ["parameter-renamed"]
+    changes = compare(edition(tmp_path, USES_OTHER), edition(tmp_path, USES_OTHER.replace("top", "uppermost")))
+    assert [change.rule.id for change in changes] == ["parameter-renamed"]

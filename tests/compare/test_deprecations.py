@@ -75,7 +75,7 @@ def test_the_command_line(tmp_path: Path) -> None:
         (tmp_path / f"{name}.yaml").write_text(spec, "utf-8")
     (tmp_path / "new.yaml").write_text(MINIMAL.replace("edition: v1", "edition: v3"), "utf-8")
     for name, options, status in (("a", (), 0), ("a", ("--fail-on", "wire"), 1), ("b", (), 1)):
-        names = [str(tmp_path / f"{one}.yaml") for one in (name, "new")]
+        names = [str(tmp_path / f"{file}.yaml") for file in (name, "new")]
         assert CliRunner().invoke(main, ["diff", *names, *options]).exit_code == status
 
 

@@ -97,16 +97,16 @@ def test_what_cannot_be_compared(specs: Path) -> None:
     bad = diff("v1", "bad")
     assert (bad.exit_code, "spec/lamp/bad.yaml:10:11: error" in bad.output) == (2, True)
     (specs / "other.yaml").write_text(OLD.replace("lamp", "heater"), "utf-8")
-    other = diff("v1", "other")
-    assert (other.exit_code, "different families" in other.output) == (2, True)
+    heater = diff("v1", "other")
+    assert (heater.exit_code, "different families" in heater.output) == (2, True)
     nothing = diff("v1", "v22")
     assert (nothing.exit_code, "did you mean `v2`?" in nothing.output) == (2, True)
 
 
 def test_json() -> None:
-    found = json.loads(diff("v1", "v2", "--format", "json").output)
-    assert (found["family"], found["old"], found["new"]) == ("lamp", "v1", "v2")
-    first = found["changes"][0]
+    report = json.loads(diff("v1", "v2", "--format", "json").output)
+    assert (report["family"], report["old"], report["new"]) == ("lamp", "v1", "v2")
+    first = report["changes"][0]
     assert first["rule"] == "scale-changed" and CHANGES[first["rule"]].category.value == first["category"]
     assert (first["impact"], first["host"], first["used_by"]) == ("silent", ["sending", "receiving"], ["dim"])
     assert first["verdicts"] == {"sending": "silent", "receiving": "silent"}
@@ -196,10 +196,10 @@ def test_a_baseline(specs: Path) -> None:
 
 
 def test_a_repurposed_code_fails_unless_accepted(specs: Path) -> None:
-    other = (
+    repurposed = (
         OLD.replace("edition: v1", "edition: v3").replace("dim:", "blink:").replace("{level: {at: 2", "{time: {at: 4")
     )
-    (specs / "v3.yaml").write_text(other, "utf-8")
+    (specs / "v3.yaml").write_text(repurposed, "utf-8")
     for kinds in ("breaking", "wire", "silent"):
         result = diff("v1", "v3", "--fail-on", kinds)
         assert (result.exit_code, "[command-repurposed]" in result.output) == (1, True)

@@ -243,8 +243,8 @@ def changes(old: str, new: str) -> tuple[Change, ...]:
     return compare(edition(old), edition(new))
 
 
-def sentences(found: Iterable[Change]) -> list[str]:
-    return [f"{change.item}: {change.says()}" for change in found]
+def sentences(reported: Iterable[Change]) -> list[str]:
+    return [f"{change.item}: {change.says()}" for change in reported]
 
 
 def sentences_of(old: str, new: str, *categories: Category) -> list[str]:
@@ -264,18 +264,18 @@ def test_differences_between_later_editions(pair: tuple[str, str]) -> None:
 
 @pytest.mark.parametrize("name", ALL)
 def test_unchanged_items_of_two_editions_are_not_reported(name: str) -> None:
-    found = changes("v2.35", name)
-    touched = {c.item.name for c in found if c.item.kind == "command" and c.rule.category is not Category.DOC}
+    reported = changes("v2.35", name)
+    touched = {c.item.name for c in reported if c.item.kind == "command" and c.rule.category is not Category.DOC}
     assert not touched & set(SAME[ALL])
 
 
 def test_the_same_scale_written_otherwise_breaks_nothing() -> None:
-    found = [c for c in changes("v2.35", A) if c.rule.id == "scale-rewritten"]
-    assert [c.says() for c in found] == [
+    rewritten = [c for c in changes("v2.35", A) if c.rule.id == "scale-rewritten"]
+    assert [c.says() for c in rewritten] == [
         "the scale of `iq` [series MF] is written as 33/4096 A (was 16.5/2048 A)",
         "the scale of `iq` [series MG] is written as 66/4096 A (was 33/2048 A)",
     ]
-    assert all(c.impact.value == "safe" for c in found)
+    assert all(c.impact.value == "safe" for c in rewritten)
 
 
 def test_a_wrong_voltage_is_silent_and_a_missing_reply_is_loud() -> None:

@@ -251,10 +251,10 @@ def test_every_key_is_known() -> None:
     assert recorded(RECORDED).keys() == CHANGES.keys()
 
 
-@pytest.mark.parametrize(("key", "found"), recorded(RECORDED).items(), ids=recorded(RECORDED))
-def test_a_change_of_a_key_is_found(key: str, found: str, original: Edition, tmp_path: Path) -> None:
-    assert found != "none"
-    assert findings(compare(original, _edition(tmp_path, CHANGES[key]))) == found
+@pytest.mark.parametrize(("key", "expected"), recorded(RECORDED).items(), ids=recorded(RECORDED))
+def test_a_change_of_a_key_is_found(key: str, expected: str, original: Edition, tmp_path: Path) -> None:
+    assert expected != "none"
+    assert findings(compare(original, _edition(tmp_path, CHANGES[key]))) == expected
 
 
 if __name__ == "__main__":

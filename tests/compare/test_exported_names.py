@@ -88,10 +88,10 @@ def test_one_edit_gives_one_finding_with_the_names(
 def test_functions_get_another_name_because_of_a_field(tmp_path: Path, rule: str, old: str, new: str) -> None:
     """C adds the raw format to the functions of a type if a field of another type has its name."""
     changes = compare(edition(tmp_path, SPEC + old), edition(tmp_path, SPEC + new), targets())
-    found = {change.rule.id: change for change in changes}
-    assert set(found) == {rule, "names-changed"}
-    assert str(found["names-changed"].item) == "type level"
-    assert "`…_level_to_milli` → `…_level_u16_to_milli`" in found["names-changed"].says()
+    by_rule = {change.rule.id: change for change in changes}
+    assert set(by_rule) == {rule, "names-changed"}
+    assert str(by_rule["names-changed"].item) == "type level"
+    assert "`…_level_to_milli` → `…_level_u16_to_milli`" in by_rule["names-changed"].says()
 
 
 def test_removals_explain_their_names(tmp_path: Path) -> None:
@@ -107,5 +107,5 @@ def test_removals_explain_their_names(tmp_path: Path) -> None:
 
 def test_targets_of_other_packages(tmp_path: Path) -> None:
     old, new = edition(tmp_path, SPEC), edition(tmp_path, f"{SPEC}  more: {{code: 0x13, reply: none}}\n")
-    found = {change.rule.id: change for change in compare(old, new, [FirstLetters()])}
-    assert found["names-changed"].says() == "names in the bindings disappear: Letters `l4` → `l5`"
+    by_rule = {change.rule.id: change for change in compare(old, new, [FirstLetters()])}
+    assert by_rule["names-changed"].says() == "names in the bindings disappear: Letters `l4` → `l5`"

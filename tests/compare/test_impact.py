@@ -116,7 +116,9 @@ def test_impacts_of_constants_without_a_selector(tmp_path: Path, name: str) -> N
     constant = ["loud sending: command dim: constant-changed"]
     assert impacts(tmp_path, text, ("constant: 5", "constant: 6")) == constant
     moved = ("{at: 0, raw: u8, constant", "{at: 2, raw: u8, constant")
-    assert impacts(tmp_path, text, moved) == [f"loud sending: command {one}: field-moved" for one in ("dim", "stop")]
+    assert impacts(tmp_path, text, moved) == [
+        f"loud sending: command {command}: field-moved" for command in ("dim", "stop")
+    ]
 
 
 def test_impacts_of_a_constant_that_distinguishes_messages(tmp_path: Path) -> None:

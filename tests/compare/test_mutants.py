@@ -154,19 +154,19 @@ def _spread(cases: list[Case], most: int, folder: Path) -> Iterator[tuple[Case, 
     valid = []
     for start in range(most):
         part = cases[start * len(cases) // most : (start + 1) * len(cases) // most]
-        valid += [next(((case, found) for case in part if (found := _findings(case, folder)) != "rejected"), None)]
+        valid += [next(((case, result) for case in part if (result := _findings(case, folder)) != "rejected"), None)]
     yield from filter(None, valid)
 
 
 def _write(folder: Path) -> None:
     small = [called(file) for file in SMALL]
     large = [called(file) for file in SPECS if file not in SMALL]
-    chosen = dict(one for cases in _cases(small).values() for one in _spread(cases, OF_KIND, folder))
+    chosen = dict(pair for cases in _cases(small).values() for pair in _spread(cases, OF_KIND, folder))
     known = {_kind(mutant) for _, mutant in chosen}
-    others = [cases for kind, cases in _cases(large).items() if kind not in known]
-    chosen |= dict(one for cases in others for one in _spread(cases, 1, folder))
+    remaining = [cases for kind, cases in _cases(large).items() if kind not in known]
+    chosen |= dict(pair for cases in remaining for pair in _spread(cases, 1, folder))
     whole = [[(spec, mutant) for mutant in _mutants(spec)] for spec in large]
-    chosen |= dict(one for cases in whole for one in _spread(cases, OF_LARGE, folder))
+    chosen |= dict(pair for cases in whole for pair in _spread(cases, OF_LARGE, folder))
     record(RECORDED, {" ".join(case): chosen[case] for case in sorted(chosen)})
 
 
@@ -181,7 +181,7 @@ def test_findings(case: str, tmp_path: Path) -> None:
 
 def test_an_edit_gives_one_finding() -> None:
     """Positions that are exchanged are two edits, and so is a scale whose offset is a multiple of the same parameter."""
-    several = {case for case, found in recorded(RECORDED).items() if found.count("(") > 1}
+    several = {case for case, text in recorded(RECORDED).items() if text.count("(") > 1}
     assert {case for case in several if "<->" not in case and " as " not in case} == set()
     assert "none" not in recorded(RECORDED).values()
 
@@ -205,10 +205,10 @@ def test_a_scale_a_sign_and_a_byte_are_silent(tmp_path: Path) -> None:
         ("types.voltage.raw i16", "sign-changed"),
         ("layouts.status_1.fields.voltage.at 4", "field-moved"),
     ):
-        found = compare(
+        changes = compare(
             _original("mwd_motor/v2.35").specification.edition, _changed("mwd_motor/v2.35", mutant, tmp_path)
         )
-        (change,) = (c for c in found if c.rule.id == rule)
+        (change,) = (c for c in changes if c.rule.id == rule)
         assert change.impact is Impact.SILENT
         assert [side.value for side in change.sides] == ["receiving"]
         assert set(change.used_by) == {"read_status_1", "clear_errors"}
@@ -219,9 +219,11 @@ if __name__ == "__main__":
         if sys.argv[1:] == ["all"]:
             counts: Counter[str] = Counter()
             for name in map(called, SPECS):
-                for one in _mutants(name):
-                    result, elsewhere = _compared((name, one), Path(made))
-                    print(f"{name} {one}: {result}" + (f"; not at the edited line: {elsewhere}" if elsewhere else ""))
+                for mutant in _mutants(name):
+                    result, elsewhere = _compared((name, mutant), Path(made))
+                    print(
+                        f"{name} {mutant}: {result}" + (f"; not at the edited line: {elsewhere}" if elsewhere else "")
+                    )
                     counts["rejected" if result == "rejected" else f"{result.count('(')} findings"] += 1
                     counts["findings that are not at an edited line"] += len(elsewhere)
             print(", ".join(f"{count} {what}" for what, count in sorted(counts.items())))

@@ -109,7 +109,7 @@ def test_frames_with_the_old_constant_become_set_points(tmp_path: Path) -> None:
 def test_swapped_constants_are_silent(tmp_path: Path) -> None:
     swapped = [("0xFFFFFFFE", "0xFFFFFFFB"), ("0xFFFFFFFD", "0xFFFFFFFE"), ("0xFFFFFFFB", "0xFFFFFFFD")]
     result = verdicts(found(tmp_path, MARKERS, *swapped))
-    assert result == {f"constant-changed command {one}": {"sending": SILENT} for one in ("start", "stop")}
+    assert result == {f"constant-changed command {name}": {"sending": SILENT} for name in ("start", "stop")}
 
 
 def test_swapped_constants_show_their_own_frames_and_replies_that_stay_are_safe(tmp_path: Path) -> None:

@@ -139,7 +139,7 @@ class Collector:
         """Adds a change of since when, and until when, something is deprecated."""
         if old != new:
             kind = "added" if old is None else "removed" if new is None else "changed"
-            facts = {key: _period(one) for key, one in (("old", old), ("new", new)) if one}
+            facts = {key: _period(deprecation) for key, deprecation in (("old", old), ("new", new)) if deprecation}
             self.add(f"deprecation-{kind}", item, at(places, "deprecated"), UNUSED, name=name, **facts)
 
     def attributes(

@@ -18,13 +18,13 @@ from .fields import Editions
 from .forms import is_named, messages
 
 
-def compare(found: Collector, old: Edition, new: Edition) -> None:
+def compare(collector: Collector, old: Edition, new: Edition) -> None:
     """All changes of all commands, and of the layouts and types that they use."""
     matched = match.commands(old, new)
     layouts = [(a.layout, b.layout) for pair in matched.pairs for _, a, b in messages(*pair)]
     pairs = [(a.name, b.name) for a, b in layouts if a.shared and b.shared]
     types = [(a.name, b.name) for a, b in fields.type_pairs(layouts)]
-    kept = _tables(found, old, new)
+    kept = _tables(collector, old, new)
     matched = dataclasses.replace(
         matched,
         pairs=tuple((a, b) for a, b in matched.pairs if a.spec_name not in kept and b.spec_name not in kept),
@@ -37,25 +37,25 @@ def compare(found: Collector, old: Edition, new: Edition) -> None:
         new,
         match.renamed(types, old.types, new.types),
         match.renamed(pairs, old.layouts, new.layouts),
-        {one.name: other.name for one, other in repurposed.pairs},
+        {earlier.name: later.name for earlier, later in repurposed.pairs},
     )
-    for one, other in repurposed.pairs[len(matched.pairs) :]:
-        _repurposed(found, one, other)
-    for one in repurposed.removed:
-        _removed(found, one, new)
-    for other in repurposed.added:
-        _added(found, other, old)
-    for one, other in matched.pairs:
-        _command(found, both, one, other)
+    for earlier, later in repurposed.pairs[len(matched.pairs) :]:
+        _repurposed(collector, earlier, later)
+    for earlier in repurposed.removed:
+        _removed(collector, earlier, new)
+    for later in repurposed.added:
+        _added(collector, later, old)
+    for earlier, later in matched.pairs:
+        _command(collector, both, earlier, later)
 
 
-def _tables(found: Collector, old: Edition, new: Edition) -> set[str]:
+def _tables(collector: Collector, old: Edition, new: Edition) -> set[str]:
     """The commands that use another table, or one in one edition alone: all their forms are others."""
     before, after = ({c.spec_name: c for c in edition.commands} for edition in (old, new))
     kept = {name for name in before.keys() & after.keys() if _is_other_table(before[name], after[name], new)}
     for name in before:
         if name in kept:
-            _other_table(found, before[name], after[name])
+            _other_table(collector, before[name], after[name])
     return kept
 
 
@@ -66,10 +66,10 @@ def _is_other_table(old: Command, new: Command, edition: Edition) -> bool:
     return old.entry.table != new.entry.table and any(table.name == old.entry.table for table in edition.tables)
 
 
-def _other_table(found: Collector, old: Command, new: Command) -> None:
+def _other_table(collector: Collector, old: Command, new: Command) -> None:
     facts = {"old": _table(old), "new": _table(new)}
     use = AffectedUsers(tuple(Side), (old.spec_name,))
-    found.add("table-of-command-changed", _item(old), at(paths(old, new), "table"), use, **facts)
+    collector.add("table-of-command-changed", _item(old), at(paths(old, new), "table"), use, **facts)
 
 
 def _table(command: Command) -> SentenceArgument:
@@ -84,112 +84,118 @@ def _code(command: Command) -> str:
     return f" ({discriminators.code(command.code)})" if command.code is not None else ""
 
 
-def _repurposed(found: Collector, old: Command, new: Command) -> None:
+def _repurposed(collector: Collector, old: Command, new: Command) -> None:
     use = AffectedUsers(tuple(Side), (old.spec_name,))
     if old.entry and new.entry and old.spec_name == new.spec_name:
         facts = {"index": discriminators.index(old), "old": old.entry.name, "new": new.entry.name}
         places = paths(old.entry, new.entry)
-        found.add("entry-repurposed", Item.of_entry(old.entry), places, use, **facts)
+        collector.add("entry-repurposed", Item.of_entry(old.entry), places, use, **facts)
         return
     facts = {"code": _code(old), "old": old.spec_name, "new": new.spec_name}
-    found.add("command-repurposed", _item(old), paths(old, new), use, **facts, meaning=new.spec_title)
+    collector.add("command-repurposed", _item(old), paths(old, new), use, **facts, meaning=new.spec_title)
 
 
-def _removed(found: Collector, command: Command, new: Edition) -> None:
+def _removed(collector: Collector, command: Command, new: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, new)
     use, places = AffectedUsers((Side.SENDING,), (command.spec_name,)), (path, parent)
     if kind == "command":
-        found.removed("command-removed", item, places, use, command.deprecated, **facts)
+        collector.removed("command-removed", item, places, use, command.deprecated, **facts)
     else:
-        found.add("entry-removed", item, places, use, **facts)
+        collector.add("entry-removed", item, places, use, **facts)
 
 
-def _added(found: Collector, command: Command, old: Edition) -> None:
+def _added(collector: Collector, command: Command, old: Edition) -> None:
     kind, item, path, parent, facts = _subject(command, old)
-    found.add(f"{kind}-added", item, (parent, path), AffectedUsers((), (command.spec_name,)), **facts)
+    collector.add(f"{kind}-added", item, (parent, path), AffectedUsers((), (command.spec_name,)), **facts)
 
 
-def _subject(command: Command, other: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
+def _subject(command: Command, edition: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
     """Kind, item, path, parent and facts of a command that the other edition lacks, or of its entry alone."""
     entry = command.entry
-    if entry is not None and other.forms(command.spec_name):
+    if entry is not None and edition.forms(command.spec_name):
         facts = {"name": entry.name, "index": discriminators.index(command)}
         return "entry", Item.of_entry(entry), entry.path, ("tables", entry.table), facts
     facts = {"name": command.spec_name, "code": _code(command)}
     return "command", _item(command), command.path, ("commands",), facts
 
 
-def _command(found: Collector, both: Editions, old: Command, new: Command) -> None:
+def _command(collector: Collector, both: Editions, old: Command, new: Command) -> None:
     use = AffectedUsers((Side.SENDING if old.request else Side.RECEIVING,), (old.spec_name,))
     if old.entry and new.entry and old.entry.name != new.entry.name:
         names = {"old": old.entry.name, "new": new.entry.name}
-        found.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)
+        collector.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)
     else:
-        found.renamed("command-renamed", _item(old), paths(old, new), use, old=old.spec_name, new=new.spec_name)
+        collector.renamed("command-renamed", _item(old), paths(old, new), use, old=old.spec_name, new=new.spec_name)
     if old.spec_name == new.spec_name:
-        found.renamed(
+        collector.renamed(
             "short-name-changed", _item(old), paths(old, new), use, old=old.short_spec_name, new=new.short_spec_name
         )
-    discriminators.compare(found, both, old, new)
+    discriminators.compare(collector, both, old, new)
     if old.entry and new.entry:
-        _entry(found, both, old, new, old.entry, new.entry)
+        _entry(collector, both, old, new, old.entry, new.entry)
     (own, of_entry), (new_own, new_of_entry) = _conditions(both, old, new)
     limits = _EXCEPTIONS if _limited_by(old) == _limited_by(new) else _LIMITS
     first = [next((mode.name for mode in edition.bus.modes), None) for edition in (both.old, both.new)]
     modes = () if [old.mode, new.mode] == first else (_MODE,)  # both in the usual mode, the first
-    found.attributes((*_OF_COMMAND, *modes, limits), _item(old), paths(old, new), old, new, use)
-    found.attributes(_OF_CONDITIONS, _item(old), paths(old, new), own, new_own, use)
+    collector.attributes((*_OF_COMMAND, *modes, limits), _item(old), paths(old, new), old, new, use)
+    collector.attributes(_OF_CONDITIONS, _item(old), paths(old, new), own, new_own, use)
     if old.entry and new.entry:
-        found.attributes(
+        collector.attributes(
             _OF_CONDITIONS, Item.of_entry(old.entry), paths(old.entry, new.entry), of_entry, new_of_entry, use
         )
-    found.deprecation(_item(old), paths(old, new), new.spec_name, old.deprecated, new.deprecated)
-    _texts(found, old, new)
-    _forms(found, both, old, new)
-    _address(found, old, new)
-    for direction, one, other in messages(old, new):
+    collector.deprecation(_item(old), paths(old, new), new.spec_name, old.deprecated, new.deprecated)
+    _texts(collector, old, new)
+    _forms(collector, both, old, new)
+    _address(collector, old, new)
+    for direction, old_message, new_message in messages(old, new):
         used = AffectedUsers((Side.of(direction),), (old.spec_name,))
-        is_other = _other_layout(found, both, old, new, direction, used)
-        _message(found, both, old, new, one, other, used, is_other=is_other)
+        is_other = _other_layout(collector, both, old, new, direction, used)
+        _message(collector, both, old, new, old_message, new_message, used, is_other=is_other)
         if not is_other:
-            _layout_name(found, both, old, one, other, used)
-            fields.compare(found, both, old.spec_name, one, other, used)
+            _layout_name(collector, both, old, old_message, new_message, used)
+            fields.compare(collector, both, old.spec_name, old_message, new_message, used)
 
 
-def _address(found: Collector, old: Command, new: Command) -> None:
+def _address(collector: Collector, old: Command, new: Command) -> None:
     """Adds a change of the address of each message, or one of the command if both follow its address."""
-    moved = [one for one in forms.own_messages(old, new) if one[1].id != one[2].id and one[1].address != one[2].address]
+    moved = [
+        frames
+        for frames in forms.own_messages(old, new)
+        if frames[1].id != frames[2].id and frames[1].address != frames[2].address
+    ]
     follows = all((a.address, b.address) == (old.address, new.address) for _, a, b in moved)
-    for group in [moved] if moved and follows else [[one] for one in moved]:
-        one, other = group[0][1:]
+    for group in [moved] if moved and follows else [[frames] for frames in moved]:
+        old_message, new_message = group[0][1:]
         directions = [direction for direction, _, _ in group]
         facts = {
             "direction": Keyword(" and ".join(d.value for d in directions)),
-            "old": one.address,
-            "new": other.address,
+            "old": old_message.address,
+            "new": new_message.address,
         }
-        places = paths(old, new) if follows else paths(one, other)
+        places = paths(old, new) if follows else paths(old_message, new_message)
         use = AffectedUsers(tuple(map(Side.of, directions)), (old.spec_name,))
-        found.add("address-of-command-changed", _item(old), at(places, "address"), use, **facts)
+        collector.add("address-of-command-changed", _item(old), at(places, "address"), use, **facts)
 
 
 def _layout_name(
-    found: Collector, both: Editions, command: Command, old: Message, new: Message, use: AffectedUsers
+    collector: Collector, both: Editions, command: Command, old: Message, new: Message, use: AffectedUsers
 ) -> None:
     """Adds the change of where the same fields of a message are defined, which names its type in the bindings."""
-    one, other = old.layout, new.layout
-    same_place = is_named(one) == is_named(other)
-    renamed = same_place and (not is_named(one) or both.layouts.get(one.name, one.name) == other.name)
+    old_layout, new_layout = old.layout, new.layout
+    same_place = is_named(old_layout) == is_named(new_layout)
+    renamed = same_place and (
+        not is_named(old_layout) or both.layouts.get(old_layout.name, old_layout.name) == new_layout.name
+    )
     keys = fields.constant_keys(old) | fields.constant_keys(new)
-    if renamed or match.content(one, keys) != match.content(other, keys):
+    if renamed or match.content(old_layout, keys) != match.content(new_layout, keys):
         return
-    of_entry = command.entry is not None and "tables" in (one.path[0], other.path[0])
+    of_entry = command.entry is not None and "tables" in (old_layout.path[0], new_layout.path[0])
     item = Item.of_entry(command.entry) if of_entry and command.entry else _item(command)
     places = (command.entry.path, command.entry.path) if of_entry and command.entry else paths(old, new)
     what = Keyword("entry" if of_entry else old.direction.value)
-    facts = {"direction": what, "old": _name_of(one), "new": _name_of(other)}
-    names = found.names(one.path, other.path) or f"`{one.name}` → `{other.name}`"
-    found.add("layout-of-command-changed", item, places, use, **facts, names=names)
+    facts = {"direction": what, "old": _name_of(old_layout), "new": _name_of(new_layout)}
+    names = collector.names(old_layout.path, new_layout.path) or f"`{old_layout.name}` → `{new_layout.name}`"
+    collector.add("layout-of-command-changed", item, places, use, **facts, names=names)
 
 
 def _name_of(layout: Layout) -> SentenceArgument:
@@ -197,7 +203,7 @@ def _name_of(layout: Layout) -> SentenceArgument:
 
 
 def _other_layout(
-    found: Collector, both: Editions, old: Command, new: Command, direction: Direction, use: AffectedUsers
+    collector: Collector, both: Editions, old: Command, new: Command, direction: Direction, use: AffectedUsers
 ) -> bool:
     """Adds the change of the layout of a message to one that both editions have; whether there is one."""
     layouts = [message.layout for c in (old, new) if (message := c.message(direction)) is not None]
@@ -205,7 +211,7 @@ def _other_layout(
         return False
     rule, key = ("request-changed", "request") if direction is Direction.REQUEST else ("reply-form-changed", "reply")
     shown = [layout.name if is_named(layout) else forms.FIELDS for layout in layouts]
-    found.add(rule, _item(old), at(paths(old, new), key), use, old=shown[0], new=shown[1])
+    collector.add(rule, _item(old), at(paths(old, new), key), use, old=shown[0], new=shown[1])
     return True
 
 
@@ -218,24 +224,26 @@ def _is_other_layout(both: Editions, old: Layout, new: Layout) -> bool:
     return is_named(old) and is_there and not match.fields(old, new).pairs
 
 
-def _entry(found: Collector, both: Editions, old: Command, new: Command, one: Entry, other: Entry) -> None:
+def _entry(
+    collector: Collector, both: Editions, old: Command, new: Command, old_entry: Entry, new_entry: Entry
+) -> None:
     """Changes of the table and the entry that a form of a command is of."""
-    before, after = both.old.table(one.table), both.new.table(other.table)
-    table, item = Item("table", one.table), Item.of_entry(one)
+    before, after = both.old.table(old_entry.table), both.new.table(new_entry.table)
+    table, item = Item("table", old_entry.table), Item.of_entry(old_entry)
     use = AffectedUsers((), (old.spec_name,))
-    names = {"old": one.table, "new": other.table}
-    places = one.path[:2], other.path[:2]
-    found.renamed("table-renamed", table, places, AffectedUsers((Side.SENDING,), (old.spec_name,)), **names)
-    found.texts(table, paths(before, after), before, after)
-    found.section(table, paths(before, after), before.manual, after.manual, use)
-    found.texts(item, paths(one, other), one, other)
-    own = ["" if e.manual == t.manual else e.manual for e, t in ((one, before), (other, after))]
-    found.section(item, paths(one, other), own[0], own[1], use)
+    names = {"old": old_entry.table, "new": new_entry.table}
+    places = old_entry.path[:2], new_entry.path[:2]
+    collector.renamed("table-renamed", table, places, AffectedUsers((Side.SENDING,), (old.spec_name,)), **names)
+    collector.texts(table, paths(before, after), before, after)
+    collector.section(table, paths(before, after), before.manual, after.manual, use)
+    collector.texts(item, paths(old_entry, new_entry), old_entry, new_entry)
+    own = ["" if e.manual == t.manual else e.manual for e, t in ((old_entry, before), (new_entry, after))]
+    collector.section(item, paths(old_entry, new_entry), own[0], own[1], use)
 
 
 def _limits(command: Command) -> SentenceArgument:
-    others = listed(s.name for s in command.not_limited_by)
-    exceptions = (" (", Keyword("not by"), f" {others})") if command.not_limited_by else ()
+    settings = listed(s.name for s in command.not_limited_by)
+    exceptions = (" (", Keyword("not by"), f" {settings})") if command.not_limited_by else ()
     return (listed(s.name for s in command.limited_by), *exceptions)
 
 
@@ -270,8 +278,8 @@ class _Conditions:
 
 def _effects(old: _Conditions, new: _Conditions) -> Impact:
     before, after = ({e.name for e in c.effects} for c in (old, new))
-    other = [e for e in (*old.effects, *new.effects) if (e.name in before) != (e.name in after)]
-    return Impact.SILENT if any(e.level is not Level.NOTE for e in other) else Impact.SAFE
+    differing = [e for e in (*old.effects, *new.effects) if (e.name in before) != (e.name in after)]
+    return Impact.SILENT if any(e.level is not Level.NOTE for e in differing) else Impact.SAFE
 
 
 _OF_CONDITIONS = (
@@ -306,19 +314,23 @@ def _alike(values: list[object]) -> bool:
     return all(value == values[0] for value in values)
 
 
-def _texts(found: Collector, old: Command, new: Command) -> None:
+def _texts(collector: Collector, old: Command, new: Command) -> None:
     item, places = _item(old), paths(old, new)
-    found.title(item, at(places, "title"), new.spec_name, old.spec_title, new.spec_title)
-    found.text("text-changed", item, at(places, "about"), old.spec_name, old.about, new.about)
+    collector.title(item, at(places, "title"), new.spec_name, old.spec_title, new.spec_title)
+    collector.text("text-changed", item, at(places, "about"), old.spec_name, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
-    found.text("text-changed", item, at(places, "notes"), old.spec_name, *notes)
-    found.section(item, places, old.manual, new.manual, AffectedUsers((), (old.spec_name,)))
+    collector.text("text-changed", item, at(places, "notes"), old.spec_name, *notes)
+    collector.section(item, places, old.manual, new.manual, AffectedUsers((), (old.spec_name,)))
 
 
-def _forms(found: Collector, both: Editions, old: Command, new: Command) -> None:
+def _forms(collector: Collector, both: Editions, old: Command, new: Command) -> None:
     """Adds the changes of the forms of request and reply."""
     receiving, sending = (AffectedUsers((side,), (old.spec_name,)) for side in (Side.RECEIVING, Side.SENDING))
-    emptied = {direction for direction, one, other in forms.own_messages(old, new) if forms.is_emptied(one, other)}
+    emptied = {
+        direction
+        for direction, old_message, new_message in forms.own_messages(old, new)
+        if forms.is_emptied(old_message, new_message)
+    }
 
     def request(command: Command) -> str:
         if command is new and Direction.REQUEST in emptied:
@@ -335,17 +347,17 @@ def _forms(found: Collector, both: Editions, old: Command, new: Command) -> None
         name = "".join(layout.name for layout in shared if is_named(layout))
         return name or (reply(command) if command is new else forms.reply_form(command, {}))
 
-    found.attributes(
+    collector.attributes(
         [Attribute[Command]("request-changed", "request", request)], _item(old), paths(old, new), old, new, sending
     )
     if _is_gone_with_another(both, old, new):
         return
     if reply(old) == reply(new):
         places = at(paths(old, new), "reply")
-        found.attributes([_REPLIERS], _item(old), places, old, new, receiving)
+        collector.attributes([_REPLIERS], _item(old), places, old, new, receiving)
     else:
         form = Attribute[Command]("reply-form-changed", "reply", shown_reply, reply)
-        found.attributes([form], _item(old), paths(old, new), old, new, receiving)
+        collector.attributes([form], _item(old), paths(old, new), old, new, receiving)
 
 
 def _is_gone_with_another(both: Editions, old: Command, new: Command) -> bool:
@@ -374,28 +386,28 @@ _DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc))
 
 
 def _message(
-    found: Collector,
+    collector: Collector,
     both: Editions,
     old: Command,
     new: Command,
-    one: Message,
-    other: Message,
+    old_message: Message,
+    new_message: Message,
     use: AffectedUsers,
     *,
     is_other: bool,
 ) -> None:
     """Adds changes of a message besides its layout; those of one with another layout are part of that change."""
     rows = list(_OF_MESSAGE)
-    if discriminators.same_kind(old, new) and [discriminators.code_sent(m) for m in (one, other)] != [
+    if discriminators.same_kind(old, new) and [discriminators.code_sent(m) for m in (old_message, new_message)] != [
         old.code,
         new.code,
     ]:
         rows.insert(0, _REPLY_CODE)
-    item, places, direction = _item(old), paths(one, other), Keyword(one.direction.value)
-    if [one.dlc, other.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
+    item, places, direction = _item(old), paths(old_message, new_message), Keyword(old_message.direction.value)
+    if [old_message.dlc, new_message.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
         item_of_bus: tuple[Item, Places] = Item("bus", ""), (("bus",), ("bus",))
-        found.attributes([_DLC], *item_of_bus, one, other, use, direction=Keyword("usual frame"))
+        collector.attributes([_DLC], *item_of_bus, old_message, new_message, use, direction=Keyword("usual frame"))
     else:
         rows.append(_DLC)
     if not is_other:
-        found.attributes(rows, item, places, one, other, use, direction=direction)
+        collector.attributes(rows, item, places, old_message, new_message, use, direction=direction)

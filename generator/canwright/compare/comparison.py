@@ -20,12 +20,12 @@ def changes(old: Edition, new: Edition, exporters: Sequence[Exporter]) -> tuple[
     """Every change, with its verdict and witnesses."""
     names = ExportedNames(exporters, old, new)
     new = _in_order_of(old, new)
-    found = Collector(names, old, new)
-    renamed = renames.compare(found, old, new)
-    edition_changes.compare(found, renamed, new)
-    commands.compare(found, renamed, new)
-    missing_names.compare(found, names, old)
-    return with_verdicts(tuple(found), ExchangeSimulation(renamed, new).witnesses())
+    collector = Collector(names, old, new)
+    renamed = renames.compare(collector, old, new)
+    edition_changes.compare(collector, renamed, new)
+    commands.compare(collector, renamed, new)
+    missing_names.compare(collector, names, old)
+    return with_verdicts(tuple(collector), ExchangeSimulation(renamed, new).witnesses())
 
 
 def _in_order_of(old: Edition, new: Edition) -> Edition:

@@ -45,7 +45,7 @@ _ORDER = Attribute[Key]("byte-order-changed", "byte_order", lambda key: Keyword(
 _INDEX = Attribute[Command]("index-changed", "index", index)
 
 
-def compare(found: Collector, both: Editions, old: Command, new: Command) -> None:
+def compare(collector: Collector, both: Editions, old: Command, new: Command) -> None:
     """All changes of codes, indices and constants that distinguish messages."""
     if same_kind(old, new) and old.code != new.code:
         item, use, places = (
@@ -58,25 +58,25 @@ def compare(found: Collector, both: Editions, old: Command, new: Command) -> Non
             c.spec_name for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None)
         ]
         if taken:
-            found.add("code-taken", item, places, use, **facts, other=min(taken))
+            collector.add("code-taken", item, places, use, **facts, other=min(taken))
         else:
-            found.add("code-changed", item, places, use, **facts)
+            collector.add("code-changed", item, places, use, **facts)
     if old.entry and new.entry:
         use = AffectedUsers(tuple(Side), (old.spec_name,))
-        found.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
+        collector.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
         if not same_kind(old, new):
             facts = {"old": given(old.entry.kind), "new": given(new.entry.kind)}
             places = at(paths(old.entry, new.entry), "kind")
-            found.add("kind-changed", Item.of_entry(old.entry), places, use, **facts)
-    for side, one, another in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
-        if one and another and (one.address == another.address or one.id == another.id):
+            collector.add("kind-changed", Item.of_entry(old.entry), places, use, **facts)
+    for side, message, another in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
+        if message and another and (message.address == another.address or message.id == another.id):
             of_replies = side is Side.RECEIVING and not _like_requests(old, new)
             key = "reply_selector" if of_replies else "selector"
-            _code_moved(found, both, one, another, key, AffectedUsers((side,), (old.spec_name,)))
-    for direction, one, another in messages(old, new):
+            _code_moved(collector, both, message, another, key, AffectedUsers((side,), (old.spec_name,)))
+    for direction, message, another in messages(old, new):
         use = AffectedUsers((Side.of(direction),), (old.spec_name,))
-        _index_moved(found, both, old, new, one, another, use)
-        _constants(found, one, another, use)
+        _index_moved(collector, both, old, new, message, another, use)
+        _constants(collector, message, another, use)
 
 
 def same_kind(old: Command, new: Command) -> bool:
@@ -95,22 +95,22 @@ class _Field(NamedTuple):
     path: DocumentPath
 
 
-def _constants(found: Collector, old: Message, new: Message, use: AffectedUsers) -> None:
+def _constants(collector: Collector, old: Message, new: Message, use: AffectedUsers) -> None:
     """Constants that distinguish one message from others, as a code does, in one edition or in both."""
     item, (before, after) = Item("command", use.commands[0]), (constant_keys(m) for m in (old, new))
     matched = by_name(_fields(old), _fields(new)).also(lambda a, b: a[1:4] == b[1:4])
-    for one, other in matched.pairs:
-        if one.name not in before and other.name not in after:
+    for old_field, new_field in matched.pairs:
+        if old_field.name not in before and new_field.name not in after:
             continue
-        places = one.path, other.path
-        found.renamed("field-renamed", item, places, use, old=one.name, new=other.name)
-        found.attributes(_OF_CONSTANT, item, places, one, other, use, name=other.name)
-    for gone in (one for one in matched.removed if one.name in before):
+        places = old_field.path, new_field.path
+        collector.renamed("field-renamed", item, places, use, old=old_field.name, new=new_field.name)
+        collector.attributes(_OF_CONSTANT, item, places, old_field, new_field, use, name=new_field.name)
+    for gone in (field for field in matched.removed if field.name in before):
         places, facts = (gone.path, new.path), {"name": gone.name, "place": gone.place}
-        found.removed("field-removed", item, places, use, None, **facts)
-    for fresh in (one for one in matched.added if one.name in after):
+        collector.removed("field-removed", item, places, use, None, **facts)
+    for fresh in (field for field in matched.added if field.name in after):
         places, facts = (old.path, fresh.path), {"name": fresh.name, "place": fresh.place}
-        found.add("field-added", item, places, use, **facts)
+        collector.add("field-added", item, places, use, **facts)
 
 
 def _fields(message: Message) -> Iterator[_Field]:
@@ -143,15 +143,15 @@ def _like_requests(old: Command, new: Command) -> bool:
     )
 
 
-def _code_moved(found: Collector, both: Editions, old: Message, new: Message, key: str, use: AffectedUsers) -> None:
+def _code_moved(collector: Collector, both: Editions, old: Message, new: Message, key: str, use: AffectedUsers) -> None:
     facts = {"old": _place_of(old.keys, KeyRole.CODE), "new": _place_of(new.keys, KeyRole.CODE)}
     whole = _one_selector(both.old) and _one_selector(both.new)
     item = Item("edition", "") if whole else Item("address", old.address)
     of_address = ("addresses", old.address, key), ("addresses", new.address, key)
     places: Places = (("selector",), ("selector",)) if whole else of_address
     if facts["old"] != facts["new"] and not _follow_edition(both, old, new, KeyRole.CODE):
-        found.add("code-moved", item, places, use, **facts)
-    _turned(found, both, item, places, old, new, KeyRole.CODE, use)
+        collector.add("code-moved", item, places, use, **facts)
+    _turned(collector, both, item, places, old, new, KeyRole.CODE, use)
 
 
 def _pairs(old: Message, new: Message, role: KeyRole) -> Iterator[tuple[Key, Key]]:
@@ -161,12 +161,12 @@ def _pairs(old: Message, new: Message, role: KeyRole) -> Iterator[tuple[Key, Key
 
 def _follow_edition(both: Editions, old: Message, new: Message, role: KeyRole) -> bool:
     """Whether the keys of a role have other bits because the edition has another byte order."""
-    orders = {(one.order, other.order) for one, other in _pairs(old, new, role)}
+    orders = {(old_key.order, new_key.order) for old_key, new_key in _pairs(old, new, role)}
     return both.old.order is not both.new.order and orders == {(both.old.order, both.new.order)}
 
 
 def _turned(
-    found: Collector,
+    collector: Collector,
     both: Editions,
     item: Item,
     places: Places,
@@ -177,25 +177,31 @@ def _turned(
 ) -> None:
     """Adds the change of the byte order of keys that stay in the same bytes, or of the edition if they follow it."""
     follows = _follow_edition(both, old, new, role)
-    for one, other in _pairs(old, new, role):
-        if one.segments == other.segments or not (follows or _place(one) == _place(other)):
+    for old_key, new_key in _pairs(old, new, role):
+        if old_key.segments == new_key.segments or not (follows or _place(old_key) == _place(new_key)):
             continue
         if follows:
             item, places = Item("edition", ""), ((), ())
         name = "byte_order" if follows else role.value
-        found.attributes([_ORDER], item, places, one, other, use, name=name)
+        collector.attributes([_ORDER], item, places, old_key, new_key, use, name=name)
 
 
 def _index_moved(
-    found: Collector, both: Editions, old: Command, new: Command, one: Message, other: Message, use: AffectedUsers
+    collector: Collector,
+    both: Editions,
+    old: Command,
+    new: Command,
+    old_message: Message,
+    new_message: Message,
+    use: AffectedUsers,
 ) -> None:
-    facts = {"old": _place_of(one.keys, KeyRole.INDEX), "new": _place_of(other.keys, KeyRole.INDEX)}
+    facts = {"old": _place_of(old_message.keys, KeyRole.INDEX), "new": _place_of(new_message.keys, KeyRole.INDEX)}
     if not old.entry or not new.entry:
         return
     item, places = (
         Item("table", old.entry.table),
         at((("tables", old.entry.table), ("tables", new.entry.table)), "index"),
     )
-    if facts["old"] != facts["new"] and not _follow_edition(both, one, other, KeyRole.INDEX):
-        found.add("index-moved", item, places, use, **facts)
-    _turned(found, both, item, places, one, other, KeyRole.INDEX, use)
+    if facts["old"] != facts["new"] and not _follow_edition(both, old_message, new_message, KeyRole.INDEX):
+        collector.add("index-moved", item, places, use, **facts)
+    _turned(collector, both, item, places, old_message, new_message, KeyRole.INDEX, use)

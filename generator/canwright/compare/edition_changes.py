@@ -79,24 +79,24 @@ _OF_STATE = (
 _OF_PARAMETER = (Attribute[Parameter]("parameter-bounds-changed", "number", _bounds, _ends, Impact.SILENT),)
 
 
-def compare(found: Collector, old: Edition, new: Edition) -> None:
+def compare(collector: Collector, old: Edition, new: Edition) -> None:
     """All changes that belong to no command."""
-    _addresses(found, old.addresses, new.addresses)
-    _bus(found, old.bus, new.bus)
-    _parameters(found, old.parameters, new.parameters)
-    _items(found, "setting", ("settings",), by_name(old.settings, new.settings), _OF_SETTING)
+    _addresses(collector, old.addresses, new.addresses)
+    _bus(collector, old.bus, new.bus)
+    _parameters(collector, old.parameters, new.parameters)
+    _items(collector, "setting", ("settings",), by_name(old.settings, new.settings), _OF_SETTING)
     effects = by_name(old.effects, new.effects)  # others come and go with the commands that have them
-    _items(found, "effect", ("effects",), replace(effects, removed=(), added=()), _OF_EFFECT)
-    _states(found, old, new)
-    _errata(found, old, new)
-    found.title(_EDITION, (("title",), ("title",)), new.family, old.title, new.title)
-    found.text("text-changed", _EDITION, (("about",), ("about",)), old.family, old.about, new.about)
-    found.text("title-changed", _EDITION, (("manual",), ("manual",)), "manual", old.manual, new.manual)
-    found.attributes(_OF_EDITION, _EDITION, ((), ()), old, new, UNUSED)
+    _items(collector, "effect", ("effects",), replace(effects, removed=(), added=()), _OF_EFFECT)
+    _states(collector, old, new)
+    _errata(collector, old, new)
+    collector.title(_EDITION, (("title",), ("title",)), new.family, old.title, new.title)
+    collector.text("text-changed", _EDITION, (("about",), ("about",)), old.family, old.about, new.about)
+    collector.text("title-changed", _EDITION, (("manual",), ("manual",)), "manual", old.manual, new.manual)
+    collector.attributes(_OF_EDITION, _EDITION, ((), ()), old, new, UNUSED)
 
 
 def _items(
-    found: Collector,
+    collector: Collector,
     kind: str,
     path: DocumentPath,
     matched: Matched[T],
@@ -106,43 +106,52 @@ def _items(
     added: AffectedUsers = UNUSED,
 ) -> None:
     """Changes of the attributes and texts of items of one kind; items that are removed and added."""
-    for one, other in matched.pairs:
-        item, places = Item(kind, one.name), ((*path, one.name), (*path, one.name))
-        found.attributes(rows, item, places, one, other, use, name=one.name)
-        found.texts(item, places, one, other)
+    for old, new in matched.pairs:
+        item, places = Item(kind, old.name), ((*path, old.name), (*path, old.name))
+        collector.attributes(rows, item, places, old, new, use, name=old.name)
+        collector.texts(item, places, old, new)
     for gone in matched.removed:
-        found.add(f"{kind}-removed", Item(kind, gone.name), ((*path, gone.name), path), *removed, name=gone.name)
+        collector.add(f"{kind}-removed", Item(kind, gone.name), ((*path, gone.name), path), *removed, name=gone.name)
     for fresh in matched.added:
-        found.add(f"{kind}-added", Item(kind, fresh.name), (path, (*path, fresh.name)), added, name=fresh.name)
+        collector.add(f"{kind}-added", Item(kind, fresh.name), (path, (*path, fresh.name)), added, name=fresh.name)
 
 
-def _addresses(found: Collector, old: Sequence[Address], new: Sequence[Address]) -> None:
+def _addresses(collector: Collector, old: Sequence[Address], new: Sequence[Address]) -> None:
     matched = by_name(old, new).also(lambda a, b: (a.request, a.reply) == (b.request, b.reply))
-    for one, other in matched.pairs:
-        item, places = Item("address", one.name), paths(one, other)
-        found.renamed("address-renamed", item, places, BOTH_SIDES, old=one.name, new=other.name)
-        extended = [(a.request.extended, a.reply.extended) for a in (one, other)]
+    for old_address, new_address in matched.pairs:
+        item, places = Item("address", old_address.name), paths(old_address, new_address)
+        collector.renamed("address-renamed", item, places, BOTH_SIDES, old=old_address.name, new=new_address.name)
+        extended = [(a.request.extended, a.reply.extended) for a in (old_address, new_address)]
         if extended[0] != extended[1]:
-            _extended(found, item, one, other)
-        if one.request == one.reply and other.request == other.reply:
-            _rule(found, item, (one, other), tuple(Direction), one.request, other.request)
+            _extended(collector, item, old_address, new_address)
+        if old_address.request == old_address.reply and new_address.request == new_address.reply:
+            _rule(
+                collector, item, (old_address, new_address), tuple(Direction), old_address.request, new_address.request
+            )
         else:
-            _rule(found, item, (one, other), (Direction.REQUEST,), one.request, other.request)
-            _rule(found, item, (one, other), (Direction.REPLY,), one.reply, other.reply)
-        found.section(item, places, one.manual, other.manual)
-        found.texts(item, places, one, other)
+            _rule(
+                collector,
+                item,
+                (old_address, new_address),
+                (Direction.REQUEST,),
+                old_address.request,
+                new_address.request,
+            )
+            _rule(collector, item, (old_address, new_address), (Direction.REPLY,), old_address.reply, new_address.reply)
+        collector.section(item, places, old_address.manual, new_address.manual)
+        collector.texts(item, places, old_address, new_address)
     for gone in matched.removed:
         facts = {"name": gone.name, "old": formatting.id_rule(gone.request)}
         places = gone.path, ("addresses",)
-        found.add("address-removed", Item("address", gone.name), places, BOTH_SIDES, **facts)
+        collector.add("address-removed", Item("address", gone.name), places, BOTH_SIDES, **facts)
     for fresh in matched.added:
         facts = {"name": fresh.name, "new": formatting.id_rule(fresh.request)}
         places = ("addresses",), fresh.path
-        found.add("address-added", Item("address", fresh.name), places, UNUSED, **facts)
+        collector.add("address-added", Item("address", fresh.name), places, UNUSED, **facts)
 
 
 def _rule(
-    found: Collector,
+    collector: Collector,
     item: Item,
     pair: tuple[Address, Address],
     directions: tuple[Direction, ...],
@@ -154,13 +163,13 @@ def _rule(
     if before != after:
         facts = {"direction": Keyword(" and ".join(d.value for d in directions)), "old": _id(old), "new": _id(new)}
         key = directions[0].value if len(directions) == 1 else "id"
-        found.add("id-changed", item, at(paths(*pair), key), AffectedUsers(sides), **facts)
+        collector.add("id-changed", item, at(paths(*pair), key), AffectedUsers(sides), **facts)
     if old.nodes is not None and new.nodes is not None and old.nodes != new.nodes:
         facts = {"old": f"{old.nodes[0]}..{old.nodes[-1]}", "new": f"{new.nodes[0]}..{new.nodes[-1]}"}
-        found.add("nodes-changed", item, at(paths(*pair), "nodes"), AffectedUsers(sides), **facts)
+        collector.add("nodes-changed", item, at(paths(*pair), "nodes"), AffectedUsers(sides), **facts)
 
 
-def _extended(found: Collector, item: Item, old: Address, new: Address) -> None:
+def _extended(collector: Collector, item: Item, old: Address, new: Address) -> None:
     """Adds the change of the width of all ids of an address."""
 
     def ids(address: Address) -> SentenceArgument:
@@ -168,61 +177,65 @@ def _extended(found: Collector, item: Item, old: Address, new: Address) -> None:
         return request if request == reply else (request, ", ", reply)
 
     facts = {"direction": Keyword("request and reply"), "old": ids(old), "new": ids(new)}
-    found.add("id-changed", item, at(paths(old, new), "extended"), BOTH_SIDES, **facts)
+    collector.add("id-changed", item, at(paths(old, new), "extended"), BOTH_SIDES, **facts)
 
 
 def _id(rule: IdRule) -> SentenceArgument:
     return (formatting.id_rule(rule), *((" (", Keyword("29 bits"), ")") if rule.extended else ()))
 
 
-def _bus(found: Collector, old: Bus, new: Bus) -> None:
+def _bus(collector: Collector, old: Bus, new: Bus) -> None:
     places = ("bus",), ("bus",)
-    found.renamed("host-renamed", _BUS, at(places, "host"), BOTH_SIDES, old=old.host, new=new.host)
-    found.section(_BUS, places, old.manual, new.manual)
+    collector.renamed("host-renamed", _BUS, at(places, "host"), BOTH_SIDES, old=old.host, new=new.host)
+    collector.section(_BUS, places, old.manual, new.manual)
     modes = by_name(old.modes, new.modes)
-    _items(found, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, (BOTH_SIDES, Impact.LOUD))
-    found.attributes(_OF_BUS, _BUS, places, old, new, UNUSED)
+    _items(collector, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, (BOTH_SIDES, Impact.LOUD))
+    collector.attributes(_OF_BUS, _BUS, places, old, new, UNUSED)
 
 
-def _parameters(found: Collector, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
+def _parameters(collector: Collector, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
     matched = by_name(old, new)
-    for one, other in matched.pairs:
-        item, path = Item("parameter", one.name), ("parameters", one.name, "values")
-        values = by_name(one.values, other.values)
+    for old_parameter, new_parameter in matched.pairs:
+        item, path = Item("parameter", old_parameter.name), ("parameters", old_parameter.name, "values")
+        values = by_name(old_parameter.values, new_parameter.values)
         for value, now in values.pairs:
-            found.texts(item, ((*path, value.name), (*path, now.name)), value, now)
+            collector.texts(item, ((*path, value.name), (*path, now.name)), value, now)
         for value in values.removed:
-            facts = {"name": one.name, "value": value.name}
-            found.add("parameter-value-removed", item, ((*path, value.name), path), BOTH_SIDES, **facts)
+            facts = {"name": old_parameter.name, "value": value.name}
+            collector.add("parameter-value-removed", item, ((*path, value.name), path), BOTH_SIDES, **facts)
         for value in values.added:
-            facts = {"name": one.name, "value": value.name}
-            found.add("parameter-value-added", item, (path, (*path, value.name)), UNUSED, **facts)
-    _items(found, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES, (BOTH_SIDES, None), BOTH_SIDES)
+            facts = {"name": old_parameter.name, "value": value.name}
+            collector.add("parameter-value-added", item, (path, (*path, value.name)), UNUSED, **facts)
+    _items(collector, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES, (BOTH_SIDES, None), BOTH_SIDES)
 
 
-def _states(found: Collector, old: Edition, new: Edition) -> None:
+def _states(collector: Collector, old: Edition, new: Edition) -> None:
     now = {c.previous_name: c.spec_name for c in new.commands if c.previous_name}
-    before = [replace(one, entered_by=tuple(now.get(name, name) for name in one.entered_by)) for one in old.states]
-    _items(found, "state", ("states",), by_name(before, new.states), _OF_STATE, AffectedUsers((Side.SENDING,)))
+    before = [
+        replace(state, entered_by=tuple(now.get(name, name) for name in state.entered_by)) for state in old.states
+    ]
+    _items(collector, "state", ("states",), by_name(before, new.states), _OF_STATE, AffectedUsers((Side.SENDING,)))
 
 
-def _errata(found: Collector, old: Edition, new: Edition) -> None:
+def _errata(collector: Collector, old: Edition, new: Edition) -> None:
     before, after = ({e.id: (i, e) for i, e in enumerate(edition.errata)} for edition in (old, new))
     for id_ in dict.fromkeys((*before, *after)):
-        (i, one), (j, other) = before.get(id_, (None, None)), after.get(id_, (None, None))
+        (i, old_erratum), (j, new_erratum) = before.get(id_, (None, None)), after.get(id_, (None, None))
         rule: str | None = None
-        facts: dict[str, SentenceArgument] = {"name": id_} if other is None else {"name": id_, "used": other.used}
-        if other is None:
+        facts: dict[str, SentenceArgument] = (
+            {"name": id_} if new_erratum is None else {"name": id_, "used": new_erratum.used}
+        )
+        if new_erratum is None:
             rule = "erratum-removed"
-        elif one is None:
+        elif old_erratum is None:
             rule = "erratum-added"
-        elif any(differing(a, b) for a, b in zip(_texts(one), _texts(other), strict=True)):
+        elif any(differing(a, b) for a, b in zip(_texts(old_erratum), _texts(new_erratum), strict=True)):
             rule = "erratum-changed"
-        elif (one.where, one.manual) != (other.where, other.manual):
-            rule, facts = "erratum-moved", {"name": id_, "old": _about(one), "new": _about(other)}
+        elif (old_erratum.where, old_erratum.manual) != (new_erratum.where, new_erratum.manual):
+            rule, facts = "erratum-moved", {"name": id_, "old": _about(old_erratum), "new": _about(new_erratum)}
         if rule is not None:
             places = (_erratum(i), _erratum(j))
-            found.add(rule, Item("erratum", id_), places, UNUSED, **facts)
+            collector.add(rule, Item("erratum", id_), places, UNUSED, **facts)
 
 
 def _erratum(number: int | None) -> DocumentPath:

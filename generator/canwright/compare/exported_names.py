@@ -56,11 +56,11 @@ class ExportedNames:
 
         The first name of each target is shown, the others are counted.
         """
-        found = []
+        parts = []
         for title, before, after in self._names:
             pairs = zip(before.get(old, ()), after.get(new, ()), strict=False)
-            found.append(_listed(title, [f"`{a}` → `{b}`" for a, b in pairs if a != b], 1))
-        return ", ".join(filter(None, found))
+            parts.append(_listed(title, [f"`{a}` → `{b}`" for a, b in pairs if a != b], 1))
+        return ", ".join(filter(None, parts))
 
     def missing(self) -> set[DocumentPath]:
         """The paths of items in the old edition with a name that the new edition does not export."""
@@ -68,13 +68,13 @@ class ExportedNames:
 
     def disappeared(self, paths: Iterable[DocumentPath]) -> str:
         """As `renamed`, of the items at these paths of the old edition; without `→` where there is no other name."""
-        wanted, found = set(paths), []
+        wanted, parts = set(paths), []
         for exported in self._names:
             names = {name: path for path, name in exported.missing() if path in wanted}
-            found.append(
+            parts.append(
                 _listed(exported.title, [_with_successor(exported, *item) for item in names.items()], MAX_DISAPPEARED)
             )
-        return ", ".join(filter(None, found))
+        return ", ".join(filter(None, parts))
 
 
 def _with_successor(exported: _Exported, name: str, path: DocumentPath) -> str:
@@ -84,10 +84,10 @@ def _with_successor(exported: _Exported, name: str, path: DocumentPath) -> str:
 
 
 def _by_path(names: Iterable[tuple[DocumentPath, str]]) -> Names:
-    found: dict[DocumentPath, dict[str, None]] = {}
+    by_path: dict[DocumentPath, dict[str, None]] = {}
     for path, name in names:
-        found.setdefault(path, {})[name] = None
-    return {path: tuple(of_path) for path, of_path in found.items()}
+        by_path.setdefault(path, {})[name] = None
+    return {path: tuple(of_path) for path, of_path in by_path.items()}
 
 
 def _listed(title: str, names: Sequence[str], most: int) -> str:

@@ -28,39 +28,41 @@ class Editions:
     commands: dict[str, str]
 
 
-def compare(found: Collector, both: Editions, command: str, one: Message, another: Message, use: AffectedUsers) -> None:
+def compare(
+    collector: Collector, both: Editions, command: str, message: Message, another: Message, use: AffectedUsers
+) -> None:
     """All changes of the layout of a message of `command`."""
-    old, new = one.layout, another.layout
+    old, new = message.layout, another.layout
     if _is_shared(both, old, new):
         item, places = Item("layout", old.name), paths(old, new)
-        found.renamed("layout-renamed", item, places, use, old=old.name, new=new.name)
-        found.texts(item, places, old, new)
-        found.section(item, places, old.manual, new.manual, AffectedUsers((), use.commands))
+        collector.renamed("layout-renamed", item, places, use, old=old.name, new=new.name)
+        collector.texts(item, places, old, new)
+        collector.section(item, places, old.manual, new.manual, AffectedUsers((), use.commands))
     else:
         item = Item("command", command)
     matched = match.fields(old, new)
     exchanged = match.exchanged_fields(old, new)
-    others = {before.name for before, _ in exchanged}
+    exchanged_names = {before.name for before, _ in exchanged}
     for before, after in matched.pairs:
-        if before.name in others:
+        if before.name in exchanged_names:
             continue
         owner = _owner(before, item)
-        _field(found, both, owner, before, after, use)
+        _field(collector, both, owner, before, after, use)
         if (before.manual, after.manual) != (old.manual, new.manual):
-            found.section(owner, paths(before, after), before.manual, after.manual, AffectedUsers((), use.commands))
+            collector.section(owner, paths(before, after), before.manual, after.manual, AffectedUsers((), use.commands))
     replaced = matched.also(match.overlap)
     for before, after in (*exchanged, *replaced.pairs[len(matched.pairs) :]):
         facts = {"place": place_of(before), "old": before.name, "new": after.name}
-        found.add("field-replaced", _owner(before, item), paths(before, after), use, **facts)
+        collector.add("field-replaced", _owner(before, item), paths(before, after), use, **facts)
     for gone in replaced.removed:
         if gone.name not in constant_keys(another):
             facts = {"name": gone.name, "place": place_of(gone)}
             place = _parent(gone, new)
-            found.removed("field-removed", _owner(gone, item), (gone.path, place), use, gone.deprecated, **facts)
+            collector.removed("field-removed", _owner(gone, item), (gone.path, place), use, gone.deprecated, **facts)
     for fresh in replaced.added:
-        if fresh.name not in constant_keys(one):
+        if fresh.name not in constant_keys(message):
             facts = {"name": fresh.name, "place": place_of(fresh)}
-            found.add("field-added", _owner(fresh, item), (_parent(fresh, old), fresh.path), use, **facts)
+            collector.add("field-added", _owner(fresh, item), (_parent(fresh, old), fresh.path), use, **facts)
 
 
 def _is_shared(both: Editions, old: Layout, new: Layout) -> bool:
@@ -79,10 +81,10 @@ def _owner(field: Field, item: Item) -> Item:
     return Item("entry", f"{field.path[1]}.{field.path[3]}") if field.path[0] == "tables" else item
 
 
-def _parent(field: Field, other: Layout) -> DocumentPath:
+def _parent(field: Field, layout: Layout) -> DocumentPath:
     """Where a field would be in the other edition; a layout of a table may have fields of a command, and vice versa."""
-    if other.path[0] == field.path[0]:
-        return other.path
+    if layout.path[0] == field.path[0]:
+        return layout.path
     return field.path[:4] if field.path[0] == "tables" else field.path[:-1]
 
 
@@ -104,23 +106,23 @@ _OF_FIELD = (
 )
 
 
-def _field(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
+def _field(collector: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
     places = paths(old, new)
-    found.renamed("field-renamed", item, places, use, old=old.name, new=new.name)
+    collector.renamed("field-renamed", item, places, use, old=old.name, new=new.name)
     if _moved(old, new):
         facts = {"name": new.name, "old": place_of(old), "new": place_of(new)}
-        found.add("field-moved", item, at(places, "at"), use, **facts)
-    found.attributes(_OF_FIELD, item, places, old, new, use, name=new.name)
+        collector.add("field-moved", item, at(places, "at"), use, **facts)
+    collector.attributes(_OF_FIELD, item, places, old, new, use, name=new.name)
     if (old.role.sent_raw, old.role.required_raw) != (new.role.sent_raw, new.role.required_raw):
         before, after = ((*f.path, "reserved" if isinstance(f.role, ReservedRole) else "constant") for f in (old, new))
         shown = {"old": _constant(old), "new": _constant(new)}
-        found.add("constant-changed", item, (before, after), use, name=new.name, **shown)
-    found.deprecation(item, places, new.name, old.deprecated, new.deprecated)
+        collector.add("constant-changed", item, (before, after), use, name=new.name, **shown)
+    collector.deprecation(item, places, new.name, old.deprecated, new.deprecated)
     if (old.title, new.title) != (old.type.title, new.type.title):
-        found.title(item, at(places, "title"), new.name, old.title, new.title)
-    found.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
+        collector.title(item, at(places, "title"), new.name, old.title, new.title)
+    collector.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
     if isinstance(old.role, ReservedRole) is isinstance(new.role, ReservedRole):  # reserved bits have no meaning
-        _type(found, both, item, old, new, use)
+        _type(collector, both, item, old, new, use)
 
 
 def _constant(field: Field) -> SentenceArgument:
@@ -156,35 +158,35 @@ _ENCODING = Attribute[Type]("encoding-changed", "raw", lambda t: Keyword(t.encod
 _ORDER = Attribute[Type]("byte-order-changed", "byte_order", lambda t: Keyword(t.order.value))
 
 
-def _type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
-    one, other = old.type, new.type
-    named = [t.path[0] == "types" for t in (one, other)]
-    same = all(named) and both.types.get(one.name, one.name) == other.name
-    owner, name = (Item("type", one.name), one.name) if same else (item, new.name)
-    places = paths(one, other) if same else (_path(old), _path(new))
-    if min(one.width, other.width) > 8 and _follows_edition(both, one, other):
+def _type(collector: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
+    old_type, new_type = old.type, new.type
+    named = [t.path[0] == "types" for t in (old_type, new_type)]
+    same = all(named) and both.types.get(old_type.name, old_type.name) == new_type.name
+    owner, name = (Item("type", old_type.name), old_type.name) if same else (item, new.name)
+    places = paths(old_type, new_type) if same else (_path(old), _path(new))
+    if min(old_type.width, new_type.width) > 8 and _follows_edition(both, old_type, new_type):
         edition: tuple[Item, Places] = Item("edition", ""), ((), ())
-        found.attributes([_ORDER], *edition, one, other, use, name="byte_order")
-    if not same and any(named) and one.name != other.name:
-        _other_type(found, both, item, old, new, use)
+        collector.attributes([_ORDER], *edition, old_type, new_type, use, name="byte_order")
+    if not same and any(named) and old_type.name != new_type.name:
+        _other_type(collector, both, item, old, new, use)
         return
     if same:
-        found.renamed("type-renamed", owner, places, use, old=one.name, new=other.name)
-        found.texts(owner, places, one, other)
-        found.text("text-changed", owner, at(places, "differs"), name, one.differs, other.differs)
-    _meaning(found, both, owner, name, places, one, other, use)
+        collector.renamed("type-renamed", owner, places, use, old=old_type.name, new=new_type.name)
+        collector.texts(owner, places, old_type, new_type)
+        collector.text("text-changed", owner, at(places, "differs"), name, old_type.differs, new_type.differs)
+    _meaning(collector, both, owner, name, places, old_type, new_type, use)
 
 
-def _other_type(found: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
+def _other_type(collector: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
     """Adds one change for a field that has another type, with all that differs."""
     places = _path(old), _path(new)
-    inner = found.empty_copy()
+    inner = collector.empty_copy()
     _meaning(inner, both, item, new.name, places, old.type, new.type, use)
     changes = list(inner)
     facts: dict[str, SentenceArgument] = {"name": new.name, "old": old.type.name, "new": new.type.name}
     for change in changes:
         if change.rule.category is Category.DOC:
-            found.add(change.rule.id, item, places, use, **change.facts)
+            collector.add(change.rule.id, item, places, use, **change.facts)
     strong = [c for c in changes if c.rule.category in (Category.WIRE, Category.VALUE)]
     if strong:
         wire = any(c.rule.category is Category.WIRE for c in strong)
@@ -192,14 +194,14 @@ def _other_type(found: Collector, both: Editions, item: Item, old: Field, new: F
         facts["changes"] = tuple(
             part for i, c in enumerate(strong) for part in ((", ", _difference(c)) if i else (_difference(c),))
         )
-        found.add(rule, item, places, use, **facts)
+        collector.add(rule, item, places, use, **facts)
     elif old.type.path[0] == "types":  # a number without a type had no names
-        found.renamed("type-of-field-changed", item, places, use, **facts)
+        collector.renamed("type-of-field-changed", item, places, use, **facts)
 
 
-def _follows_edition(both: Editions, one: Type, other: Type) -> bool:
+def _follows_edition(both: Editions, old: Type, new: Type) -> bool:
     """Whether two types have the byte orders of their editions."""
-    return (one.order, other.order) == (both.old.order, both.new.order)
+    return (old.order, new.order) == (both.old.order, both.new.order)
 
 
 _WHAT = {"range-changed": "raw range", "scale-changed": "resolution"}
@@ -216,14 +218,21 @@ def _difference(change: Change) -> SentenceArgument:
 
 
 def _meaning(
-    found: Collector, both: Editions, owner: Item, name: str, places: Places, one: Type, other: Type, use: AffectedUsers
+    collector: Collector,
+    both: Editions,
+    owner: Item,
+    name: str,
+    places: Places,
+    old: Type,
+    new: Type,
+    use: AffectedUsers,
 ) -> None:
     """Changes of the raw format of a type, and of what its values mean."""
-    encoding = _ENCODING if Encoding.FLOAT in (one.encoding, other.encoding) else _SIGN
-    found.attributes((_WIDTH, encoding), owner, places, one, other, use, name=name)
-    if min(one.width, other.width) > 8 and not _follows_edition(both, one, other):
-        found.attributes([_ORDER], owner, places, one, other, use, name=name)
-    quantities.compare(found, quantities.Pair(one, other, owner, name, places, use))
+    encoding = _ENCODING if Encoding.FLOAT in (old.encoding, new.encoding) else _SIGN
+    collector.attributes((_WIDTH, encoding), owner, places, old, new, use, name=name)
+    if min(old.width, new.width) > 8 and not _follows_edition(both, old, new):
+        collector.attributes([_ORDER], owner, places, old, new, use, name=name)
+    quantities.compare(collector, quantities.Pair(old, new, owner, name, places, use))
 
 
 def _path(field: Field) -> DocumentPath:
@@ -232,4 +241,8 @@ def _path(field: Field) -> DocumentPath:
 
 def type_pairs(layouts: Sequence[tuple[Layout, Layout]]) -> list[tuple[Type, Type]]:
     """Types that stand in for one another in matched layouts."""
-    return [(one.type, other.type) for old, new in layouts for one, other in match.fields(old, new).pairs]
+    return [
+        (old_field.type, new_field.type)
+        for old, new in layouts
+        for old_field, new_field in match.fields(old, new).pairs
+    ]

@@ -23,16 +23,21 @@ def reply_form(command: Command, new_names: Mapping[str, str]) -> str:
 def own_messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, Message]]:
     """The frames of a command that both editions have and that are its own; no echo, which is as its request."""
     for direction in Direction:
-        one, other = (c.message(direction) for c in (old, new))
-        if one is None or other is None or one.command != old.name or other.command != new.name:
+        old_message, new_message = (c.message(direction) for c in (old, new))
+        if (
+            old_message is None
+            or new_message is None
+            or old_message.command != old.name
+            or new_message.command != new.name
+        ):
             continue
         if direction is Direction.REQUEST or not _is_other_reply(old, new):
-            yield direction, one, other
+            yield direction, old_message, new_message
 
 
 def messages(old: Command, new: Command) -> Iterator[tuple[Direction, Message, Message]]:
     """As `own_messages`, without those that have lost all their fields."""
-    return (found for found in own_messages(old, new) if not is_emptied(*found[1:]))
+    return (frames for frames in own_messages(old, new) if not is_emptied(*frames[1:]))
 
 
 def _is_other_reply(old: Command, new: Command) -> bool:

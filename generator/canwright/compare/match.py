@@ -44,7 +44,7 @@ class Matched(Generic[T]):
         pairs, removed, added = list(self.pairs), list(self.removed), list(self.added)
         for test in tests:
             for old in sorted(removed, key=_name):
-                new = next((one for one in sorted(added, key=_name) if test(old, one)), None)
+                new = next((candidate for candidate in sorted(added, key=_name) if test(old, candidate)), None)
                 if new is not None:
                     pairs.append((old, new))
                     removed.remove(old)
@@ -58,11 +58,11 @@ def _name(item: Named) -> str:
 
 def by_name(old: Iterable[T], new: Iterable[T]) -> Matched[T]:
     """Things of one name are the same thing."""
-    before, after = {one.name: one for one in old}, {one.name: one for one in new}
+    before, after = {item.name: item for item in old}, {item.name: item for item in new}
     return Matched(
-        tuple((one, after[name]) for name, one in before.items() if name in after),
-        tuple(one for name, one in before.items() if name not in after),
-        tuple(one for name, one in after.items() if name not in before),
+        tuple((item, after[name]) for name, item in before.items() if name in after),
+        tuple(item for name, item in before.items() if name not in after),
+        tuple(item for name, item in after.items() if name not in before),
     )
 
 
@@ -71,16 +71,16 @@ def by_former_name(old: Iterable[T], new: Iterable[T], former_names: Callable[[T
 
     A former name that both editions give to an item refers to an earlier edition.
     """
-    before, after = {one.name: one for one in old}, {one.name: one for one in new}
+    before, after = {item.name: item for item in old}, {item.name: item for item in new}
 
     def stated(here: dict[str, T], there: dict[str, T]) -> Iterator[tuple[T, T]]:
         """Items with a former name, each with the item of that name in the other edition."""
-        for one in here.values():
-            same = there.get(one.name)
-            names = set(former_names(one)) - set(former_names(same) if same is not None else ())
-            former = next((there[name] for name in former_names(one) if name in names & there.keys()), None)
+        for item in here.values():
+            same = there.get(item.name)
+            names = set(former_names(item)) - set(former_names(same) if same is not None else ())
+            former = next((there[name] for name in former_names(item) if name in names & there.keys()), None)
             if former is not None:
-                yield one, former
+                yield item, former
 
     pairs = {id(was): (was, now) for now, was in stated(after, before)}
     taken = {id(now) for _, now in pairs.values()}
@@ -89,8 +89,8 @@ def by_former_name(old: Iterable[T], new: Iterable[T], former_names: Callable[[T
             pairs[id(was)] = was, now
             taken.add(id(now))
     rest = by_name(
-        (one for one in before.values() if id(one) not in pairs),
-        (one for one in after.values() if id(one) not in taken),
+        (item for item in before.values() if id(item) not in pairs),
+        (item for item in after.values() if id(item) not in taken),
     )
     return Matched((*pairs.values(), *rest.pairs), rest.removed, rest.added)
 
@@ -99,23 +99,23 @@ def exchanged(
     pairs: Iterable[tuple[T, T]], new: Sequence[T], is_alike: Callable[[T, T], bool], is_same: Callable[[T, T], bool]
 ) -> list[tuple[T, T]]:
     """Things that have one another's names in the new edition: what is the same, bits included, has another name."""
-    differing = {one.name: one for one, now in pairs if one.name == now.name and not is_alike(one, now)}
-    found = [(one, b) for one in differing.values() for b in new if b.name != one.name and is_same(one, b)]
-    return found if {b.name for _, b in found} == {a.name for a, _ in found} else []
+    differing = {item.name: item for item, now in pairs if item.name == now.name and not is_alike(item, now)}
+    swapped = [(item, b) for item in differing.values() for b in new if b.name != item.name and is_same(item, b)]
+    return swapped if {b.name for _, b in swapped} == {a.name for a, _ in swapped} else []
 
 
 def renamable(old: Iterable[R], new: Iterable[R]) -> Matched[R]:
     """Things of one name, or of a former name."""
-    return by_former_name(old, new, lambda one: (one.renamed_from,) if one.renamed_from else ())
+    return by_former_name(old, new, lambda item: (item.renamed_from,) if item.renamed_from else ())
 
 
-def same_title(one: Titled, other: Titled) -> bool:
+def same_title(first: Titled, second: Titled) -> bool:
     """Whether the specs give two things one title, or none."""
-    return _is_same_title(one.title, other.title)
+    return _is_same_title(first.title, second.title)
 
 
-def _is_same_title(one: Text, other: Text) -> bool:
-    return one == other or (isinstance(one, ImpliedTitle) and isinstance(other, ImpliedTitle))
+def _is_same_title(first: Text, second: Text) -> bool:
+    return first == second or (isinstance(first, ImpliedTitle) and isinstance(second, ImpliedTitle))
 
 
 def members(old: Sequence[Member], new: Sequence[Member]) -> Matched[Member]:
@@ -131,51 +131,51 @@ def commands(old: Edition, new: Edition) -> Matched[Command]:
 
     before, after = ({n for c in edition.commands for n in (c.spec_name, c.name)} for edition in (old, new))
 
-    def may_be_renamed(one: Command, other: Command) -> bool:
-        if one.name in after or other.name in before:
+    def may_be_renamed(earlier: Command, later: Command) -> bool:
+        if earlier.name in after or later.name in before:
             return False
-        return one.spec_name == other.spec_name or not (one.spec_name in after or other.spec_name in before)
+        return earlier.spec_name == later.spec_name or not (earlier.spec_name in after or later.spec_name in before)
 
-    def same_names(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and _same_titles(one, other) and may_be_renamed(one, other)
+    def same_names(earlier: Command, later: Command) -> bool:
+        return code_of(earlier) == code_of(later) and _same_titles(earlier, later) and may_be_renamed(earlier, later)
 
-    def same_fields(one: Command, other: Command) -> bool:
-        return same_names(one, other) and _names(one) == _names(other)
+    def same_fields(earlier: Command, later: Command) -> bool:
+        return same_names(earlier, later) and _names(earlier) == _names(later)
 
-    def same_frames(one: Command, other: Command) -> bool:
-        return same_names(one, other) and _content(one) == _content(other)
+    def same_frames(earlier: Command, later: Command) -> bool:
+        return same_names(earlier, later) and _content(earlier) == _content(later)
 
-    def same_purpose(one: Command, other: Command) -> bool:
-        return one.title == other.title and _content(one) == _content(other) and may_be_renamed(one, other)
+    def same_purpose(earlier: Command, later: Command) -> bool:
+        return earlier.title == later.title and _content(earlier) == _content(later) and may_be_renamed(earlier, later)
 
-    def is_alike(one: Command, other: Command) -> bool:
-        return _content(one) == _content(other)
+    def is_alike(earlier: Command, later: Command) -> bool:
+        return _content(earlier) == _content(later)
 
-    def differ_in_name(one: Command, other: Command) -> bool:
-        return code_of(one) == code_of(other) and is_alike(one, other)
+    def differ_in_name(earlier: Command, later: Command) -> bool:
+        return code_of(earlier) == code_of(later) and is_alike(earlier, later)
 
     matched = by_former_name(old.commands, new.commands, lambda command: command.former_names)
-    others = {one.name for one, _ in exchanged(matched.pairs, new.commands, is_alike, differ_in_name)}
-    pairs, apart = ([p for p in matched.pairs if (p[0].name in others) is kind] for kind in (False, True))
+    exchanged_names = {command.name for command, _ in exchanged(matched.pairs, new.commands, is_alike, differ_in_name)}
+    pairs, apart = ([p for p in matched.pairs if (p[0].name in exchanged_names) is kind] for kind in (False, True))
     removed, added = (*matched.removed, *(a for a, _ in apart)), (*matched.added, *(b for _, b in apart))
     return Matched(tuple(pairs), removed, added).also(same_frames, same_fields, same_purpose)
 
 
-def _same_titles(one: Command, other: Command) -> bool:
-    if one.entry is not None and other.entry is not None and not same_title(one.entry, other.entry):
+def _same_titles(old: Command, new: Command) -> bool:
+    if old.entry is not None and new.entry is not None and not same_title(old.entry, new.entry):
         return False
-    return _is_same_title(one.spec_title, other.spec_title)
+    return _is_same_title(old.spec_title, new.spec_title)
 
 
 def fields(old: Layout, new: Layout) -> Matched[Field]:
     """Fields of one name or a former name; with the same bits, meaning and title; or of one type and title."""
 
-    def same_bits(one: Field, other: Field) -> bool:
-        same_values = _meaning(one.type) == _meaning(other.type) and same_title(one, other)
-        return one.elements == other.elements and same_values and one.only == other.only
+    def same_bits(earlier: Field, later: Field) -> bool:
+        same_values = _meaning(earlier.type) == _meaning(later.type) and same_title(earlier, later)
+        return earlier.elements == later.elements and same_values and earlier.only == later.only
 
-    def same_type(one: Field, other: Field) -> bool:
-        return one.type.name == other.type.name and one.title == other.title
+    def same_type(earlier: Field, later: Field) -> bool:
+        return earlier.type.name == later.type.name and earlier.title == later.title
 
     return renamable(old.fields, new.fields).also(same_bits, same_type)
 
@@ -183,11 +183,11 @@ def fields(old: Layout, new: Layout) -> Matched[Field]:
 def exchanged_fields(old: Layout, new: Layout) -> list[tuple[Field, Field]]:
     """The fields that have one another's names, by their bits."""
 
-    def is_alike(one: Field, other: Field) -> bool:
-        return _meaning(one.type) == _meaning(other.type)
+    def is_alike(earlier: Field, later: Field) -> bool:
+        return _meaning(earlier.type) == _meaning(later.type)
 
-    def has_same_bits(one: Field, other: Field) -> bool:
-        return _bits_and_meaning(one) == _bits_and_meaning(other)
+    def has_same_bits(earlier: Field, later: Field) -> bool:
+        return _bits_and_meaning(earlier) == _bits_and_meaning(later)
 
     return exchanged(fields(old, new).pairs, new.fields, is_alike, has_same_bits)
 
@@ -198,9 +198,9 @@ def code_of(command: Command) -> tuple[object, ...]:
     return command.address, frozenset((key.space, key.segments, key.value) for key in message.keys) if message else ()
 
 
-def overlap(one: Field, other: Field) -> bool:
+def overlap(first: Field, second: Field) -> bool:
     """Whether two fields share bits."""
-    return one.space is other.space and bool(_bits(one) & _bits(other))
+    return first.space is second.space and bool(_bits(first) & _bits(second))
 
 
 def _bits(field: Field) -> set[int]:
@@ -244,5 +244,5 @@ def _meaning(type_: Type) -> tuple[object, ...]:
 
 def renamed(pairs: Iterable[tuple[str, str]], old: Sequence[Named], new: Sequence[Named]) -> dict[str, str]:
     """Old names to new ones, where the old name is gone and the new one was not there."""
-    before, after = {one.name for one in old}, {one.name for one in new}
+    before, after = {item.name for item in old}, {item.name for item in new}
     return {a: b for a, b in pairs if a != b and a not in after and b not in before}

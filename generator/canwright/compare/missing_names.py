@@ -26,10 +26,10 @@ _WIDE = ("command", "entry", "layout", "table")
 """The kinds of items whose changes can cause changes of names of other items: those that their commands use."""
 
 
-def compare(found: Collector, names: ExportedNames, old: Edition) -> None:
+def compare(collector: Collector, names: ExportedNames, old: Edition) -> None:
     """Adds a change for each item with names that disappear, unless a change of the item or of its users explains it."""
     groups: dict[DocumentPath, list[DocumentPath]] = defaultdict(list)
-    changes = [change for change in found if change.rule.category is not Category.DOC]
+    changes = [change for change in collector if change.rule.category is not Category.DOC]
     users, parameters = _users(old), _parameters(old)
     for path in sorted(names.missing(), key=repr):
         related = users.get(path[:2], frozenset()), parameters.get(path[:2], frozenset())
@@ -38,7 +38,7 @@ def compare(found: Collector, names: ExportedNames, old: Edition) -> None:
     for item, paths in groups.items():
         named = Item(_KINDS[str(item[0])], str(item[1])) if item[0] in _KINDS else Item(str(item[0]), "")
         facts = {"names": names.disappeared(paths)}
-        found.add("names-changed", named, (item, item), BOTH_SIDES, **facts)
+        collector.add("names-changed", named, (item, item), BOTH_SIDES, **facts)
 
 
 def _explains(change: Change, path: DocumentPath, users: frozenset[str], parameters: frozenset[str]) -> bool:
@@ -72,7 +72,7 @@ def _parameters(edition: Edition) -> dict[DocumentPath, frozenset[str]]:
 
 def _users(edition: Edition) -> dict[DocumentPath, frozenset[str]]:
     """The commands that use an item, by its path."""
-    found: dict[DocumentPath, set[str]] = defaultdict(set)
+    users: dict[DocumentPath, set[str]] = defaultdict(set)
     for command in edition.commands:
         layouts = [message.layout for message in (command.request, command.reply) if message is not None]
         tables = [command.entry.path] if command.entry else []
@@ -86,5 +86,5 @@ def _users(edition: Edition) -> dict[DocumentPath, frozenset[str]]:
             *(("addresses", message.address) for message in (command.request, command.reply) if message is not None),
         )
         for path in used:
-            found[path[:2]].add(command.spec_name)
-    return {path: frozenset(commands) for path, commands in found.items()}
+            users[path[:2]].add(command.spec_name)
+    return {path: frozenset(commands) for path, commands in users.items()}

@@ -48,19 +48,19 @@ def _edited(
     """
     wanted = before[-1:] if before not in old and after not in new else ()
     before, after = _known(old, before), _known(new, after)
-    one, other = _value(old, before), _value(new, after)
+    old_value, new_value = _value(old, before), _value(new, after)
     while before[-1:] == after[-1:]:
-        keys = _keys(one, other)
-        differing = [key for key in keys if _item(one, key) != _item(other, key)]
-        others = _OTHER_KEYS.get(str(wanted[0]), ()) if wanted else ()
-        differing = [key for key in differing if key in others or str(key) in cases][:1] or differing
+        keys = _keys(old_value, new_value)
+        differing = [key for key in keys if _item(old_value, key) != _item(new_value, key)]
+        other_keys = _OTHER_KEYS.get(str(wanted[0]), ()) if wanted else ()
+        differing = [key for key in differing if key in other_keys or str(key) in cases][:1] or differing
         if len(differing) > 1 and differing == keys and not wanted:
-            return (*before, *_keys(one, one)[:1]), (*after, *_keys(other, other)[:1])
+            return (*before, *_keys(old_value, old_value)[:1]), (*after, *_keys(new_value, new_value)[:1])
         if len(differing) != 1:
             break
         key = differing[0]
         before, after, wanted = (*before, key), (*after, key), ()
-        one, other = _item(one, key), _item(other, key)
+        old_value, new_value = _item(old_value, key), _item(new_value, key)
     return before, after
 
 
@@ -70,11 +70,11 @@ def _known(document: Document, path: DocumentPath) -> DocumentPath:
     return path
 
 
-def _keys(one: object, other: object) -> list[str | int]:
-    if isinstance(one, dict) and isinstance(other, dict):
-        return list({**one, **other})
-    if isinstance(one, list) and isinstance(other, list):
-        return list(range(max(len(one), len(other))))
+def _keys(first: object, second: object) -> list[str | int]:
+    if isinstance(first, dict) and isinstance(second, dict):
+        return list({**first, **second})
+    if isinstance(first, list) and isinstance(second, list):
+        return list(range(max(len(first), len(second))))
     return []
 
 

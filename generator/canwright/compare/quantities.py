@@ -38,10 +38,10 @@ class Pair:
     places: Places
     use: AffectedUsers
 
-    def add(self, found: Collector, rule: str, key: str, case: Case[T], old: str, new: str) -> None:
+    def add(self, collector: Collector, rule: str, key: str, case: Case[T], old: str, new: str) -> None:
         """Adds a change of a number that may depend on parameters."""
         facts = {"name": self.name, "when": case.when, "old": old, "new": new}
-        found.add(rule, self.item, at(self.places, key), self.use, None, case.assignments, **facts)
+        collector.add(rule, self.item, at(self.places, key), self.use, None, case.assignments, **facts)
 
 
 _UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Keyword("no unit"))
@@ -65,16 +65,16 @@ _WITHOUT_EFFECTS = Attribute[Member](
 )
 
 
-def compare(found: Collector, pair: Pair) -> None:
+def compare(collector: Collector, pair: Pair) -> None:
     """All changes of what a type means."""
     old, new = pair.old, pair.new
-    linear = [_scales(found, pair), _offsets(found, pair)]
-    shows_parameters = any([*linear, _ranges(found, pair)])
+    linear = [_scales(collector, pair), _offsets(collector, pair)]
+    shows_parameters = any([*linear, _ranges(collector, pair)])
     for key, before, after in (("enum", old.enum, new.enum), ("flags", old.flags, new.flags)):
-        _members(found, pair, key, before, after)
+        _members(collector, pair, key, before, after)
     rows = (_UNIT,) if shows_parameters else (_UNIT, _PARAMETERS)
-    found.attributes(rows, pair.item, pair.places, old, new, pair.use, name=pair.name)
-    found.attributes(
+    collector.attributes(rows, pair.item, pair.places, old, new, pair.use, name=pair.name)
+    collector.attributes(
         [_PLAUSIBLE], pair.item, pair.places, old, new, AffectedUsers((), pair.use.commands), name=pair.name
     )
 
@@ -83,28 +83,28 @@ def _scale(linear: Linear | None) -> object:
     return linear and (linear.scale, linear.times)
 
 
-def _scales(found: Collector, pair: Pair) -> bool:
+def _scales(collector: Collector, pair: Pair) -> bool:
     """Adds changes of scales; whether there are any of their values."""
     changed = False
     for case in _cases(pair.old.linear, pair.new.linear):
-        one, other = case.old, case.new
-        shown = _scale_shown(one, pair.old), _scale_shown(other, pair.new)
-        if _scale(one) != _scale(other):
-            pair.add(found, "scale-changed", "scale", case, *shown)
+        old, new = case.old, case.new
+        shown = _scale_shown(old, pair.old), _scale_shown(new, pair.new)
+        if _scale(old) != _scale(new):
+            pair.add(collector, "scale-changed", "scale", case, *shown)
             changed = True
-        elif one and other and (one.printed or "1") != (other.printed or "1") and not one.is_identity:
-            pair.add(found, "scale-rewritten", "scale", case, *shown)
+        elif old and new and (old.printed or "1") != (new.printed or "1") and not old.is_identity:
+            pair.add(collector, "scale-rewritten", "scale", case, *shown)
     return changed
 
 
-def _offsets(found: Collector, pair: Pair) -> bool:
+def _offsets(collector: Collector, pair: Pair) -> bool:
     """Adds changes of offsets; whether there are any."""
     changed = False
     for case in _cases(_offsets_of(pair.old.linear), _offsets_of(pair.new.linear)):
-        one, other = case.old, case.new
-        if one is not None and other is not None and one != other:
-            shown = _offset_shown(one, pair.old), _offset_shown(other, pair.new)
-            pair.add(found, "offset-changed", "offset", case, *shown)
+        old, new = case.old, case.new
+        if old is not None and new is not None and old != new:
+            shown = _offset_shown(old, pair.old), _offset_shown(new, pair.new)
+            pair.add(collector, "offset-changed", "offset", case, *shown)
             changed = True
     return changed
 
@@ -112,10 +112,10 @@ def _offsets(found: Collector, pair: Pair) -> bool:
 def _offsets_of(linear: ByParameter[Linear]) -> ByParameter[Linear]:
     """The offsets of some scales alone."""
 
-    def offset(one: Linear | None) -> Linear | None:
-        return one and Linear(Fraction(1), one.offset, one.times if one.offset else None)
+    def offset(line: Linear | None) -> Linear | None:
+        return line and Linear(Fraction(1), line.offset, line.times if line.offset else None)
 
-    cases = {name: offset(one) for name, one in linear.cases.items()}
+    cases = {name: offset(line) for name, line in linear.cases.items()}
     return ByParameter(parameter=linear.parameter, constant=offset(linear.constant), cases=cases)
 
 
@@ -131,22 +131,22 @@ def _unit(type_: Type) -> str:
     return f" {type_.unit.symbol}" if type_.unit else ""
 
 
-def _ranges(found: Collector, pair: Pair) -> bool:
+def _ranges(collector: Collector, pair: Pair) -> bool:
     """Adds changes of ranges; whether there are any."""
     changed = False
     if _same_values(pair.old, pair.new):
         return changed
     for case in _cases(pair.old.raw_range, pair.new.raw_range):
-        one, other = case.old, case.new
-        old, new = one or _whole(pair.old), other or _whole(pair.new)
-        if old == new or one is other is None:
+        old_range, new_range = case.old, case.new
+        old, new = old_range or _whole(pair.old), new_range or _whole(pair.new)
+        if old == new or old_range is new_range is None:
             continue
         changed = True
         shown = [
             Keyword("not limited") if limits is None else formatting.span(limits, formatting.decimal)
-            for limits in (one, other)
+            for limits in (old_range, new_range)
         ]
-        pair.add(found, "range-changed", "raw_range", case, shown[0], shown[1])
+        pair.add(collector, "range-changed", "raw_range", case, shown[0], shown[1])
     return changed
 
 
@@ -161,16 +161,16 @@ def _same_values(old: Type, new: Type) -> bool:
     assignments = [dict.fromkeys(parameters, name) for name in names]
     return all(
         _same_range((old.raw_range.at(a), new.raw_range.at(a)), (old.linear.at(a), new.linear.at(a)))
-        for a in ({p: name for p, name in one.items() if p} for one in assignments)
+        for a in ({p: name for p, name in assignment.items() if p} for assignment in assignments)
     )
 
 
 def _same_range(ranges: tuple[Range | None, Range | None], lines: tuple[Linear | None, Linear | None]) -> bool:
-    (old, new), (line, other) = ranges, lines
-    if old is None or new is None or line is None or other is None:
+    (old, new), (old_line, new_line) = ranges, lines
+    if old is None or new is None or old_line is None or new_line is None:
         return old is new
-    step = max(abs(line.scale), abs(other.scale))
-    before, after = formatting.in_unit(old, line), formatting.in_unit(new, other)
+    step = max(abs(old_line.scale), abs(new_line.scale))
+    before, after = formatting.in_unit(old, old_line), formatting.in_unit(new, new_line)
     return all(
         a.parameter == b.parameter
         and abs(a.constant - b.constant) <= step
@@ -188,17 +188,17 @@ def _cases(old: ByParameter[T], new: ByParameter[T]) -> Iterator[Case[T]]:
     """Where two differ, cases that differ alike together."""
     groups: list[tuple[list[str], list[Assignment], T | None, T | None]] = []
     for name, assignment in _assignments(old, new):
-        one, other = old.at(assignment), new.at(assignment)
-        known = next((group for group in groups if group[2:] == (one, other)), None)
+        before, after = old.at(assignment), new.at(assignment)
+        known = next((group for group in groups if group[2:] == (before, after)), None)
         if known is None:
-            groups.append(([name], [assignment], one, other))
+            groups.append(([name], [assignment], before, after))
         else:
             known[0].append(name)
             known[1].append(assignment)
     parameters = "" if len({old.parameter, new.parameter} - {None}) > 1 else f"{old.parameter or new.parameter} "
-    for names, assignments, one, other in groups:
+    for names, assignments, before, after in groups:
         when = "" if names == [""] else f" [{parameters}{', '.join(names)}]"
-        yield Case(when, tuple(assignments) if when else (), one, other)
+        yield Case(when, tuple(assignments) if when else (), before, after)
 
 
 def _assignments(old: ByParameter[T], new: ByParameter[T]) -> Iterator[tuple[str, Assignment]]:
@@ -221,28 +221,42 @@ def _ordered(names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda name: (len(name) if name.isdecimal() else 0, name))
 
 
-def _members(found: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
+def _members(collector: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
     matched = match.members(old, new)
     parents = at(pair.places, key)
-    for one, other in matched.pairs:
-        places = (*parents[0], one.name), (*parents[1], other.name)
-        facts = {"name": pair.name, "old": one.name, "new": other.name}
-        found.renamed("member-renamed", pair.item, places, pair.use, **facts)
-        if one.value != other.value:
-            facts = {"name": pair.name, "member": other.name, "old": str(one.value), "new": str(other.value)}
-            found.add("member-renumbered", pair.item, places, pair.use, **facts)
-        found.attributes([_WITHOUT_EFFECTS], pair.item, places, one, other, pair.use, name=pair.name, member=other.name)
-        found.deprecation(pair.item, places, other.name, one.deprecated, other.deprecated)
-        found.texts(pair.item, places, one, other)
+    for old_member, new_member in matched.pairs:
+        places = (*parents[0], old_member.name), (*parents[1], new_member.name)
+        facts = {"name": pair.name, "old": old_member.name, "new": new_member.name}
+        collector.renamed("member-renamed", pair.item, places, pair.use, **facts)
+        if old_member.value != new_member.value:
+            facts = {
+                "name": pair.name,
+                "member": new_member.name,
+                "old": str(old_member.value),
+                "new": str(new_member.value),
+            }
+            collector.add("member-renumbered", pair.item, places, pair.use, **facts)
+        collector.attributes(
+            [_WITHOUT_EFFECTS],
+            pair.item,
+            places,
+            old_member,
+            new_member,
+            pair.use,
+            name=pair.name,
+            member=new_member.name,
+        )
+        collector.deprecation(pair.item, places, new_member.name, old_member.deprecated, new_member.deprecated)
+        collector.texts(pair.item, places, old_member, new_member)
     replaced = matched.also(lambda a, b: a.value == b.value)
-    for one, other in replaced.pairs[len(matched.pairs) :]:
-        places = (*parents[0], one.name), (*parents[1], other.name)
-        facts = {"name": pair.name, "value": str(one.value), "old": one.name, "new": other.name}
-        found.add("member-replaced", pair.item, places, pair.use, **facts)
+    for old_member, new_member in replaced.pairs[len(matched.pairs) :]:
+        places = (*parents[0], old_member.name), (*parents[1], new_member.name)
+        facts = {"name": pair.name, "value": str(old_member.value), "old": old_member.name, "new": new_member.name}
+        collector.add("member-replaced", pair.item, places, pair.use, **facts)
     for gone in replaced.removed:
         facts = {"name": pair.name, "member": gone.name, "value": str(gone.value)}
         places = (*parents[0], gone.name), parents[1]
-        found.removed("member-removed", pair.item, places, pair.use, gone.deprecated, **facts)
+        collector.removed("member-removed", pair.item, places, pair.use, gone.deprecated, **facts)
     for fresh in replaced.added:
         facts = {"name": pair.name, "member": fresh.name, "value": str(fresh.value)}
-        found.add("member-added", pair.item, (parents[0], (*parents[1], fresh.name)), pair.use, **facts)
+        collector.add("member-added", pair.item, (parents[0], (*parents[1], fresh.name)), pair.use, **facts)

@@ -38,28 +38,33 @@ class _Names:
         return {self.new(Parameter, p): tuple(self.value(p, value) for value in values) for p, values in only.items()}
 
 
-def compare(found: Collector, old: Edition, new: Edition) -> Edition:
+def compare(collector: Collector, old: Edition, new: Edition) -> Edition:
     """All renames of what commands name; the old edition as it would be with the new names."""
     names = _Names()
-    _renamed(found, names, Parameter, ("parameters",), _parameters(old, new))
-    for one, other in _parameters(old, new).pairs:
-        if one.is_numeric or other.is_numeric:
+    _renamed(collector, names, Parameter, ("parameters",), _parameters(old, new))
+    for old_parameter, new_parameter in _parameters(old, new).pairs:
+        if old_parameter.is_numeric or new_parameter.is_numeric:
             continue
-        for value, now in by_name(one.values, other.values).also(lambda a, b: a.title == b.title).pairs:
+        for value, now in (
+            by_name(old_parameter.values, new_parameter.values).also(lambda a, b: a.title == b.title).pairs
+        ):
             if value.name != now.name:
-                names.values.setdefault(other.name, {})[value.name] = now.name
-                places = ("parameters", one.name, "values", value.name), ("parameters", other.name, "values", now.name)
-                facts = {"name": other.name, "old": value.name, "new": now.name}
-                item = Item("parameter", one.name)
-                found.renamed("parameter-value-renamed", item, places, BOTH_SIDES, **facts)
+                names.values.setdefault(new_parameter.name, {})[value.name] = now.name
+                places = (
+                    ("parameters", old_parameter.name, "values", value.name),
+                    ("parameters", new_parameter.name, "values", now.name),
+                )
+                facts = {"name": new_parameter.name, "old": value.name, "new": now.name}
+                item = Item("parameter", old_parameter.name)
+                collector.renamed("parameter-value-renamed", item, places, BOTH_SIDES, **facts)
     settings = by_name(old.settings, new.settings).also(_same_title, _same_use(old, new, lambda c: c.limited_by))
-    _renamed(found, names, Setting, ("settings",), settings)
+    _renamed(collector, names, Setting, ("settings",), settings)
     effects = by_name(old.effects, new.effects).also(_same_title, _same_use(old, new, lambda c: c.effects))
-    _renamed(found, names, Effect, ("effects",), effects)
+    _renamed(collector, names, Effect, ("effects",), effects)
     modes = by_name(old.bus.modes, new.bus.modes).also(
         lambda a, b: (a.bit_rates_kbps, a.default_kbps) == (b.bit_rates_kbps, b.default_kbps)
     )
-    _renamed(found, names, Mode, ("bus", "modes"), modes)
+    _renamed(collector, names, Mode, ("bus", "modes"), modes)
     if not names.of and not names.values:
         return old
     renamed: Edition = _in(names, old)
@@ -67,15 +72,15 @@ def compare(found: Collector, old: Edition, new: Edition) -> Edition:
 
 
 def _parameters(old: Edition, new: Edition) -> Matched[Parameter]:
-    def same_values(one: Parameter, other: Parameter) -> bool:
-        bounds = (one.minimum, one.maximum) == (other.minimum, other.maximum)
-        return bounds and {v.name for v in one.values} == {v.name for v in other.values}
+    def same_values(earlier: Parameter, later: Parameter) -> bool:
+        bounds = (earlier.minimum, earlier.maximum) == (later.minimum, later.maximum)
+        return bounds and {v.name for v in earlier.values} == {v.name for v in later.values}
 
     return by_name(old.parameters, new.parameters).also(_same_title, same_values)
 
 
-def _same_title(one: Parameter | Setting | Effect, other: Parameter | Setting | Effect) -> bool:
-    return one.title == other.title
+def _same_title(first: Parameter | Setting | Effect, second: Parameter | Setting | Effect) -> bool:
+    return first.title == second.title
 
 
 def _same_use(
@@ -86,24 +91,24 @@ def _same_use(
     def users(edition: Edition, name: str) -> set[str]:
         return {c.name for c in edition.commands if any(named.name == name for named in names(c))}
 
-    return lambda one, other: bool(users(old, one.name)) and users(old, one.name) == users(new, other.name)
+    return lambda earlier, later: bool(users(old, earlier.name)) and users(old, earlier.name) == users(new, later.name)
 
 
-def _renamed(found: Collector, names: _Names, kind: type[object], path: DocumentPath, matched: Matched[T]) -> None:
+def _renamed(collector: Collector, names: _Names, kind: type[object], path: DocumentPath, matched: Matched[T]) -> None:
     word = kind.__name__.lower()
-    for one, other in matched.pairs:
-        if one.name != other.name:
-            names.of.setdefault(kind, {})[one.name] = other.name
-            was, now = (*path, one.name), (*path, other.name)
-            facts = {"old": one.name, "new": other.name}
-            found.renamed(f"{word}-renamed", Item(word, one.name), (was, now), BOTH_SIDES, **facts)
-            found.moved[now] = was
+    for old, new in matched.pairs:
+        if old.name != new.name:
+            names.of.setdefault(kind, {})[old.name] = new.name
+            was, now = (*path, old.name), (*path, new.name)
+            facts = {"old": old.name, "new": new.name}
+            collector.renamed(f"{word}-renamed", Item(word, old.name), (was, now), BOTH_SIDES, **facts)
+            collector.moved[now] = was
 
 
 def _in(names: _Names, part: Any) -> Any:
     """A part of the old edition in new names; the same object where nothing has another name."""
     if isinstance(part, tuple):
-        made = tuple(_in(names, one) for one in part)
+        made = tuple(_in(names, item) for item in part)
         return part if all(a is b for a, b in zip(part, made, strict=True)) else made
     if not dataclasses.is_dataclass(part) or isinstance(part, type):
         return part

@@ -21,10 +21,10 @@ MAX_MEMBERS = 256
 """So many members of an enum are tried; of two editions, those that differ come first."""
 
 
-def raws(encoder: Encoder, field: Field, other: Field) -> Iterator[int]:
+def raws(encoder: Encoder, field: Field, counterpart: Field) -> Iterator[int]:
     """Raw integers that a field can be sent with, ends of ranges and members in both editions among them."""
-    demanded = () if not other.role.is_checked else (other.role.required_raw,)
-    for raw in dict.fromkeys((*_raws(field.type, other.type, encoder.assignment), *demanded)):
+    demanded = () if not counterpart.role.is_checked else (counterpart.role.required_raw,)
+    for raw in dict.fromkeys((*_raws(field.type, counterpart.type, encoder.assignment), *demanded)):
         if _allows(encoder, field, raw):
             yield raw
 
@@ -36,22 +36,22 @@ def raws_of_each_bit(encoder: Encoder, field: Field) -> Iterator[int]:
         yield from (raw for raw in (1 << bit for bit in range(field.type.width)) if _allows(encoder, field, raw))
 
 
-def _raws(one: Type, other: Type, assignment: Assignment) -> Iterator[int]:
-    if one.enum or one.flags:
-        named = {m.value for t in (one, other) for m in (t.enum or t.flags)}
-        differing = {(m.name, m.value) for m in one.enum or one.flags} ^ {
-            (m.name, m.value) for m in other.enum or other.flags
+def _raws(source: Type, target: Type, assignment: Assignment) -> Iterator[int]:
+    if source.enum or source.flags:
+        named = {m.value for t in (source, target) for m in (t.enum or t.flags)}
+        differing = {(m.name, m.value) for m in source.enum or source.flags} ^ {
+            (m.name, m.value) for m in target.enum or target.flags
         }
         first = sorted(value for _, value in differing)
         values = list(dict.fromkeys((*first, *sorted(named))))[:MAX_MEMBERS]
-        yield from (values if one.enum else (1 << value for value in values if 0 <= value < one.width))
-        if one.flags:
-            yield from (0, sum(1 << m.value for m in one.flags))
+        yield from (values if source.enum else (1 << value for value in values if 0 <= value < source.width))
+        if source.flags:
+            yield from (0, sum(1 << m.value for m in source.flags))
         return
-    if one.encoding is Encoding.FLOAT:
-        yield from ({32: (0x3F800000, 0xC2C80000, 0), 64: (0x3FF << 52, 0xC059 << 48, 0)}[one.width])
+    if source.encoding is Encoding.FLOAT:
+        yield from ({32: (0x3F800000, 0xC2C80000, 0), 64: (0x3FF << 52, 0xC059 << 48, 0)}[source.width])
     yield from (1, 100, -1, 0)
-    for type_ in (one, other):
+    for type_ in (source, target):
         span = type_.raw_range.at(assignment)
         for end in (span.low, span.high) if span else ():
             at = end_of(end, assignment)
@@ -129,8 +129,8 @@ def _data(node: DispatchNode, frame: CanFrame, data: int, variable: int) -> Iter
 def _choices(select: Select, subject: BitRun, frame: CanFrame, data: int, variable: int, mask: int) -> Iterator[int]:
     now = CanFrame(frame.id, data.to_bytes(len(frame.data), "little"), frame.extended)
     current = read_bits(subject, now)
-    other = next((v for v in (current, 0, 1, (1 << subject.width) - 1, 85) if v not in select.by_value), current)
-    for value in dict.fromkeys((current, other, *select.by_value)):
+    unlisted = next((v for v in (current, 0, 1, (1 << subject.width) - 1, 85) if v not in select.by_value), current)
+    for value in dict.fromkeys((current, unlisted, *select.by_value)):
         changed = data & ~mask | placed(subject.segments, value)
         if changed.bit_length() <= len(frame.data) * 8 and not (changed ^ data) & ~variable:
             known = select.by_value.get(value)
@@ -158,5 +158,5 @@ def with_first_key(message: Message, frame: CanFrame, value: int) -> CanFrame:
 
 def message_of(decoder: Decoder, direction: Direction, frame: CanFrame) -> Message | None:
     """The message that a frame is; None if it is rejected."""
-    found = decoder.identify(direction, frame)
-    return found.message if isinstance(found, Identified) else None
+    result = decoder.identify(direction, frame)
+    return result.message if isinstance(result, Identified) else None

@@ -23,8 +23,8 @@ class Counterparts:
         self._former_members: dict[tuple[Type, Type], Mapping[str, str]] = {}
         self._same: dict[tuple[Type, Type], bool] = {}
         self._of: dict[Command, Command] = {}
-        for one, other in matched.pairs:
-            self._of[one], self._of[other] = other, one
+        for old_command, new_command in matched.pairs:
+            self._of[old_command], self._of[new_command] = new_command, old_command
 
     def of(self, command: Command) -> Command | None:
         """The command of the other edition; None without one."""
@@ -40,7 +40,7 @@ class Counterparts:
         """The names of the new members, by those of the old ones."""
         if (old, new) not in self._members:
             pairs = (*match.members(old.enum, new.enum).pairs, *match.members(old.flags, new.flags).pairs)
-            self._members[old, new] = {one.name: other.name for one, other in pairs}
+            self._members[old, new] = {old_member.name: new_member.name for old_member, new_member in pairs}
         return self._members[old, new]
 
     def former_members(self, old: Type, new: Type) -> Mapping[str, str]:

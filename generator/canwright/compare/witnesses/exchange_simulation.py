@@ -255,31 +255,31 @@ class ExchangeSimulation:
         understood = candidates.message_of(receiver, Direction.REQUEST, asked)
         if understood is None or old.reply is None or old.request is None:
             return
-        other = self._editions[Side.SENDING][1].command(understood.command)
+        command = self._editions[Side.SENDING][1].command(understood.command)
         back = case._replace(side=Side.RECEIVING)
-        node = self._nodes.first(old.request, understood, old.reply, *(r.message for r in other.replies))
-        reply = self._reply(encoder, other, asked, node)
-        if reply is None or other.reply is None:
+        node = self._nodes.first(old.request, understood, old.reply, *(r.message for r in command.replies))
+        reply = self._reply(encoder, command, asked, node)
+        if reply is None or command.reply is None:
             facts: dict[str, SentenceArgument] = {"sent": f"`{old.name}`"}
-            yield self._made(back, Impact.LOUD, assignment, asked, "sent-unanswered", facts, misread.paths, (other,))
+            yield self._made(back, Impact.LOUD, assignment, asked, "sent-unanswered", facts, misread.paths, (command,))
             return
         original = _moved(asked, understood.id, old.request.id, node)
-        placed = _moved(reply, other.reply.id, old.reply.id, node)
+        placed = _moved(reply, command.reply.id, old.reply.id, node)
         if original is None or placed is None:
             return
-        facts = {"sent": _whole(other.reply, encoder, reply)}
-        exists, known = placed == reply and original == asked, _stated(assignment, encoder, other.reply, old.reply)
+        facts = {"sent": _whole(command.reply, encoder, reply)}
+        exists, known = placed == reply and original == asked, _stated(assignment, encoder, command.reply, old.reply)
         if isinstance(check_reply(self._decoders[Side.SENDING][0], original, placed), Rejection):
             facts["reason"] = _reason("not_answer")
             impact, sentence = Impact.LOUD, "received-rejected"
-        elif self._counterparts.of(self._editions[Side.SENDING][1].command(other.reply.command)) is not (
+        elif self._counterparts.of(self._editions[Side.SENDING][1].command(command.reply.command)) is not (
             self._editions[Side.SENDING][0].command(old.reply.command)
         ):
             facts["read"] = _whole(old.reply, encoder, placed)
             impact, sentence = Impact.SILENT, "received-read"
         else:
             return
-        witness = self._made(back, impact, known, placed, sentence, facts, misread.paths, (other,))
+        witness = self._made(back, impact, known, placed, sentence, facts, misread.paths, (command,))
         yield dataclasses.replace(witness, exists=exists)
 
     def _frames(self, side: Side, encoder: Encoder, sent: Message, read: Message | None) -> Iterator[_Trial]:
@@ -295,14 +295,14 @@ class ExchangeSimulation:
             placed = _moved(frame, sent.id, read.id, common) if read is not None and has_same_address else frame
             if placed is None:
                 continue
-            for one in candidates.reaching(receiver, direction, placed, variable):
-                original = CanFrame(frame.id, one.data, frame.extended, frame.remote)
+            for candidate in candidates.reaching(receiver, direction, placed, variable):
+                original = CanFrame(frame.id, candidate.data, frame.extended, frame.remote)
                 if self._is_valid(side, encoder, sent, original):
-                    yield _Trial(common, one, exists=one == original)
+                    yield _Trial(common, candidate, exists=candidate == original)
                     if side is Side.RECEIVING:
                         for code in sent.accepted_codes:
-                            accepted = candidates.with_first_key(sent, one, code)
-                            yield _Trial(common, accepted, exists=one == original)
+                            accepted = candidates.with_first_key(sent, candidate, code)
+                            yield _Trial(common, accepted, exists=candidate == original)
         if read is not None and read.id != sent.id:
             for node in _nodes(sent.id):
                 base = next(iter(self._samples(encoder, sent, node)), None)
@@ -345,37 +345,40 @@ class ExchangeSimulation:
     ) -> Witness | None:
         """What the receiver makes of a frame; None if it is the expected message of the same node."""
         node, frame, receiver = trial.node, trial.frame, self._decoders[case.side][1]
-        found = receiver.identify(sent.direction, frame)
+        result = receiver.identify(sent.direction, frame)
         sending = case.side is Side.SENDING
         facts: dict[str, SentenceArgument] = {"sent": self._sent(encoder, sent, trial)}
-        if isinstance(found, Identified):
+        if isinstance(result, Identified):
             expected = self._expected(case.side, encoder, sent, read, frame)
-            if found.message in expected:
-                if node is None or found.node is None or node == found.node:
+            if result.message in expected:
+                if node is None or result.node is None or node == result.node:
                     return None
                 facts = {"sent": (f"`{sent.command}`, ", Keyword("node"), f" {node}")}
-                facts["read"] = (Keyword("node"), f" {found.node}")
+                facts["read"] = (Keyword("node"), f" {result.node}")
             elif read is not None and not sending and self._is_ambiguous(receiver, read, frame, encoder):
                 return None
             else:
-                wrong = rejects_constants(found.message, frame, encoder.assignment)
+                wrong = rejects_constants(result.message, frame, encoder.assignment)
                 if wrong is not None:
-                    found = wrong
+                    result = wrong
                 else:
-                    facts["read"] = _whole(found.message, encoder, frame)
-        if isinstance(found, Rejection):
+                    facts["read"] = _whole(result.message, encoder, frame)
+        if isinstance(result, Rejection):
             if read is None and not sending:
                 return None
-            facts["reason"] = _reason(found.reason.value)
+            facts["reason"] = _reason(result.reason.value)
             sentence, known = "sent-rejected" if sending else "received-rejected", _stated(assignment, encoder, sent)
             witness = self._made(
                 case, Impact.LOUD, known, frame, sentence, facts, self._of_frame(case, trial, sent, read)
             )
             return dataclasses.replace(witness, exists=trial.exists)
-        sentence, known = "sent-read" if sending else "received-read", _stated(assignment, encoder, sent, found.message)
-        other = self._editions[case.side][1].command(found.message.command)
-        of_frame = self._of_frame(case, trial, sent, read, found.message)
-        witness = self._made(case, Impact.SILENT, known, frame, sentence, facts, of_frame, (other,))
+        sentence, known = (
+            "sent-read" if sending else "received-read",
+            _stated(assignment, encoder, sent, result.message),
+        )
+        command = self._editions[case.side][1].command(result.message.command)
+        of_frame = self._of_frame(case, trial, sent, read, result.message)
+        witness = self._made(case, Impact.SILENT, known, frame, sentence, facts, of_frame, (command,))
         return dataclasses.replace(witness, exists=trial.exists)
 
     def _of_frame(
@@ -449,10 +452,10 @@ class ExchangeSimulation:
             if asked is None or own is None or isinstance(check_reply(host, asked, own), Rejection):
                 continue
             replies = (
-                (replier, one)
+                (replier, variant)
                 for replier in repliers
                 for reply in self._replies(encoder, new, asked, replier)
-                for one in (reply, *(candidates.with_first_key(sent, reply, code) for code in sent.accepted_codes))
+                for variant in (reply, *(candidates.with_first_key(sent, reply, code) for code in sent.accepted_codes))
             )
             for replier, reply in replies:
                 placed = _moved(reply, sent.id, read.id, replier)
@@ -512,10 +515,12 @@ class ExchangeSimulation:
             facts: dict[str, SentenceArgument] = {"read": name, "sent": name, "reason": _reason("not_answer")}
             yield self._made(case, Impact.LOUD, {}, None, sentence, facts, self._of_answer(case))
 
-    def _common_node(self, one: Message, other: Message) -> int | None:
+    def _common_node(self, first: Message, second: Message) -> int | None:
         """A node that two messages have, of the first if it is the only one with nodes."""
-        nodes = self._nodes.of(one)
-        return None if nodes is None else nodes[0] if self._nodes.of(other) is None else self._nodes.first(one, other)
+        nodes = self._nodes.of(first)
+        return (
+            None if nodes is None else nodes[0] if self._nodes.of(second) is None else self._nodes.first(first, second)
+        )
 
     def _owners(self, case: _Case) -> Iterator[str]:
         """The commands whose replies those of a case are."""
@@ -538,9 +543,9 @@ class ExchangeSimulation:
         encoder = self._encoders.for_parameters(self._assignments.first)
         return next(iter(self._samples(encoder, message, self._common_node(message, message))), None)
 
-    def _groups(self, case: _Case, others: Iterable[Command] = ()) -> tuple[str, ...]:
+    def _groups(self, case: _Case, other_commands: Iterable[Command] = ()) -> tuple[str, ...]:
         """The commands that a witness of a case is about, and those whose replies theirs are."""
-        commands = (*case.both, *others)
+        commands = (*case.both, *other_commands)
         return tuple(dict.fromkeys((*(command.spec_name for command in commands), *self._owners(case))))
 
     def _of_use(self, case: _Case) -> Iterator[DocumentPath]:
@@ -556,7 +561,7 @@ class ExchangeSimulation:
         sentence: str,
         facts: Mapping[str, SentenceArgument],
         concerned: Iterable[DocumentPath] = (),
-        others: Iterable[Command] = (),
+        other_commands: Iterable[Command] = (),
     ) -> Witness:
         """A witness about some commands, and about the `concerned` paths."""
         return Witness(
@@ -566,7 +571,7 @@ class ExchangeSimulation:
             frame,
             sentence,
             facts,
-            self._groups(case, others),
+            self._groups(case, other_commands),
             frozenset((*self._of_use(case), *concerned)),
         )
 

@@ -58,8 +58,8 @@ class MessagePair:
         """Whether the receiver takes a frame for this message, whatever its constants are."""
         if self.side is Side.RECEIVING:  # of some replies only their requests identify the message
             return difference(self.read, frame) is None
-        found = self.receiver.identify(Direction.REQUEST, frame)
-        return isinstance(found, Identified) and found.message is self.read
+        result = self.receiver.identify(Direction.REQUEST, frame)
+        return isinstance(result, Identified) and result.message is self.read
 
     def is_available(self, assignment: Assignment) -> bool:
         """Whether the sender has the command under some parameters, and an old host that receives it."""
@@ -130,8 +130,8 @@ class FieldComparison:
         fields = self._counterparts.fields(pair.read.layout, pair.sent.layout)
         return {old.name: new.name for old, new in fields if new.name in every}
 
-    def is_same_type(self, one: Type, other: Type) -> bool:
-        return self._counterparts.is_same_type(one, other)
+    def is_same_type(self, first: Type, second: Type) -> bool:
+        return self._counterparts.is_same_type(first, second)
 
     def members(self, side: Side, sent: Type, read: Type) -> Mapping[str, str]:
         """The names of members that are read, by those that are sent."""
@@ -184,18 +184,18 @@ class FieldPair:
             if target.space is Space.ID and self._has_foreign_id(made):
                 continue
             frame = self._accepted(encoder, made)
-            raw, found = raw_of(source, frame), raw_of(target, frame)
-            if target.role.is_checked and target.role.required_raw not in _by_index(target, found).values():
+            raw, received = raw_of(source, frame), raw_of(target, frame)
+            if target.role.is_checked and target.role.required_raw not in _by_index(target, received).values():
                 continue
             differences = [
                 difference
-                for sent, read in self._elements(source, raw, target, found)
+                for sent, read in self._elements(source, raw, target, received)
                 for difference in self._differences(source.type, sent, target.type, read, encoder)
             ]
             fields = tuple(dict.fromkeys((source, target, varied, *self._fixed_in(target))))
             for aspect, members in differences:
-                yield self._misread(aspect, assignment, encoder, frame, source, raw, target, found, fields, members)
-            if not differences and not target.role.is_checked and encoder.rejects_raw(target, found) is not None:
+                yield self._misread(aspect, assignment, encoder, frame, source, raw, target, received, fields, members)
+            if not differences and not target.role.is_checked and encoder.rejects_raw(target, received) is not None:
                 yield from self._out_of_range(assignment, encoder, frame, source, raw, target)
 
     def _fixed_in(self, target: Field) -> list[Field]:
@@ -309,7 +309,7 @@ class FieldPair:
         varied = [(source, candidates.raws(encoder, source, target))] if source.role.is_value else []
         fields = (encoder.fields(sent) or {}).values()
         sharing = [field for field in fields if field is not source and match.overlap(field, target)]
-        for field, raws in (*varied, *((one, candidates.raws_of_each_bit(encoder, one)) for one in sharing)):
+        for field, raws in (*varied, *((shared, candidates.raws_of_each_bit(encoder, shared)) for shared in sharing)):
             nodes = self._messages.nodes if isinstance(field.role, NodeRole) else None
             for raw in raws:
                 if nodes is not None and raw not in nodes:
@@ -397,7 +397,7 @@ def parameters_of(type_: Type) -> tuple[str, ...]:
 
 def _by_index(field: Field, raw: Raw) -> dict[int | None, int]:
     ordered = raw if isinstance(raw, list) else [raw]
-    return {element.index: one for element, one in zip(field.elements, ordered, strict=True)}
+    return {element.index: number for element, number in zip(field.elements, ordered, strict=True)}
 
 
 def _constant(key: Key) -> Field:
@@ -450,7 +450,7 @@ def shown(field: Field, raw: Raw, assignment: Assignment) -> str:
     raws = raw if isinstance(raw, list) else [raw]
     each = values if isinstance(raw, list) and isinstance(values, list) else [values]
     unit = f" {field.type.unit.symbol}" if field.type.unit else ""
-    texts = [_text(field.type, one, number, unit) for one, number in zip(each, raws, strict=False)]
+    texts = [_text(field.type, value, number, unit) for value, number in zip(each, raws, strict=False)]
     numbers = formatting.numbers(e.index for e in field.elements if e.index is not None)
     return f"`{field.name}{f'[{numbers}]' if numbers else ''} = {', '.join(texts)}`"
 
@@ -462,8 +462,8 @@ def _text(type_: Type, value: Value | list[Value], raw: int, unit: str) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, list):
-        others = [str(_rest(type_, raw))] if _rest(type_, raw) else []
-        return " + ".join([*map(str, value), *others]) or "0"
+        unnamed = [str(_rest(type_, raw))] if _rest(type_, raw) else []
+        return " + ".join([*map(str, value), *unnamed]) or "0"
     return formatting.decimal(value) + unit
 
 
@@ -501,4 +501,4 @@ def _renamed(names: Mapping[str, str], value: object) -> object:
     """The members of a value under their names in the other edition; an empty name for one that is not there."""
     if isinstance(value, str):
         return names.get(value, "")
-    return [names.get(str(one), "") for one in value] if isinstance(value, list) else value
+    return [names.get(str(member), "") for member in value] if isinstance(value, list) else value

@@ -32,6 +32,6 @@ def _nodes(edition: Edition, command: Command, message: Message) -> Sequence[int
     if message.id.nodes is not None or bits is None:
         return message.id.nodes
     address = edition.address(message.address)
-    rules = [other.id for other in (command.request, command.reply) if other is not None]
+    rules = [frame.id for frame in (command.request, command.reply) if frame is not None]
     ranges = (rule.nodes for rule in (*rules, address.request, address.reply))
     return next((nodes for nodes in ranges if nodes is not None), range(1 << bits.width))
