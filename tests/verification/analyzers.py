@@ -59,9 +59,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         tool(analyzer)
     with tempfile.TemporaryDirectory() as name:
         outermost = [header for header in write_headers(Path(name)) if header.part]
-        found = sorted({line.replace(f"{name}/", "") for lines in each(all_findings, outermost) for line in lines})
-    print("\n".join(found) or f"{len(outermost)} headers, {len(ANALYZERS)} analyzers: no finding")
-    return 1 if found else 0
+        reports = sorted({line.replace(f"{name}/", "") for lines in each(all_findings, outermost) for line in lines})
+    print("\n".join(reports) or f"{len(outermost)} headers, {len(ANALYZERS)} analyzers: no finding")
+    return 1 if reports else 0
 
 
 if __name__ == "__main__":

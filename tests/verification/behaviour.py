@@ -151,7 +151,7 @@ class Binding:
     @functools.cached_property
     def parts(self) -> dict[str, str]:
         """The text of each class and type, and under an empty name what decides between classes."""
-        found: dict[str, str] = {"": ""}
+        texts: dict[str, str] = {"": ""}
         helpers: dict[str, str] = {}
         for part in re.split(r"(?m)^(?=\S)", self.text):
             name = re.match(r"(?:class )?(\w+)", part)
@@ -160,12 +160,12 @@ class Binding:
             if re.match(r"_[A-Z]+_\d+ = ", part):
                 helpers[name[1]] = part.partition(" = ")[2]
             elif re.match(r"class |_?[A-Za-z]+ = \w+Type|[A-Z_0-9]+ = (Number|Integer|Float)", part):
-                found[name[1]] = part
+                texts[name[1]] = part
             elif name[1].startswith(("_d", "_r", "_b", "_i")):
-                found[""] += part
-        for name_, part in found.items():
-            found[name_] = re.sub(r"_[A-Z]+_\d+", lambda m: helpers.get(m[0], m[0]), part)
-        return found
+                texts[""] += part
+        for name_, part in texts.items():
+            texts[name_] = re.sub(r"_[A-Z]+_\d+", lambda m: helpers.get(m[0], m[0]), part)
+        return texts
 
     @functools.cached_property
     def _words(self) -> dict[str, set[str]]:
@@ -238,7 +238,7 @@ def meaning(message: Any) -> Meaning:
         if numbers is None:
             values[name] = _value(type_, raw, message.parameters, name)
         else:
-            each = (_value(type_.type, one, message.parameters, name) for one in raw)
+            each = (_value(type_.type, element, message.parameters, name) for element in raw)
             values |= {f"{name}[{number}]": value for number, value in zip(numbers, each, strict=True)}
     return Meaning(message.COMMAND, message.node, values, message.__class__.__dict__.get("CONSTANTS", {}))
 
@@ -273,19 +273,19 @@ def _value(type_: Any, raw: Any, parameters: Any, name: str) -> Any:
     return (value, type_.unit)
 
 
-def _same(one: Any, other: Any, names: Names) -> bool:
-    if one == other and not names.members:
+def _same(old: Any, new: Any, names: Names) -> bool:
+    if old == new and not names.members:
         return True
-    if one[0] == "member" == other[0]:
-        renamed = names.members.get(one[1].lower(), one[1].lower())
-        return renamed is not None and renamed.upper() == other[1]
-    if one[0] == "flags" == other[0]:
-        renamed_all = {names.members.get(name.lower(), name.lower()) for name in one[1]}
-        return None not in renamed_all and {str(n).upper() for n in renamed_all} == set(other[1]) and one[2] == other[2]
-    if isinstance(one[0], str) or isinstance(other[0], str):
-        return bool(one == other)
-    a, b = one[0], other[0]
-    if one[1] != other[1]:
+    if old[0] == "member" == new[0]:
+        renamed = names.members.get(old[1].lower(), old[1].lower())
+        return renamed is not None and renamed.upper() == new[1]
+    if old[0] == "flags" == new[0]:
+        renamed_all = {names.members.get(name.lower(), name.lower()) for name in old[1]}
+        return None not in renamed_all and {str(n).upper() for n in renamed_all} == set(new[1]) and old[2] == new[2]
+    if isinstance(old[0], str) or isinstance(new[0], str):
+        return bool(old == new)
+    a, b = old[0], new[0]
+    if old[1] != new[1]:
         return False
     return a == b or (isinstance(a, float) and math.isnan(a) and math.isnan(b)) or math.isclose(a, b, rel_tol=1e-9)
 
@@ -346,7 +346,7 @@ def assignments(old: Edition, new: Edition, names: Names) -> list[tuple[dict[str
         options.append((parameter.name, now.name, [(a, b) for a, b in pairs if known is None or b in known]))
     options += [(None, p.name, [(None, value) for value in _values_of(p)]) for p in there.values()]
     count = max((len(pairs) for _, _, pairs in options), default=1)
-    found = []
+    assigned = []
     for i in range(max(count, 1)):
         before: dict[str, Any] = {}
         after: dict[str, Any] = {}
@@ -358,8 +358,8 @@ def assignments(old: Edition, new: Edition, names: Names) -> list[tuple[dict[str
                 before[old_name] = a
             if new_name is not None and b is not None:
                 after[new_name] = b
-        found.append((before, after))
-    return found
+        assigned.append((before, after))
+    return assigned
 
 
 def nodes_of(cls: Any) -> list[int | None]:
@@ -376,8 +376,8 @@ def nodes_of(cls: Any) -> list[int | None]:
 def _raws(type_: Any, parameters: Any, dice: random.Random) -> list[Any]:
     """Raw integers of a field: limits, members, bits, random ones."""
     if hasattr(type_, "count"):
-        one = _raws(type_.type, parameters, dice)
-        return [tuple(one[(i + j) % len(one)] for j in range(type_.count)) for i in range(len(one))]
+        raws = _raws(type_.type, parameters, dice)
+        return [tuple(raws[(i + j) % len(raws)] for j in range(type_.count)) for i in range(len(raws))]
     if hasattr(type_, "members"):
         return list(type_.members)[:24]
     if hasattr(type_, "mask"):
@@ -396,14 +396,14 @@ def _floats(type_: Any, parameters: Any) -> list[int]:
     low, high = type_.value_range(parameters)
     numbers = [0.0, 1.0, -1.0, 1.5, 37.25, low, high, (low + high) / 2]
     packer = struct.Struct("<f" if type_.high < 1 << 32 else "<d")
-    found = []
+    raws = []
     for number in numbers:
         try:
             bits = int.from_bytes(packer.pack(number), "little")
-            found.append(type_.check(bits, parameters, "f"))
+            raws.append(type_.check(bits, parameters, "f"))
         except (ValueError, OverflowError):
             continue
-    return found
+    return raws
 
 
 def messages_of(cls: Any, parameters: Any, dice: random.Random, holds: str = "") -> Iterator[Any]:
@@ -429,8 +429,8 @@ def messages_of(cls: Any, parameters: Any, dice: random.Random, holds: str = "")
     vectors += [{name: dice.choice(raws) for name, raws in candidates.items()} for _ in range(3 if fields else 0)]
     for vector in vectors if fields else [{}]:
         yield cls.from_raw(node=node, parameters=parameters, **vector)
-    for other in nodes:
-        yield cls.from_raw(node=other, parameters=parameters, **base)
+    for number in nodes:
+        yield cls.from_raw(node=number, parameters=parameters, **base)
 
 
 def holder(message: Message) -> str:
@@ -468,9 +468,9 @@ class Old:
             cls = self.binding.of(command.request)
             dice = random.Random(f"{self.seed} {command.name}")
             for message in messages_of(cls, known, dice, holder(command.request)):
-                one = self.seen(command, message, known)
-                if one is not None:
-                    yield one
+                sent = self.seen(command, message, known)
+                if sent is not None:
+                    yield sent
 
     def seen(self, command: Command, message: Any, known: Any) -> Any:
         frame = frame_of(message)
@@ -532,11 +532,11 @@ class _Run:
 
     def _requests(self, before: Mapping[str, Any]) -> Iterator[tuple[Command, Any, Any, Frame, Meaning]]:
         counts: dict[str, int] = {}
-        for one in self.old.sent(before):
-            command = one[0]
+        for sent in self.old.sent(before):
+            command = sent[0]
             counts[command.name] = counts.get(command.name, 0) + 1
             if counts[command.name] <= self._limit(command):
-                yield one
+                yield sent
         yield from self._with_constants(before)
         if "" not in self.changed:
             return
@@ -547,9 +547,9 @@ class _Run:
         last: dict[str, int] = {}
         for command, message, known, frame, _ in list(self.old.sent(before)):
             last[command.name] = last.get(command.name, 0) + 1
-            for other in fresh:
+            for added in fresh:
                 if message._raws and last[command.name] <= 6:
-                    yield from self._overlaid(command, message, known, frame, other)
+                    yield from self._overlaid(command, message, known, frame, added)
 
     def _with_constants(self, before: Mapping[str, Any]) -> Iterator[tuple[Command, Any, Any, Frame, Meaning]]:
         """Requests with the constants that the new edition demands in them."""
@@ -575,11 +575,11 @@ class _Run:
         replies = [class_name(c.reply.name) for c in (command, now) if c.reply is not None]
         return 6 if "" in self.changed else 1 if set(replies) & self.changed else 0
 
-    def _overlaid(self, command: Command, message: Any, known: Any, frame: Frame, other: Message) -> Iterator[Any]:
+    def _overlaid(self, command: Command, message: Any, known: Any, frame: Frame, another: Message) -> Iterator[Any]:
         """The request with the keys of another message in its fields, if it remains the same request."""
-        if frame.remote or frame.extended != other.id.extended or other.dlc != len(frame.data):
+        if frame.remote or frame.extended != another.id.extended or another.dlc != len(frame.data):
             return
-        yield from self._changed_to(command, message, known, frame, overlay(frame, other.keys))
+        yield from self._changed_to(command, message, known, frame, overlay(frame, another.keys))
 
     def _changed_to(self, command: Command, message: Any, known: Any, frame: Frame, changed: Frame) -> Iterator[Any]:
         """A request as another frame, if it remains the same request."""
@@ -753,9 +753,9 @@ class _Run:
         meant = self.new.decode(Direction.REPLY, frame, known)
         if isinstance(heard, ValueError) or isinstance(meant, ValueError):
             return ""
-        one, other = meaning(heard), meaning(meant)
-        differs = difference(one, other, self.names, receiving=True)
-        return f"{frame} is {other}; old {one}: {differs}" if differs else ""
+        old, new = meaning(heard), meaning(meant)
+        differs = difference(old, new, self.names, receiving=True)
+        return f"{frame} is {new}; old {old}: {differs}" if differs else ""
 
     def _direct(self, before: Mapping[str, Any], after: Mapping[str, Any], known: Any, mine: Any) -> None:
         """Replies of new nodes whose request has not been understood: what else may be reported."""
@@ -871,14 +871,14 @@ def placed(frame: Frame, parts: Iterable[tuple[Space, Iterable[Segment], int]]) 
 def _exported(binding: Binding) -> dict[str, Any]:
     """The names that programs use."""
     module = binding.module
-    found: dict[str, Any] = {}
+    names: dict[str, Any] = {}
     for name in module.__all__:
-        one = getattr(module, name)
-        found[name] = None
-        if isinstance(one, type) and hasattr(one, "TYPES"):
-            found[name] = sorted(one.TYPES)
-        elif isinstance(one, type) and issubclass(one, (IntEnum, IntFlag)):
-            found[name] = sorted(one.__members__)
+        value = getattr(module, name)
+        names[name] = None
+        if isinstance(value, type) and hasattr(value, "TYPES"):
+            names[name] = sorted(value.TYPES)
+        elif isinstance(value, type) and issubclass(value, (IntEnum, IntFlag)):
+            names[name] = sorted(value.__members__)
         elif name == "Parameters":
-            found[name] = sorted(one.__dataclass_fields__)
-    return found
+            names[name] = sorted(value.__dataclass_fields__)
+    return names

@@ -25,7 +25,7 @@ _MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]+(\S.*)$", re.MULTILIN
 _DECIMAL = re.compile(r"\d+\.\d+(?:[eE][-+]?\d+)?")
 
 _PAIRS = ("< <=", "> >=", "== !=", "&& ||", "<< >>", "+ -", "* /", "& |", "+= -=", "|= &=", "<<= >>=", "true false")
-OTHER = {one: other for pair in _PAIRS for one, other in itertools.permutations(pair.split())}
+OTHER = {old: new for pair in _PAIRS for old, new in itertools.permutations(pair.split())}
 OTHER |= {"%": "*", "^": "|", "++": "--"}
 """What an operator or a constant is replaced by."""
 
@@ -87,7 +87,7 @@ def tokens(text: str) -> list[Token]:
 
 def functions(text: str) -> list[Function]:
     """The functions that a header defines: a body in braces after a list of parameters, outside of other braces."""
-    found: list[Function] = []
+    definitions: list[Function] = []
     depth = 0
     body: int | None = None
     outside: list[Token] = []
@@ -104,7 +104,7 @@ def functions(text: str) -> list[Function]:
                 opening = _opening(outside)
                 name = outside[opening - 1].text
                 parameters = tuple(_parameters(outside[opening + 1 : -1]))
-                found.append(Function(name, outside[0].start, body, token.end, parameters, tuple(inside[:-1])))
+                definitions.append(Function(name, outside[0].start, body, token.end, parameters, tuple(inside[:-1])))
                 body, outside, inside = None, [], []
         elif token.text == "{" and depth == 0 and outside and outside[-1].text == ")":
             body, depth = token.end, 1
@@ -117,7 +117,7 @@ def functions(text: str) -> list[Function]:
                 outside = []
             elif depth == 0 or token.text != "{":
                 outside.append(token)
-    return found
+    return definitions
 
 
 def _opening(outside: Sequence[Token]) -> int:
@@ -141,16 +141,16 @@ def _parameters(listed: Sequence[Token]) -> Iterator[str]:
 def mutants(file: str, text: str) -> list[Mutant]:
     """All mutants of a header."""
     siblings = _siblings(text)
-    found: list[Mutant] = []
+    all_mutants: list[Mutant] = []
     inside: list[tuple[int, int]] = []
     for function in functions(text):
         inside.append((function.start, function.end))
         for changes in _in_function(function, siblings):
-            found.append(_mutant(file, text, function.name, text[function.start : function.end], changes))
+            all_mutants.append(_mutant(file, text, function.name, text[function.start : function.end], changes))
     for start, end, new in _outside(text):
         if not any(low <= start < high for low, high in inside):
-            found.append(_mutant(file, text, "", text, ((start, end, new),)))
-    return list({(m.function, m.changes): m for m in found}.values())
+            all_mutants.append(_mutant(file, text, "", text, ((start, end, new),)))
+    return list({(m.function, m.changes): m for m in all_mutants}.values())
 
 
 Change = tuple[int, int, str]
@@ -170,13 +170,13 @@ def _mutant(file: str, text: str, function: str, scope: str, changes: tuple[Chan
 
 def used(text: str, program: str) -> set[str]:
     """The functions of headers that a program calls, directly or through others."""
-    calls = {one.name: {t.text for t in one.tokens if t.kind == "word"} for one in functions(text)}
-    found: set[str] = set()
+    calls = {function.name: {t.text for t in function.tokens if t.kind == "word"} for function in functions(text)}
+    called: set[str] = set()
     left = {word for word in re.findall(r"\w+", program) if word in calls}
     while left:
-        found |= left
-        left = {word for name in left for word in calls[name] if word in calls} - found
-    return found
+        called |= left
+        left = {word for name in left for word in calls[name] if word in calls} - called
+    return called
 
 
 def _in_function(function: Function, siblings: Mapping[str, str]) -> Iterator[tuple[Change, ...]]:
@@ -187,9 +187,9 @@ def _in_function(function: Function, siblings: Mapping[str, str]) -> Iterator[tu
         before = body[place - 1].text if place else "{"
         for new in replacements(token, before, siblings):
             yield ((token.start, token.end, new),)
-    for one, other in itertools.pairwise(labels):
-        a, b = body[one], body[other]
-        if body[one + 1].text == ":" and other == one + 3:
+    for first, second in itertools.pairwise(labels):
+        a, b = body[first], body[second]
+        if body[first + 1].text == ":" and second == first + 3:
             continue  # both labels have one body
         if _NUMBER.match(a.text) and _NUMBER.match(b.text) and _integer(a.text) == _integer(b.text):
             continue  # of two switches
@@ -226,8 +226,8 @@ def _numbers(text: str) -> Iterator[str]:
         return
     number = int(match[1], 0)
     shown = hex if match[1][:2] in ("0x", "0X") else str
-    for other in (number + 1, number - 1) if number else (1,):
-        yield shown(other) + match[2]
+    for near in (number + 1, number - 1) if number else (1,):
+        yield shown(near) + match[2]
 
 
 def _siblings(text: str) -> dict[str, str]:

@@ -234,12 +234,14 @@ class Program:
         try:
             ZIG.run("gnu99", *flags, self._harness, "-o", program)
         except AssertionError as error:
-            found = re.findall(r"^[^\n]*?([\w.]+\.h):(\d+):\d+: (?:fatal )?error:", str(error), re.MULTILINE)
-            return None, [(name, int(line)) for name, line in found]
+            places = re.findall(r"^[^\n]*?([\w.]+\.h):(\d+):\d+: (?:fatal )?error:", str(error), re.MULTILINE)
+            return None, [(name, int(line)) for name, line in places]
         return program, []
 
     def _is_killed(self, program: Path, number: int) -> bool:
-        return any(answers_of(program, number, one.file, one.milliseconds) != one.answers for one in self._asked)
+        return any(
+            answers_of(program, number, asked.file, asked.milliseconds) != asked.answers for asked in self._asked
+        )
 
 
 def answers_of(program: Path, number: int, questions: Path, milliseconds: int | None = None) -> bytes | None:
@@ -294,7 +296,7 @@ RUNTIME_SUBJECTS = tuple(functools.partial(RuntimeSubject, asking) for asking in
 
 def _sizes(text: str) -> dict[str, int]:
     """The lines of each function."""
-    return {one.name: text.count("\n", one.start, one.end) + 2 for one in functions(text)}
+    return {function.name: text.count("\n", function.start, function.end) + 2 for function in functions(text)}
 
 
 def _ask_everything(item: EditionInput, adapter: CAdapter) -> None:
@@ -330,10 +332,10 @@ def _ask_filters(item: EditionInput, adapter: CAdapter) -> None:
                 continue
             assert adapter.filter(address.name, direction, rule.nodes[-1] + 1) == Refused(Refusal.UNKNOWN_NODE)
             for node in rule.nodes[:40]:
-                found = adapter.filter(address.name, direction, node)
-                assert not isinstance(found, Refused)
-                ids = [found[0], *(found[0] ^ 1 << bit for bit in range(32)), 0, (1 << 32) - 1]
-                accepted = [not (id_ ^ found[0]) & found[1] for id_ in ids]
+                filter_ = adapter.filter(address.name, direction, node)
+                assert not isinstance(filter_, Refused)
+                ids = [filter_[0], *(filter_[0] ^ 1 << bit for bit in range(32)), 0, (1 << 32) - 1]
+                accepted = [not (id_ ^ filter_[0]) & filter_[1] for id_ in ids]
                 assert adapter.accepted(address.name, direction, node, ids) == accepted
 
 
@@ -392,8 +394,8 @@ def _ask_absent(item: EditionInput, adapter: CAdapter) -> None:
             raws = {name: _valid(encoder, field) for name, field in fields.items()}
             for absent in (f for f in message.layout.fields if f.role.is_value and f.name not in fields):
                 wrong = {**raws, absent.name: [1 for _ in absent.elements] if absent.is_array else 1}
-                found = adapter.encode_raw(message.direction, message.command, node, wrong, known)
-                assert found == Refused(Refusal.OUT_OF_RANGE, absent.name), (message.name, absent.name, known, found)
+                answer = adapter.encode_raw(message.direction, message.command, node, wrong, known)
+                assert answer == Refused(Refusal.OUT_OF_RANGE, absent.name), (message.name, absent.name, known, answer)
 
 
 def _valid(encoder: Encoder, field: Field) -> Raw:
@@ -404,8 +406,8 @@ def _valid(encoder: Encoder, field: Field) -> Raw:
 def _ask_milli(item: EditionInput, adapter: CAdapter) -> None:
     """Thousandths of raw integers with more bits than their type; these can be rejected."""
     for fact in Facts(item.edition, adapter.header).milli_beyond():
-        found = adapter.milli(fact.name, "to", int(fact.rest[1]), fact.parameters)
-        assert found in (int(fact.answer), Refused(Refusal.OUT_OF_RANGE)), (fact, found)
+        answer = adapter.milli(fact.name, "to", int(fact.rest[1]), fact.parameters)
+        assert answer in (int(fact.answer), Refused(Refusal.OUT_OF_RANGE)), (fact, answer)
 
 
 def _ask_frames(item: EditionInput, adapter: CAdapter) -> None:
@@ -431,7 +433,7 @@ def _ask_frames(item: EditionInput, adapter: CAdapter) -> None:
         elif named != (identified.message.command, _node(identified, frame)):  # a constant of the fields can be wrong
             assert isinstance(wanted, Refused) and named == Refused(wanted.says), (direction, frame)
         try:
-            found = adapter.check(direction, frame, known)
+            answer = adapter.check(direction, frame, known)
         except NotAvailable:
             assert isinstance(wanted, Decoded) and not item.edition.command(wanted.command).available(assignment(known))
             assert direction is Direction.REQUEST
@@ -439,9 +441,9 @@ def _ask_frames(item: EditionInput, adapter: CAdapter) -> None:
         if isinstance(wanted, Decoded):
             assert direction is Direction.REPLY or item.edition.command(wanted.command).available(assignment(known))
             encoded = reference.encode_raw(direction, wanted.command, wanted.node, wanted.raw, known)
-            assert found == (encoded if isinstance(encoded, Refused) else None), (direction, frame, known)
+            assert answer == (encoded if isinstance(encoded, Refused) else None), (direction, frame, known)
         else:
-            assert found == Refused(wanted.says), (direction, frame, known)
+            assert answer == Refused(wanted.says), (direction, frame, known)
 
 
 def _node(identified: Identified, frame: CanFrame) -> int:
@@ -451,9 +453,9 @@ def _node(identified: Identified, frame: CanFrame) -> int:
 
 def _ask_singles(item: EditionInput, adapter: CAdapter) -> None:
     """Conversions of single precision, near the limits of every type; their error is limited."""
-    for one in Facts(item.edition, adapter.header).singles():
-        found = adapter.single(one.type, one.direction, one.number, one.parameters)
-        assert one.accepts(found), (one, found)
+    for single in Facts(item.edition, adapter.header).singles():
+        answer = adapter.single(single.type, single.direction, single.number, single.parameters)
+        assert single.accepts(answer), (single, answer)
 
 
 def _ask_rounds(item: EditionInput, adapter: Adapter) -> None:

@@ -57,7 +57,7 @@ class Case:
     spec: str
     edit: Edit
     changes: tuple[Change, ...]
-    found: Behaviour
+    happened: Behaviour
     reported: dict[str, int]
     dangerous: list[str] = field(default_factory=list)
     over_warned: list[str] = field(default_factory=list)
@@ -152,18 +152,18 @@ class Spec:
                 case.over_warned.append(f"{name} is {NAMES[side.high]}, reported {NAMES[said]}: {side.high_why}")
             elif said != side.low:
                 case.debatable.append(f"{name} is {NAMES[side.low]}, reported {NAMES[said]}: {side.high_why}")
-        found = functional(changes)
+        findings = functional(changes)
         changed = any(happened.sides[name].low for name in SIDES)
-        if not found and (changed or happened.names_differ):
+        if not findings and (changed or happened.names_differ):
             case.missing = "names" if not changed else "behaviour"
         if edit.nothing and changes:
             case.missing = "nothing changed, but: " + ", ".join(c.rule.id for c in changes)
         before, after = _changed_lines(self.text, text)
         case.lines = max(len(before), len(after))
-        for change in found:
+        for change in findings:
             if not _near(change, before, after, self.loaded.document, loaded.document):
                 case.elsewhere.append(f"{change.rule.id}({change.item}) at {change.old} -> {change.new}")
-        case.several = len(found)
+        case.several = len(findings)
         return case
 
 
@@ -171,9 +171,9 @@ def _compared(old: Loaded, new: Loaded) -> tuple[Change, ...]:
     return compare(old.specification.edition, new.specification.edition)
 
 
-def _different(one: Iterable[Change], other: Iterable[Change]) -> list[str]:
+def _different(first: Iterable[Change], second: Iterable[Change]) -> list[str]:
     """The changes that only one of two comparisons finds; of editions that differ in the order of keys alone, none."""
-    before, after = (sorted(map(_described, changes)) for changes in (one, other))
+    before, after = (sorted(map(_described, changes)) for changes in (first, second))
     return [line for line in difflib.ndiff(before, after) if not line.startswith((" ", "?"))]
 
 
@@ -213,8 +213,8 @@ def _changed_lines(old: str, new: str) -> tuple[set[int], set[int]]:
 
 def _near(change: Change, before: set[int], after: set[int], old: Document, new: Document) -> bool:
     """Whether a change is at an edited line of one of the specs."""
-    one, other = positions(change, old, new)
-    return one.line in before or other.line in after
+    earlier, later = positions(change, old, new)
+    return earlier.line in before or later.line in after
 
 
 @dataclass
@@ -244,8 +244,8 @@ class Totals:
             for case in cases:
                 examples.setdefault(_pattern(case, name), []).append(case.name)
             yield f"\n== {name}: {len(cases)}"
-            for pattern, found in sorted(examples.items(), key=lambda one: -len(one[1]))[:shown]:
-                yield f"   {len(found):5} {pattern}  e.g. {found[len(found) // 2]}"
+            for pattern, names in sorted(examples.items(), key=lambda item: -len(item[1]))[:shown]:
+                yield f"   {len(names):5} {pattern}  e.g. {names[len(names) // 2]}"
 
     @property
     def share(self) -> float:
@@ -262,7 +262,7 @@ def _pattern(case: Case, kind: str) -> str:
     lists = {"dangerous": case.dangerous, "over-warned": case.over_warned, "debatable": case.debatable}
     rules = ", ".join(sorted({f"{c.impact.value} {c.rule.id}" for c in functional(case.changes)})) or "no finding"
     if kind in lists:
-        said = "; ".join(one.partition(":")[0] for one in lists[kind])
+        said = "; ".join(line.partition(":")[0] for line in lists[kind])
         return f"{said}  [{rules}]"
     if kind == "wrong witnesses":
         return re.sub(r"[0-9A-F]{3,}#\S+|[0-9.]+", "…", case.wrong_witnesses[0])

@@ -151,7 +151,7 @@ def mutants(file: str, text: str) -> list[Mutant]:
         for start, end in statements(every)
         if every[start].text != "static_assert"  # for mistakes, which `tests/targets/test_cxx.py` compiles
     ]
-    return [_mutant(file, text, one) for one in dict.fromkeys(changes)]
+    return [_mutant(file, text, group) for group in dict.fromkeys(changes)]
 
 
 def _is_of_template(text: str, token: Token) -> bool:
@@ -182,5 +182,5 @@ def _scope(text: str, place: int) -> str:
     names = re.findall(
         r"^(?:template .*)?(?:struct|enum class|class) (\w+)|^[^\n(]*?(\w+)\($|^[^\n(]*?(\w+)\(", text[:place], re.M
     )
-    found = [next(filter(None, one)) for one in names[-1:]]
-    return found[0] if found else ""
+    scopes = [next(filter(None, groups)) for groups in names[-1:]]
+    return scopes[0] if scopes else ""

@@ -59,27 +59,27 @@ def differences(reader: Reader, text: str, cases: Sequence[Case]) -> Iterator[st
         except Exception as error:  # of any reader
             yield f"{reader.name}: {error!r}"
             return
-    for case, found in zip(cases, results, strict=True):
+    for case, values in zip(cases, results, strict=True):
         frame = f"{case.can_id:X}#{case.data.hex().upper()}"
-        for name in sorted({*found} - case.names):
+        for name in sorted({*values} - case.names):
             yield f"{reader.name}: {frame} has no signal {name}"
         for name, value in case.values.items():
-            if name not in found or abs(found[name] - value) > reader.tolerance * max(1, abs(value)):
-                yield f"{reader.name}: {frame} {name} is {found.get(name)}; expected {value}"
+            if name not in values or abs(values[name] - value) > reader.tolerance * max(1, abs(value)):
+                yield f"{reader.name}: {frame} {name} is {values.get(name)}; expected {value}"
 
 
-def cases_of(one: EditionInput, file: File) -> list[Case]:
+def cases_of(item: EditionInput, file: File) -> list[Case]:
     """The golden frames that a file describes completely."""
     views = {message.id: message for message in file.messages}
-    known = {p.name: v.name for p in one.edition.parameters for v in p.values if v.name in file.known}
-    found: list[Case] = []
-    for frame in one.frames.frames if one.frames else ():
+    known = {p.name: v.name for p in item.edition.parameters for v in p.values if v.name in file.known}
+    cases: list[Case] = []
+    for frame in item.frames.frames if item.frames else ():
         view = views.get(frame.id | (EXTENDED if frame.extended else 0))
         given = {name: str(value) for name, value in frame.parameters.items()}
         fits = frame.direction in file.directions and all(given.get(n, v) == v for n, v in known.items())
         if view and fits and not frame.remote and not frame.decode_only and len(frame.data) == view.length:
-            found += _case(one.edition, frame, view, bool(file.table), known)
-    return found
+            cases += _case(item.edition, frame, view, bool(file.table), known)
+    return cases
 
 
 def _case(
@@ -117,13 +117,13 @@ def _values(field: Field, frame: GoldenFrame, signals: Mapping[str, Signal]) -> 
         return
     for i, element in enumerate(field.elements):
         name = _element_name(field, element)
-        one_raw, one = (
+        one_raw, one_value = (
             (raw[i], value[i] if isinstance(value, list) else None) if isinstance(raw, list) else (raw, value)
         )
         if name in signals and (signals[name].unit == "raw" or field.type.enum) and not signals[name].float_kind:
             yield name, float(one_raw)
-        elif name in signals and isinstance(one, Fraction):
-            yield name, float(one)
+        elif name in signals and isinstance(one_value, Fraction):
+            yield name, float(one_value)
 
 
 def _element_name(field: Field, element: Element) -> str:
@@ -134,16 +134,16 @@ def _raw(signal: Signal, data: bytes) -> int:
     """The raw integer of a signal."""
     value, bit = 0, signal.start
     for i in range(signal.width):
-        one = data[bit // 8] >> bit % 8 & 1
-        value = value << 1 | one if signal.big_endian else value | one << i
+        digit = data[bit // 8] >> bit % 8 & 1
+        value = value << 1 | digit if signal.big_endian else value | digit << i
         bit += (15 if bit % 8 == 0 else -1) if signal.big_endian else 1
     return value
 
 
-def samples(one: EditionInput, options: Options) -> Iterator[tuple[File, Sequence[Case]]]:
+def samples(item: EditionInput, options: Options) -> Iterator[tuple[File, Sequence[Case]]]:
     """The files of an edition that have golden frames."""
-    for file in files(one.edition, traffics(one.edition), {}, options):
-        cases = cases_of(one, file)
+    for file in files(item.edition, traffics(item.edition), {}, options):
+        cases = cases_of(item, file)
         if cases:
             yield file, cases
 
@@ -166,20 +166,20 @@ def main() -> int:
     for spec in SPECS:
         if arguments.edition and arguments.edition not in called(spec):
             continue
-        one = specification(spec)
-        nodes = sorted({n for m in one.edition.all_messages() if m.id.nodes for n in m.id.nodes[:1]})
-        made = list(samples(one, Options({NODES: tuple(nodes) if arguments.sample else ()})))
+        item = specification(spec)
+        nodes = sorted({n for m in item.edition.all_messages() if m.id.nodes for n in m.id.nodes[:1]})
+        made = list(samples(item, Options({NODES: tuple(nodes) if arguments.sample else ()})))
         for file, cases in made:
             text = printed(file)
-            found = list(violations(text))
+            problems = list(violations(text))
             for reader in chosen:
                 try:
-                    found += differences(reader, text, cases)
+                    problems += differences(reader, text, cases)
                 except UnsupportedFileError as error:
                     print(f"{file.name}: not supported by {reader.name}: {error}")
-            print(f"{file.name}: {len(cases)} frames, {len(found)} differences", flush=True)
-            print("".join(f"  {line}\n" for line in found[:10]), end="")
-            failed = failed or bool(found)
+            print(f"{file.name}: {len(cases)} frames, {len(problems)} differences", flush=True)
+            print("".join(f"  {line}\n" for line in problems[:10]), end="")
+            failed = failed or bool(problems)
     return int(failed)
 
 

@@ -65,11 +65,11 @@ class Comparison:
             self.exceptions[question.kind] += 1
             return
         try:
-            found = question.ask(adapter)
+            answer = question.ask(adapter)
         except Cannot as exception:
             self.exceptions[exception.name] += 1
             return
-        wrong = disagreement(wanted, found, adapter.tolerance)
+        wrong = disagreement(wanted, answer, adapter.tolerance)
         self.asked[question.kind] += 1
         if wrong:
             self.disagreements.append(f"{question.task}{question.arguments}: {wrong}")
@@ -94,13 +94,15 @@ def _parts(questions: Iterable[Question], size: int) -> Iterator[list[Question]]
 
 
 def _report(name: str, comparisons: Sequence[Comparison]) -> Iterator[str]:
-    for one in comparisons:
-        kinds = ", ".join(f"{kind} {count}" for kind, count in sorted(one.asked.items()))
-        yield f"{name:<24}{one.target:<8}{one.asked.total():>9} answers, {len(one.disagreements)} differ: {kinds}"
-        for exception, count in sorted(one.exceptions.items()):
-            reason = NOT_ASKED.get(one.target, {}).get(exception) or ADAPTERS[one.target].cannot[exception]
+    for comparison in comparisons:
+        kinds = ", ".join(f"{kind} {count}" for kind, count in sorted(comparison.asked.items()))
+        yield f"{name:<24}{comparison.target:<8}{comparison.asked.total():>9} answers, {len(comparison.disagreements)} differ: {kinds}"
+        for exception, count in sorted(comparison.exceptions.items()):
+            reason = (
+                NOT_ASKED.get(comparison.target, {}).get(exception) or ADAPTERS[comparison.target].cannot[exception]
+            )
             yield f"    {count:>9} not asked, {exception}: {reason}"
-        yield from (f"    {line}" for line in one.disagreements[:SHOWN])
+        yield from (f"    {line}" for line in comparison.disagreements[:SHOWN])
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -129,7 +131,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             questions = Questions(item.edition, given.seed).forever()
             comparisons = compare(item, adapters, itertools.islice(questions, given.questions))
         print("\n".join(_report(called(file), comparisons)), flush=True)
-        failed = failed or any(one.disagreements for one in comparisons)
+        failed = failed or any(comparison.disagreements for comparison in comparisons)
     return int(failed)
 
 

@@ -32,13 +32,13 @@ LOSSES = {
 
 def canwright(edition: Edition, log: Sequence[Sent]) -> Sequence[Direction | None]:
     """The directions of `recordings/directions.py`."""
-    return [one.direction for one in Directions({}, edition).classify(sent.recorded for sent in log)]
+    return [classified.direction for classified in Directions({}, edition).classify(sent.recorded for sent in log)]
 
 
 def wireshark(edition: Edition, log: Sequence[Sent]) -> Sequence[Direction | None]:
     """The directions of the dissector, in one pass."""
     named = {direction.value: direction for direction in Direction}
-    return [named.get(one.direction) for one in judge(edition, [sent.recorded for sent in log])]
+    return [named.get(judged.direction) for judged in judge(edition, [sent.recorded for sent in log])]
 
 
 def alternation(window: int | None) -> Rule:
@@ -46,7 +46,7 @@ def alternation(window: int | None) -> Rule:
 
     def directions(_: Edition, log: Sequence[Sent]) -> Sequence[Direction | None]:
         asked: dict[tuple[str, int, bytes], int] = {}
-        found: list[Direction | None] = []
+        results: list[Direction | None] = []
         for sent in log:
             time, frame = sent.recorded.time or 0, sent.recorded.frame
             key = (sent.recorded.bus, frame.id, frame.data[:1])
@@ -54,8 +54,8 @@ def alternation(window: int | None) -> Rule:
             is_reply = since is not None and (window is None or 0 <= time - since <= window)
             if not is_reply:
                 asked[key] = time
-            found.append(Direction.REPLY if is_reply else Direction.REQUEST)
-        return found
+            results.append(Direction.REPLY if is_reply else Direction.REQUEST)
+        return results
 
     return directions
 
@@ -77,7 +77,9 @@ def traffic(edition: Edition, loss: Loss, exchanges: int, seed: int) -> list[lis
 
 def share(directions: Sequence[Direction | None], log: Sequence[Sent]) -> float:
     """The share of wrong directions in percent."""
-    return 100 * sum(found is not sent.direction for found, sent in zip(directions, log, strict=True)) / len(log)
+    return (
+        100 * sum(direction is not sent.direction for direction, sent in zip(directions, log, strict=True)) / len(log)
+    )
 
 
 def main() -> None:

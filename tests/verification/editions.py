@@ -114,16 +114,16 @@ def problems(case: Case, folder: Path) -> list[str]:
         for result in (identified, as_file, as_stream):
             if result.exit_code not in (0, 1):
                 return [f"{case.name}: {result.output[-300:]} {result.exception!r}"]
-        found = [*_wrong_results(case, json.loads(identified.stdout))]
-        found += _wrong_rows(case, as_file.stdout, as_file.exit_code)
-        found += (f"stream: {p}" for p in _wrong_rows(case, as_stream.stdout, as_stream.exit_code, stream=True))
+        wrong = [*_wrong_results(case, json.loads(identified.stdout))]
+        wrong += _wrong_rows(case, as_file.stdout, as_file.exit_code)
+        wrong += (f"stream: {p}" for p in _wrong_rows(case, as_stream.stdout, as_stream.exit_code, stream=True))
         if identified.exit_code == 1 and as_file.exit_code == 0:
             motors = {(frame.motor.bus, frame.motor.node): frame.motor.edition for frame in case.frames}
             given = [f"--set={bus}:{node}:edition={edition}" for (bus, node), edition in motors.items()]
             known = runner.invoke(canwright, ["decode", str(log), "--format", "jsonl", *given])
             if _meanings(known.stdout) != _meanings(as_file.stdout):
-                found.append("identify has findings, decode none, but values depend on the edition")
-    return [f"{case.name}: {problem}" for problem in found[:3]]
+                wrong.append("identify has findings, decode none, but values depend on the edition")
+    return [f"{case.name}: {problem}" for problem in wrong[:3]]
 
 
 def _meanings(rows: str) -> list[tuple[object, ...]]:

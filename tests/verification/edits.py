@@ -77,12 +77,12 @@ def drop(path: Path) -> Callable[[Data], None]:
     return change
 
 
-def swap(one: Path, other: Path) -> Callable[[Data], None]:
+def swap(first: Path, second: Path) -> Callable[[Data], None]:
     """Exchanges two values."""
 
     def change(data: Data) -> None:
-        a, b = at(data, one[:-1]), at(data, other[:-1])
-        a[one[-1]], b[other[-1]] = b[other[-1]], a[one[-1]]
+        a, b = at(data, first[:-1]), at(data, second[:-1])
+        a[first[-1]], b[second[-1]] = b[second[-1]], a[first[-1]]
 
     return change
 
@@ -91,8 +91,8 @@ def both(*changes: Callable[[Data], None]) -> Callable[[Data], None]:
     """Several changes at once."""
 
     def change(data: Data) -> None:
-        for one in changes:
-            one(data)
+        for step in changes:
+            step(data)
 
     return change
 
@@ -116,12 +116,12 @@ def _references(part: Any, key: str, old: str, new: str) -> None:
             if name == key and value == old:
                 part[name] = new
             elif name == key and isinstance(value, list):
-                part[name] = [new if one == old else one for one in value]
+                part[name] = [new if item == old else item for item in value]
             else:
                 _references(value, key, old, new)
     elif isinstance(part, list):
-        for one in part:
-            _references(one, key, old, new)
+        for item in part:
+            _references(item, key, old, new)
 
 
 def rename_command(old: str, new: str) -> Callable[[Data], None]:
@@ -171,9 +171,9 @@ def _title(data: Data, text: str) -> Any:
 def _codes(data: Data) -> Iterator[Edit]:
     """Codes that are exchanged, reused or moved."""
     coded = [name for name, c in data["commands"].items() if isinstance(c.get("code"), int)]
-    for one, other in _pairs(coded):
-        path = ("commands", one, "code"), ("commands", other, "code")
-        yield Edit(f"codes of {one} and {other} swapped", swap(*path))
+    for first, second in _pairs(coded):
+        path = ("commands", first, "code"), ("commands", second, "code")
+        yield Edit(f"codes of {first} and {second} swapped", swap(*path))
     for a, b, c in zip(coded, coded[1:], coded[2:], strict=False):
         codes = [data["commands"][n]["code"] for n in (b, c, a)]
         yield Edit(
@@ -182,18 +182,18 @@ def _codes(data: Data) -> Iterator[Edit]:
         )
     kinds = [name for name, c in data["commands"].items() if isinstance(c.get("code"), dict)]
     for name in kinds:
-        for one, other in itertools.pairwise(data["commands"][name]["code"]):
+        for first, second in itertools.pairwise(data["commands"][name]["code"]):
             yield Edit(
-                f"codes {one} and {other} of {name} swapped",
-                swap(("commands", name, "code", one), ("commands", name, "code", other)),
+                f"codes {first} and {second} of {name} swapped",
+                swap(("commands", name, "code", first), ("commands", name, "code", second)),
             )
-    for one, other in _pairs(list(data["commands"])):
-        if "code" not in data["commands"][one] and "code" not in data["commands"][other]:
-            a, b = data["commands"][one].get("address"), data["commands"][other].get("address")
+    for first, second in _pairs(list(data["commands"])):
+        if "code" not in data["commands"][first] and "code" not in data["commands"][second]:
+            a, b = data["commands"][first].get("address"), data["commands"][second].get("address")
             if a and b and a != b:
                 yield Edit(
-                    f"addresses of {one} and {other} swapped",
-                    swap(("commands", one, "address"), ("commands", other, "address")),
+                    f"addresses of {first} and {second} swapped",
+                    swap(("commands", first, "address"), ("commands", second, "address")),
                 )
 
 
@@ -208,10 +208,10 @@ def _commands(data: Data) -> Iterator[Edit]:
             rename_command(name, f"{name}_2"),
             Names(commands=_renamed_forms(data, name, f"{name}_2")),
         )
-        other = both(
+        reused = both(
             put((*path, "title"), _title(data, "Calibrate the scale")), rename_command(name, "calibrate_scale")
         )
-        yield Edit(f"{name} reused with another title", other, Names(commands=_renamed_forms(data, name, None)))
+        yield Edit(f"{name} reused with another title", reused, Names(commands=_renamed_forms(data, name, None)))
         if isinstance(command.get("code"), int):
             added = {k: v for k, v in command.items() if k in ("address", "request", "reply", "manual", "table")}
             yield Edit(
@@ -257,12 +257,14 @@ def _commands(data: Data) -> Iterator[Edit]:
                 mine = command["only"].get(parameter, [])
                 for value in (v for v in values if v not in mine):
                     yield Edit(f"{name} for {value}, too", put((*path, "only", parameter), [*mine, value]))
-    for one, other in _pairs(list(data["commands"])):
-        yield Edit(f"names of {one} and {other} swapped", _swap_names(one, other))
+    for first, second in _pairs(list(data["commands"])):
+        yield Edit(f"names of {first} and {second} swapped", _swap_names(first, second))
 
 
-def _swap_names(one: str, other: str) -> Callable[[Data], None]:
-    return both(rename_command(one, "swapped_name"), rename_command(other, one), rename_command("swapped_name", other))
+def _swap_names(first: str, second: str) -> Callable[[Data], None]:
+    return both(
+        rename_command(first, "swapped_name"), rename_command(second, first), rename_command("swapped_name", second)
+    )
 
 
 def _replies(data: Data) -> Iterator[Edit]:
@@ -279,21 +281,22 @@ def _replies(data: Data) -> Iterator[Edit]:
         for layout in list(data.get("layouts", {}))[:3]:
             if reply != layout:
                 yield Edit(f"{name} replies with the layout {layout}", put(path, layout))
-        for other in names[:1] + names[-1:]:
-            target = data["commands"][other].get("reply")
+        for source in names[:1] + names[-1:]:
+            target = data["commands"][source].get("reply")
             if (
-                other != name
+                source != name
                 and command.get("request") != "none"
                 and isinstance(target, (dict, str))
                 and target not in ("none", "echo")
             ) and not (isinstance(target, dict) and "of" in target):
-                yield Edit(f"{name} replies as {other}", put(path, {"of": other}))
+                yield Edit(f"{name} replies as {source}", put(path, {"of": source}))
         yield from _own_reply(data, name, free)
-    for one, other in itertools.pairwise(names):
-        a, b = data["commands"][one].get("reply"), data["commands"][other].get("reply")
+    for first, second in itertools.pairwise(names):
+        a, b = data["commands"][first].get("reply"), data["commands"][second].get("reply")
         if a != b and a is not None and b is not None:
             yield Edit(
-                f"replies of {one} and {other} swapped", swap(("commands", one, "reply"), ("commands", other, "reply"))
+                f"replies of {first} and {second} swapped",
+                swap(("commands", first, "reply"), ("commands", second, "reply")),
             )
 
 
@@ -308,10 +311,12 @@ def _own_reply(data: Data, name: str, free: int) -> Iterator[Edit]:
         if "accept" in reply:
             yield Edit(f"{name} accepts one more", put((*path, "accept"), [*reply["accept"], free]))
             yield Edit(f"{name} accepts nothing else", drop((*path, "accept")))
-            for other in names:
-                code = data["commands"][other].get("code")
+            for another in names:
+                code = data["commands"][another].get("code")
                 if isinstance(code, int) and code not in reply["accept"]:
-                    yield Edit(f"{name} accepts the code of {other}", put((*path, "accept"), [*reply["accept"], code]))
+                    yield Edit(
+                        f"{name} accepts the code of {another}", put((*path, "accept"), [*reply["accept"], code])
+                    )
                     break
         elif "layout" in reply and isinstance(command.get("code"), int) and "of" not in reply:
             yield Edit(f"{name} accepts {free}", put((*path, "accept"), [free]))
@@ -330,14 +335,14 @@ def _unnamed(layout: Any) -> Any:
 
 def _tables(data: Data) -> Iterator[Edit]:
     """Entries of tables."""
-    for table, one in data.get("tables", {}).items():
+    for table, definition in data.get("tables", {}).items():
         path = ("tables", table, "entries")
         users = [n for n, c in data["commands"].items() if c.get("table") == table]
-        for a, b in _pairs(list(one["entries"])):
+        for a, b in _pairs(list(definition["entries"])):
             yield Edit(f"{table}: indexes of {a} and {b} swapped", swap((*path, a, "index"), (*path, b, "index")))
-            if _unnamed(one["entries"][a]["layout"]) != _unnamed(one["entries"][b]["layout"]):
+            if _unnamed(definition["entries"][a]["layout"]) != _unnamed(definition["entries"][b]["layout"]):
                 yield Edit(f"{table}: layouts of {a} and {b} swapped", swap((*path, a, "layout"), (*path, b, "layout")))
-        for entry in one["entries"]:
+        for entry in definition["entries"]:
 
             def named(new: str | None, entry: str = entry, users: Sequence[str] = users) -> Names:
                 return Names(commands={f"{u}_{entry}": new and f"{u}_{new}" for u in users})
@@ -352,13 +357,13 @@ def _tables(data: Data) -> Iterator[Edit]:
                 ),
                 named(None),
             )
-            if len(users) > 1 and "commands" not in one["entries"][entry]:
+            if len(users) > 1 and "commands" not in definition["entries"][entry]:
                 yield Edit(f"{table}: {entry} only with {users[0]}", put((*path, entry, "commands"), users[:1]))
         if len(users) > 1:
             codes = [("commands", u, "code") for u in users[:2]]
             if all("code" in data["commands"][u] for u in users[:2]):
                 yield Edit(f"{table}: codes of {users[0]} and {users[1]} swapped", swap(*codes))
-        index = one["index"]
+        index = definition["index"]
         for i, part in enumerate(index if isinstance(index, list) else [index]):
             key: Path = ("tables", table, "index", i) if isinstance(index, list) else ("tables", table, "index")
             width = int(str(part["raw"])[1:])
@@ -372,19 +377,19 @@ def _addresses(data: Data) -> Iterator[Edit]:
     addresses = data["addresses"]
     yield from _exchanged_ids(addresses)
     for name, command in data["commands"].items():
-        for other in addresses:
-            if command.get("address", next(iter(addresses))) != other:
-                yield Edit(f"{name} uses the address {other}", put(("commands", name, "address"), other))
+        for address in addresses:
+            if command.get("address", next(iter(addresses))) != address:
+                yield Edit(f"{name} uses the address {address}", put(("commands", name, "address"), address))
 
 
 def _exchanged_ids(addresses: Data) -> Iterator[Edit]:
     """Ids and nodes of addresses."""
-    for one, other in itertools.combinations(addresses, 2):
+    for first, second in itertools.combinations(addresses, 2):
         for key in ("id", "request", "reply"):
-            if key in addresses[one] and key in addresses[other]:
+            if key in addresses[first] and key in addresses[second]:
                 yield Edit(
-                    f"{key} of addresses {one} and {other} swapped",
-                    swap(("addresses", one, key), ("addresses", other, key)),
+                    f"{key} of addresses {first} and {second} swapped",
+                    swap(("addresses", first, key), ("addresses", second, key)),
                 )
     for name, address in addresses.items():
         path = ("addresses", name)
@@ -405,8 +410,8 @@ def _uses(data: Data, type_: str) -> int:
     return repr(data).count(f"'type': '{type_}'")
 
 
-def _member(one: Any, key: str) -> int:
-    value: int = one[key] if isinstance(one, dict) else one
+def _member(member: Any, key: str) -> int:
+    value: int = member[key] if isinstance(member, dict) else member
     return value
 
 
@@ -458,7 +463,7 @@ def _members(data: Data, name: str, type_: Data) -> Iterator[Edit]:
         if not members:
             continue
         path = ("types", name, kind)
-        values = [_member(one, key) for one in members.values()]
+        values = [_member(entry, key) for entry in members.values()]
         high = int(type_["raw"][1:]) - (type_["raw"][0] == "i")
         top = (1 << high) if kind == "enum" else int(type_["raw"][1:])
         free = next((n for n in range(1, top) if n not in values), None)
@@ -469,7 +474,7 @@ def _members(data: Data, name: str, type_: Data) -> Iterator[Edit]:
             if all(isinstance(members[m], int) == isinstance(members[a], int) for m in (a, b)):
                 steps = () if isinstance(members[a], int) else (key,)
                 yield Edit(f"{kind} {name}: {a} and {b} swapped", swap((*path, a, *steps), (*path, b, *steps)))
-        for member, one in members.items():
+        for member, entry in members.items():
             yield Edit(f"{kind} {name}: {member} removed", drop((*path, member)))
             yield Edit(
                 f"{kind} {name}: {member} renamed",
@@ -478,15 +483,15 @@ def _members(data: Data, name: str, type_: Data) -> Iterator[Edit]:
             )
             yield Edit(
                 f"{kind} {name}: {member} reused with another title",
-                both(put((*path, member), {key: _member(one, key), **text}), rename((*path, member), "parking")),
+                both(put((*path, member), {key: _member(entry, key), **text}), rename((*path, member), "parking")),
                 Names(members={member: None}),
             )
             if free is not None:
                 yield Edit(
                     f"{kind} {name}: {member} moved, its value reused",
                     both(
-                        put((*path, member), free if isinstance(one, int) else {**one, key: free}),
-                        put((*path, "parking"), {key: _member(one, key), **text}),
+                        put((*path, member), free if isinstance(entry, int) else {**entry, key: free}),
+                        put((*path, "parking"), {key: _member(entry, key), **text}),
                     ),
                 )
 
@@ -496,9 +501,9 @@ def _all_fields(data: Data) -> Iterator[tuple[Path, Data, list[str]]]:
     for name, layout in data.get("layouts", {}).items():
         yield ("layouts", name, "fields"), layout["fields"], []
     for name, table in data.get("tables", {}).items():
-        for entry, one in table["entries"].items():
-            if isinstance(one["layout"], dict):
-                yield ("tables", name, "entries", entry, "layout"), one["layout"], []
+        for entry, definition in table["entries"].items():
+            if isinstance(definition["layout"], dict):
+                yield ("tables", name, "entries", entry, "layout"), definition["layout"], []
     for name, command in data["commands"].items():
         for half in ("request", "reply"):
             part = command.get(half)
@@ -516,31 +521,33 @@ def _fields(data: Data) -> Iterator[Edit]:
     """Fields that are renamed, replaced, exchanged, added."""
     unique = repr(data)
     for path, fields, _ in _all_fields(data):
-        for name, one in fields.items():
+        for name, definition in fields.items():
             here = (*path, name)
             only_here = unique.count(f"'{name}': {{'at'") == 1
-            fixed = {"constant", "reserved"} & set(one)
+            fixed = {"constant", "reserved"} & set(definition)
             if only_here:
                 new = f"{name}_2"
                 yield Edit(f"{_dotted(here)} renamed", rename(here, new), Names(fields={name: new}))
-                other = {k: v for k, v in one.items() if k in ("at", "array", "only", *fixed)}
+                kept = {k: v for k, v in definition.items() if k in ("at", "array", "only", *fixed)}
                 if not fixed:
-                    raw = one["raw"] if "raw" in one else data["types"][one["type"]]["raw"]
-                    if "holds" not in one:
+                    raw = definition["raw"] if "raw" in definition else data["types"][definition["type"]]["raw"]
+                    if "holds" not in definition:
                         yield Edit(
                             f"{_dotted(here)} reused with another title",
-                            both(put(here, {**one, "title": _title(data, "Wind direction")}), rename(here, "wind")),
+                            both(
+                                put(here, {**definition, "title": _title(data, "Wind direction")}), rename(here, "wind")
+                            ),
                             Names(fields={name: None}),
                         )
                         yield Edit(
                             f"{_dotted(here)} replaced by another field",
                             both(
-                                put(here, {**other, "raw": raw, "title": _title(data, "Wind direction")}),
+                                put(here, {**kept, "raw": raw, "title": _title(data, "Wind direction")}),
                                 rename(here, "wind"),
                             ),
                             Names(fields={name: None}),
                         )
-            yield from _field(data, here, one)
+            yield from _field(data, here, definition)
         for a, b in _pairs(list(fields)):
             if fields[a]["at"] == fields[b]["at"]:
                 continue
@@ -552,38 +559,38 @@ def _fields(data: Data) -> Iterator[Edit]:
             )
 
 
-def _field(data: Data, here: Path, one: Data) -> Iterator[Edit]:
+def _field(data: Data, here: Path, definition: Data) -> Iterator[Edit]:
     """One field that becomes constant or reserved, exists under other parameters, or has another type."""
-    name, fixed = here[-1], {"constant", "reserved"} & set(one)
-    if "constant" in one:
+    name, fixed = here[-1], {"constant", "reserved"} & set(definition)
+    if "constant" in definition:
         yield Edit(f"{_dotted(here)} becomes a value", drop((*here, "constant")))
         yield Edit(f"{_dotted(here)} constant renamed", rename(here, f"{name}_2"))
-    elif not fixed and "holds" not in one and "array" not in one:
-        plain = {**one, "constant": 1}
-        if "type" not in one:
+    elif not fixed and "holds" not in definition and "array" not in definition:
+        plain = {**definition, "constant": 1}
+        if "type" not in definition:
             yield Edit(f"{_dotted(here)} becomes a constant", put(here, plain))
         yield Edit(
             f"{_dotted(here)} becomes reserved",
             put(
                 here,
                 {
-                    "at": one["at"],
-                    "raw": one["raw"] if "raw" in one else data["types"][one["type"]]["raw"],
+                    "at": definition["at"],
+                    "raw": definition["raw"] if "raw" in definition else data["types"][definition["type"]]["raw"],
                     "reserved": 0,
                 },
             ),
         )
-    if "only" in one:
-        parameter, values = next(iter(one["only"].items()))
+    if "only" in definition:
+        parameter, values = next(iter(definition["only"].items()))
         every = list(data["parameters"][parameter]["values"])
         for value in (v for v in every if v not in values):
             yield Edit(f"{_dotted(here)} for {value}, too", put((*here, "only"), {parameter: [*values, value]}))
         if len(values) > 1:
             yield Edit(f"{_dotted(here)} only for {values[0]}", put((*here, "only"), {parameter: values[:1]}))
-    if "type" in one:
-        raw = data["types"][one["type"]]["raw"]
+    if "type" in definition:
+        raw = data["types"][definition["type"]]["raw"]
         for other_name, other_type in data["types"].items():
-            if other_type["raw"] == raw and other_name != one["type"]:
+            if other_type["raw"] == raw and other_name != definition["type"]:
                 yield Edit(f"{_dotted(here)} has the type {other_name}", put((*here, "type"), other_name))
                 break
 
@@ -601,14 +608,14 @@ def _is_big(data: Data, field: Data) -> bool:
 def _split(data: Data) -> Iterator[Edit]:
     """Fields that become narrower, with and without other fields in the bits that become free."""
     for path, fields, _ in _all_fields(data):
-        for name, one in fields.items():
-            raw = _raw_of(data, one)
+        for name, definition in fields.items():
+            raw = _raw_of(data, definition)
             width = int(raw[1:])
-            if raw[0] == "f" or width % 8 or isinstance(one["at"], str) or {"holds", "array"} & set(one):
+            if raw[0] == "f" or width % 8 or isinstance(definition["at"], str) or {"holds", "array"} & set(definition):
                 continue
-            here, byte = (*path, name), one["at"]
-            texts = {k: v for k, v in one.items() if k in ("title", "only", "constant", "reserved")}
-            order = {"byte_order": "big"} if _is_big(data, one) else {}
+            here, byte = (*path, name), definition["at"]
+            texts = {k: v for k, v in definition.items() if k in ("title", "only", "constant", "reserved")}
+            order = {"byte_order": "big"} if _is_big(data, definition) else {}
             for low in (width - 8, 8) if width > 16 else (width // 2,):
                 high = width - low
                 starts = (byte + high // 8, byte) if order else (byte, byte + low // 8)
@@ -638,14 +645,19 @@ def _other_constants(data: Data) -> Iterator[Edit]:
     """Fields that become constants, and constants that become fields, with and without a unit or a scale."""
     units: dict[str, Data] = {"plain": {}, "unit": {"unit": "V"}, "scale": {"scale": 0.5}, "offset": {"offset": 3}}
     for path, fields, _ in _all_fields(data):
-        for name, one in fields.items():
-            raw = _raw_of(data, one)
-            if raw[0] == "f" or {"holds", "array", "reserved"} & set(one):
+        for name, definition in fields.items():
+            raw = _raw_of(data, definition)
+            if raw[0] == "f" or {"holds", "array", "reserved"} & set(definition):
                 continue
             here = (*path, name)
-            order = {"byte_order": "big"} if _is_big(data, one) and int(raw[1:]) > 8 else {}
-            own = {"at": one["at"], "raw": raw, **order, **{k: v for k, v in one.items() if k in ("title", "only")}}
-            if "constant" in one:
+            order = {"byte_order": "big"} if _is_big(data, definition) and int(raw[1:]) > 8 else {}
+            own = {
+                "at": definition["at"],
+                "raw": raw,
+                **order,
+                **{k: v for k, v in definition.items() if k in ("title", "only")},
+            }
+            if "constant" in definition:
                 for kind, keys in units.items():
                     yield Edit(f"{_dotted(here)} becomes a value: {kind}", put(here, {**own, **keys}))
                 continue
@@ -657,9 +669,9 @@ def _other_constants(data: Data) -> Iterator[Edit]:
 
 def _exchanged_names(data: Data) -> Iterator[Edit]:
     """Entries and members that exchange their names."""
-    for table, one in data.get("tables", {}).items():
+    for table, definition in data.get("tables", {}).items():
         path: Path = ("tables", table, "entries")
-        for a, b in _pairs(list(one["entries"])):
+        for a, b in _pairs(list(definition["entries"])):
             yield Edit(f"{table}: names of {a} and {b} swapped", _swap_keys(path, a, b))
     for name, type_ in data.get("types", {}).items():
         for kind in ("enum", "flags"):
@@ -674,17 +686,17 @@ def _exchanged_names(data: Data) -> Iterator[Edit]:
 def _arrays(data: Data) -> Iterator[Edit]:
     """Arrays that become single fields, have other numbers or elements, and fields that become arrays."""
     for path, fields, _ in _all_fields(data):
-        for name, one in fields.items():
+        for name, definition in fields.items():
             here = (*path, name)
-            if "array" in one:
+            if "array" in definition:
                 yield Edit(f"{_dotted(here)} is no array", drop((*here, "array")))
-                first, last = map(int, one["array"].split(".."))
+                first, last = map(int, definition["array"].split(".."))
                 for low, high in ((0, last - first), (first + 1, last + 1), (first, last - 1), (first, last + 1)):
                     yield Edit(
                         f"{_dotted(here)} has the elements {low}..{high}", put((*here, "array"), f"{low}..{high}")
                     )
-            elif not {"holds", "constant", "reserved"} & set(one) and _raw_of(data, one) == "u16":
-                halves = {**{k: v for k, v in one.items() if k != "type"}, "raw": "u8", "array": "1..2"}
+            elif not {"holds", "constant", "reserved"} & set(definition) and _raw_of(data, definition) == "u16":
+                halves = {**{k: v for k, v in definition.items() if k != "type"}, "raw": "u8", "array": "1..2"}
                 yield Edit(f"{_dotted(here)} is an array", put(here, halves))
 
 
@@ -696,9 +708,9 @@ def _shared_replies(data: Data) -> Iterator[Edit]:
             fields = data["commands"][reply["of"]].get("reply")
             if isinstance(fields, str) or (isinstance(fields, dict) and "of" not in fields):
                 yield Edit(f"{name} replies with the fields of {reply['of']}", put(("commands", name, "reply"), fields))
-            for other in data["commands"]:
-                if other not in (name, reply["of"]):
-                    yield Edit(f"{name} replies as {other} does", put(("commands", name, "reply"), {"of": other}))
+            for another in data["commands"]:
+                if another not in (name, reply["of"]):
+                    yield Edit(f"{name} replies as {another} does", put(("commands", name, "reply"), {"of": another}))
 
 
 _NEEDED = ("canwright", "family", "edition", "at", "code", "id", "title", "manual")
@@ -726,34 +738,34 @@ _ORDERED = ("addresses", "states", "modes")
 def reordered(part: Any, order: Callable[[list[Any]], Sequence[Any]], name: Any = "") -> Any:
     """Data of a spec with its keys in another order, where the order has no meaning."""
     if isinstance(part, list):
-        return [reordered(one, order) for one in part]
+        return [reordered(item, order) for item in part]
     if not isinstance(part, dict):
         return part
     keys = list(part) if name in _ORDERED else order(list(part))
     return {key: reordered(part[key], order, key) for key in keys}
 
 
-def _swap_keys(path: Path, one: str, other: str) -> Callable[[Data], None]:
+def _swap_keys(path: Path, first: str, second: str) -> Callable[[Data], None]:
     return both(
-        rename((*path, one), "swapped_name"), rename((*path, other), one), rename((*path, "swapped_name"), other)
+        rename((*path, first), "swapped_name"), rename((*path, second), first), rename((*path, "swapped_name"), second)
     )
 
 
 def _layouts(data: Data) -> Iterator[Edit]:
     """Layouts that move into commands and out of them."""
     for name, layout in data.get("layouts", {}).items():
-        for command, one in data["commands"].items():
+        for command, definition in data["commands"].items():
             for half in ("request", "reply"):
-                if one.get(half) == name:
+                if definition.get(half) == name:
                     yield Edit(
                         f"layout {name} inline in the {half} of {command}",
                         put(("commands", command, half), layout["fields"]),
                     )
         renamed = both(rename(("layouts", name), f"{name}_2"), lambda d, n=name: _rename_layout(d, n))  # type: ignore[misc]
         yield Edit(f"layout {name} renamed", renamed)
-    for command, one in data["commands"].items():
+    for command, definition in data["commands"].items():
         for half in ("request", "reply"):
-            part = one.get(half)
+            part = definition.get(half)
             if isinstance(part, dict) and part and all(isinstance(f, dict) and "at" in f for f in part.values()):
                 yield Edit(
                     f"{half} of {command} in a layout",
@@ -795,8 +807,8 @@ def _rename_parameter(old: str, new: str) -> Callable[[Data], None]:
                         part[key] = value.replace(old, new)
                     walk(value)
             elif isinstance(part, list):
-                for one in part:
-                    walk(one)
+                for item in part:
+                    walk(item)
 
         walk(data)
 
@@ -824,8 +836,8 @@ def _rename_value(parameter: str, values: dict[str, str]) -> Callable[[Data], No
                 for value in part.values():
                     walk(value)
             elif isinstance(part, list):
-                for one in part:
-                    walk(one)
+                for item in part:
+                    walk(item)
 
         walk(data)
 
@@ -871,13 +883,16 @@ def _same(data: Data) -> Iterator[Edit]:
             yield Edit(f"{part} in another order", put((part,), dict(reversed(data[part].items()))), nothing=True)
     count = 0
     for path, fields, _ in _all_fields(data):
-        for name, one in fields.items():
-            if "raw" in one and not {"constant", "reserved", "holds"} & set(one) and count < 6:
+        for name, definition in fields.items():
+            if "raw" in definition and not {"constant", "reserved", "holds"} & set(definition) and count < 6:
                 count += 1
-                type_ = {"raw": one["raw"]}
-                if "byte_order" in one:
-                    type_["byte_order"] = one["byte_order"]
-                field = {**{k: v for k, v in one.items() if k not in ("raw", "byte_order")}, "type": "plain_number"}
+                type_ = {"raw": definition["raw"]}
+                if "byte_order" in definition:
+                    type_["byte_order"] = definition["byte_order"]
+                field = {
+                    **{k: v for k, v in definition.items() if k not in ("raw", "byte_order")},
+                    "type": "plain_number",
+                }
                 yield Edit(
                     f"{_dotted((*path, name))} as a type",
                     both(

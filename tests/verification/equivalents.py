@@ -31,10 +31,10 @@ class Equivalent:
         function, original, mutated = mutant.key
         if not re.fullmatch(_pattern(self.function), function):
             return False
-        found = re.fullmatch(_pattern(self.original), original)
-        if found is None:
+        match = re.fullmatch(_pattern(self.original), original)
+        if match is None:
             return False
-        return any(re.fullmatch(_filled(line, found.groups()), mutated) for line in self.mutated)
+        return any(re.fullmatch(_filled(line, match.groups()), mutated) for line in self.mutated)
 
 
 def _pattern(text: str) -> str:
@@ -52,7 +52,7 @@ def _filled(text: str, groups: Sequence[str]) -> str:
 
 def is_repeated(line: str, scope: str) -> bool:
     """Whether a function has a line more than once; the next line then belongs to what identifies a mutant."""
-    return [one.strip() for one in scope.splitlines()].count(line.strip()) > 1
+    return [another.strip() for another in scope.splitlines()].count(line.strip()) > 1
 
 
 def read(file: Path) -> list[Equivalent]:

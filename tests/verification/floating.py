@@ -224,8 +224,8 @@ def _bits(chance: random.Random) -> Case:
         return Case(operation, (value, steps), "not_finite 0")
     infinity, width = (0x7F800000, 32) if result == SINGLE else (0x7FF << 52, 64)
     sign = steps >> (31 if given == SINGLE else 63) << width - 1
-    found = bits_of(number_of(steps, given), result) | sign if is_finite(steps, given) else infinity
-    return Case(operation, (value, steps), _ok(found) if found & infinity != infinity else "out_of_range 0")
+    bits = bits_of(number_of(steps, given), result) | sign if is_finite(steps, given) else infinity
+    return Case(operation, (value, steps), _ok(bits) if bits & infinity != infinity else "out_of_range 0")
 
 
 def _any_bits(chance: random.Random, precision: int) -> int:
@@ -275,12 +275,12 @@ def _of_ratio(chance: random.Random) -> Case:
         return number_of(bits_of(Fraction(number), precision), precision)
 
     numerator, denominator = chance.randint(1, (1 << 31) - 1), chance.randint(1, (1 << 32) - 1)
-    one, other = (rounded(Fraction(any_integer(chance, 40) or 1, 1024)) for _ in range(2))
+    first, second = (rounded(Fraction(any_integer(chance, 40) or 1, 1024)) for _ in range(2))
     if operation in "MO":
-        result = rounded(one * rounded(numerator)) / rounded(other * rounded(denominator))
+        result = rounded(first * rounded(numerator)) / rounded(second * rounded(denominator))
     else:
-        result = rounded(one * rounded(denominator)) / rounded(numerator)
-    given = (bits_of(one, precision), bits_of(other, precision), numerator, denominator)
+        result = rounded(first * rounded(denominator)) / rounded(numerator)
+    given = (bits_of(first, precision), bits_of(second, precision), numerator, denominator)
     return Case(operation, given, _ok(bits_of(result, precision)))
 
 
@@ -306,11 +306,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as folder:
         program = compiled(Path(folder), "-O2")
-        found = differences(program, cases(given.count, random.Random(given.seed)))
-    for line in found[:20]:
+        different = differences(program, cases(given.count, random.Random(given.seed)))
+    for line in different[:20]:
         print(line)
-    print(f"{given.count} conversions, {len(found)} differ from exact fractions")
-    return 1 if found else 0
+    print(f"{given.count} conversions, {len(different)} differ from exact fractions")
+    return 1 if different else 0
 
 
 if __name__ == "__main__":

@@ -17,8 +17,8 @@ def passing(subjects: Iterable[T], test: Callable[[T], None], jobs: int) -> Iter
         if len(running) == jobs:
             yield from _passed(*running.popleft())
         running.append((_forked(test, subject), subject))
-    for one in running:
-        yield from _passed(*one)
+    for process in running:
+        yield from _passed(*process)
 
 
 def _passed(process: int, subject: T) -> Iterator[T]:

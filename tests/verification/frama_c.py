@@ -75,12 +75,12 @@ def unproven(header: Header) -> list[str]:
     with table.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file, delimiter="\t"))
     assert sum(row["property"] == REACHED for row in rows) == count
-    found = [
+    alarms = [
         f"{row['file']}:{row['line']}: {row['status']}: {row['property']} ({row['function']})"
         for row in rows
         if row["status"] not in PROVEN
     ]
-    return [line for line in found if not any(known.search(line) for known in BEYOND_EVA)]
+    return [line for line in alarms if not any(known.search(line) for known in BEYOND_EVA)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -93,8 +93,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         headers = [header for header in write_headers(Path(name), chosen.specs) if header.part != "print"]
         wrong = [
             f"{header.name}: {line}"
-            for header, found in zip(headers, each(unproven, headers), strict=True)
-            for line in found
+            for header, lines in zip(headers, each(unproven, headers), strict=True)
+            for line in lines
         ]
         calls = sum(driver(header)[1] for header in headers)
     print(

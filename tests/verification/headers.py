@@ -42,7 +42,7 @@ class Header:
 def write_headers(folder: Path, specs: Sequence[Path] = SPECS) -> list[Header]:
     """Writes the headers of specs; each family has its own folder, with all of its editions."""
     specifications = [specification(spec) for spec in specs]
-    found = []
+    headers = []
     for family in dict.fromkeys(item.edition.family for item in specifications):
         members = [item for item in specifications if item.edition.family == family]
         for output in c.generate(members, {}):
@@ -55,8 +55,8 @@ def write_headers(folder: Path, specs: Sequence[Path] = SPECS) -> list[Header]:
                 unit = folder / family / f"{item.edition.identifier}{suffix}.c"
                 unit.write_text(f"#include <{name}>\n", "utf-8")
                 include = folder / family / "include"
-                found.append(Header(specification=item, name=name, include=include, unit=unit))
-    return found
+                headers.append(Header(specification=item, name=name, include=include, unit=unit))
+    return headers
 
 
 def each(work: Callable[[Header], T], headers: Sequence[Header]) -> list[T]:

@@ -50,11 +50,11 @@ def cases(count: int, chance: random.Random) -> list[Case]:
         _share,
         _bits,
     )
-    found: list[Case] = []
-    while len(found) < count:
-        found += [kind(chance) for kind in kinds]
-        found += wide_cases(chance)
-    return found[:count]
+    made: list[Case] = []
+    while len(made) < count:
+        made += [kind(chance) for kind in kinds]
+        made += wide_cases(chance)
+    return made[:count]
 
 
 def _printed(operation: str, given: Sequence[int], text: str, chance: random.Random) -> Case:
@@ -195,15 +195,15 @@ def _bits(chance: random.Random) -> Case:
         return Case(operation, (number % (1 << bits), bits), str(number))
     infinity = (1 << width - precision) - 1 << precision - 1
     special = (0, infinity, infinity + 1, infinity - 1, 1 << width - 1)
-    one, other = (chance.choice((*special, *[chance.getrandbits(width) for _ in special])) for _ in range(2))
+    first, second = (chance.choice((*special, *[chance.getrandbits(width) for _ in special])) for _ in range(2))
     if chance.random() < 0.2:
-        other = one + 1 & (1 << width) - 1
-    if not is_finite(other, precision):
-        other = 0
-    is_less = is_finite(one, precision) and _order(one, precision, width) < _order(other, precision, width)
-    if not is_finite(one, precision):  # sorts beyond all finite numbers of its sign
-        is_less = bool(one >> width - 1)
-    return Case(operation, (one, other), str(2 * is_finite(one, precision) + is_less))
+        second = first + 1 & (1 << width) - 1
+    if not is_finite(second, precision):
+        second = 0
+    is_less = is_finite(first, precision) and _order(first, precision, width) < _order(second, precision, width)
+    if not is_finite(first, precision):  # sorts beyond all finite numbers of its sign
+        is_less = bool(first >> width - 1)
+    return Case(operation, (first, second), str(2 * is_finite(first, precision) + is_less))
 
 
 def _order(bits: int, precision: int, width: int) -> tuple[Fraction, int]:
@@ -222,11 +222,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as folder:
-        found = differences(compiled(Path(folder), "-O2"), cases(given.count, random.Random(given.seed)))
-    for line in found[:20]:
+        different = differences(compiled(Path(folder), "-O2"), cases(given.count, random.Random(given.seed)))
+    for line in different[:20]:
         print(line)
-    print(f"{given.count} cases, {len(found)} differ from exact fractions")
-    return 1 if found else 0
+    print(f"{given.count} cases, {len(different)} differ from exact fractions")
+    return 1 if different else 0
 
 
 if __name__ == "__main__":

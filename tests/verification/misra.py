@@ -50,7 +50,7 @@ class Finding(NamedTuple):
 def findings(headers: Sequence[Header]) -> list[Finding]:
     """All findings in the headers, each once. The headers of conversions and of printing include that of the edition."""
     outermost = [header for header in headers if header.part]
-    return sorted({finding for found in each(lambda header: list(_findings(header)), outermost) for finding in found})
+    return sorted({finding for group in each(lambda header: list(_findings(header)), outermost) for finding in group})
 
 
 def _findings(header: Header) -> Iterator[Finding]:
@@ -68,16 +68,16 @@ def _findings(header: Header) -> Iterator[Finding]:
         "-DFLT_MANT_DIG=24",
     )
     template = ("--template={file}:{line}: {id} {message}", "--template-location=")
-    found = [_finding(line) for line in output(*command, *template, f"-I{header.include}", unit).splitlines()]
-    if not any(finding.rule == PLANTED_RULE and finding.place.startswith(str(unit)) for finding in found):
+    reported = [_finding(line) for line in output(*command, *template, f"-I{header.include}", unit).splitlines()]
+    if not any(finding.rule == PLANTED_RULE and finding.place.startswith(str(unit)) for finding in reported):
         yield Finding(header.name, "skipped", "cppcheck did not check this header")
-    yield from (finding for finding in found if not finding.place.startswith(str(unit)))
+    yield from (finding for finding in reported if not finding.place.startswith(str(unit)))
 
 
 def _finding(line: str) -> Finding:
-    found = _FINDING.match(line)
-    assert found is not None, line
-    return Finding(found["place"], found["id"], found["message"])
+    match = _FINDING.match(line)
+    assert match is not None, line
+    return Finding(match["place"], match["id"], match["message"])
 
 
 def deviations(page: str) -> set[str]:
@@ -85,12 +85,12 @@ def deviations(page: str) -> set[str]:
     return set(_ROW.findall(page))
 
 
-def problems(found: Sequence[Finding], allowed: set[str]) -> Iterator[str]:
+def problems(reported: Sequence[Finding], allowed: set[str]) -> Iterator[str]:
     """Findings without a deviation, and deviations without a finding."""
-    for finding in found:
+    for finding in reported:
         if finding.rule not in allowed:
             yield f"{finding.place}: {finding.id} {finding.message}"
-    for rule in sorted(allowed - {finding.rule for finding in found}):
+    for rule in sorted(allowed - {finding.rule for finding in reported}):
         yield f"rule {rule} has a deviation but no violation"
 
 
@@ -101,9 +101,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with tempfile.TemporaryDirectory() as name:
         headers = write_headers(Path(name), SPECS)
         allowed = deviations((headers[0].include.parent / "MISRA.md").read_text("utf-8"))
-        found = findings(headers)
-        wrong = [problem.replace(f"{name}/", "") for problem in problems(found, allowed)]
-    print("\n".join(wrong) or _summary(len(headers), Counter(finding.rule for finding in found)))
+        reported = findings(headers)
+        wrong = [problem.replace(f"{name}/", "") for problem in problems(reported, allowed)]
+    print("\n".join(wrong) or _summary(len(headers), Counter(finding.rule for finding in reported)))
     return 1 if wrong else 0
 
 

@@ -102,11 +102,11 @@ Identity = tuple[tuple[str, str, str], int]
 
 def _identified(mutants: Iterable[Any]) -> dict[Identity, Any]:
     count: Counter[tuple[str, str, str]] = Counter()
-    found: dict[Identity, Any] = {}
+    identified: dict[Identity, Any] = {}
     for mutant in mutants:
         count[mutant.key] += 1
-        found[mutant.key, count[mutant.key]] = mutant
-    return found
+        identified[mutant.key, count[mutant.key]] = mutant
+    return identified
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ class Run:
         """Runs the mutants of the runtime; each subject sees those that survive the one before."""
         small_first = sorted(specs, key=lambda spec: spec.stat().st_size)
         editions: list[Callable[[Path], Any]] = [
-            functools.partial(LANGUAGES[self._language], one) for one in small_first
+            functools.partial(LANGUAGES[self._language], spec) for spec in small_first
         ]
         subjects = [*RUNTIMES[self._language], *editions]
         mutants: dict[Identity, Any] = {}
@@ -203,9 +203,11 @@ def _around_the_change(original: str, mutated: str) -> tuple[str, str]:
     return shown(original), shown(mutated)
 
 
-def _alike(one: str, other: str) -> int:
+def _alike(first: str, second: str) -> int:
     """The number of characters that two texts have in common at the start."""
-    return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+    return next(
+        (i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b), min(len(first), len(second))
+    )
 
 
 if __name__ == "__main__":

@@ -38,8 +38,8 @@ def check_package(item: EditionInput, module: ModuleType) -> None:
         _check_class(edition, message, getattr(module, class_name(message.name)))
         _check_ids(message, module)
     messages = list(_messages(item, module))
-    for one in messages:
-        _check_value(one)
+    for decoded in messages:
+        _check_value(decoded)
     _check_all_differ(messages)
     _check_answers(item, module)
     _check_nodes(edition, module, sys.modules[f"{edition.family}.nodes"])
@@ -51,7 +51,7 @@ def _check_enums(edition: Edition, module: ModuleType) -> None:
         if members:
             enum = getattr(module, class_name(type_.name))
             assert issubclass(enum, IntEnum if type_.enum else IntFlag)
-            assert {name: int(one) for name, one in enum.__members__.items()} == members, enum
+            assert {name: int(member) for name, member in enum.__members__.items()} == members, enum
 
 
 def _check_parameters(edition: Edition, module: ModuleType) -> None:
@@ -135,8 +135,8 @@ def _check_ids(message: Message, module: ModuleType) -> None:
         assert module.node_of(direction, can_id, **flags) == node
         ids = module.ids_of(direction, node)
         assert any(
-            (one ^ can_id) & ~mask == 0 and (extended, remote) == (message.id.extended, message.remote)
-            for one, mask, extended, remote in ids
+            (id_ ^ can_id) & ~mask == 0 and (extended, remote) == (message.id.extended, message.remote)
+            for id_, mask, extended, remote in ids
         ), (ids, can_id)
     assert module.ids_of(direction, message.id.nodes[-1] + 1 << 20) == ()
 
@@ -152,9 +152,9 @@ def _messages(item: EditionInput, module: ModuleType) -> Iterator[Any]:
             data = bytearray(frame.data)
             if byte is not None:
                 data[byte] ^= 0xFF
-            found = _outcome(decode, frame.id, data, known, extended=frame.extended, remote=frame.remote)
-            if not isinstance(found, Rejected):
-                yield found
+            decoded = _outcome(decode, frame.id, data, known, extended=frame.extended, remote=frame.remote)
+            if not isinstance(decoded, Rejected):
+                yield decoded
 
 
 def _check_answers(item: EditionInput, module: ModuleType) -> None:
@@ -165,7 +165,7 @@ def _check_answers(item: EditionInput, module: ModuleType) -> None:
         sent, received = (item.frames.of_command.get((command.name, direction), []) for direction in Direction)
         for request, reply in itertools.product(sent[:3], received[:3]):
             known = adapter.parameters(request.parameters)
-            flags, kind = ({"extended": one.extended, "remote": one.remote} for one in (request, reply))
+            flags, kind = ({"extended": frame.extended, "remote": frame.remote} for frame in (request, reply))
             asked = _outcome(module.decode_request, request.id, request.data, known, **flags)
             if isinstance(asked, Rejected) or isinstance(_outcome(asked.check), Rejected):
                 continue
@@ -195,10 +195,10 @@ def _check_value(message: Any) -> None:
             _raises(ValueError, call)
         return
     again = cls.from_raw(**known, **message.raw())
-    for other in (copy.copy(message), pickle.loads(pickle.dumps(message)), again, message.replace()):
-        assert message == other and not message != other and hash(message) == hash(other)  # noqa: SIM202
-        assert (other.node, other.parameters, other.raw()) == (message.node, message.parameters, message.raw())
-        assert other.encode_unchecked() == again.encode() and other.can_id == message.can_id
+    for copied in (copy.copy(message), pickle.loads(pickle.dumps(message)), again, message.replace()):
+        assert message == copied and not message != copied and hash(message) == hash(copied)  # noqa: SIM202
+        assert (copied.node, copied.parameters, copied.raw()) == (message.node, message.parameters, message.raw())
+        assert copied.encode_unchecked() == again.encode() and copied.can_id == message.can_id
     if not cls.TYPES:
         assert cls(**({} if message.node is None else {"node": message.node})) == message
     assert message != 1 and message.__eq__(1) is NotImplemented
@@ -229,8 +229,8 @@ def _check_value(message: Any) -> None:
         parts.append(f"parameters=Parameters({', '.join(shown)})")
     assert text == f"{cls.__name__}({', '.join(parts)})"
     for name in set(cls.TYPES) - set(names):
-        for one in (name, f"{name}_raw"):
-            assert "it has" in str(_raises(AttributeError, getattr, message, one))
+        for absent in (name, f"{name}_raw"):
+            assert "it has" in str(_raises(AttributeError, getattr, message, absent))
         _raises((AttributeError, ValueError), message.replace, **{name: 0})
     _raises(AttributeError, getattr, message, "no_such_field")
     _raises(TypeError, message.replace, no_such_field=1)
@@ -241,16 +241,16 @@ def _check_value(message: Any) -> None:
 
 def _is_exact(raw: int | list[int] | tuple[int, ...]) -> bool:
     """Whether raw integers are small enough for values that lead back to them."""
-    return all(abs(one) < EXACT for one in ([raw] if isinstance(raw, int) else raw))
+    return all(abs(number) < EXACT for number in ([raw] if isinstance(raw, int) else raw))
 
 
 def _check_without_parameters(message: Any) -> None:
     """Parameters that are not given are unknown; a message whose data is always the same has none."""
     cls, known = type(message), {"node": node_in_id(message), **message.raw()}
     unknown = sys.modules[cls.__module__].UNKNOWN
-    wanted, found = _outcome(cls.from_raw, **known, parameters=unknown), _outcome(cls.from_raw, **known)
-    assert found == wanted
-    assert isinstance(found, Rejected) or found.parameters is (None if hasattr(cls, "DATA") else unknown)
+    wanted, made = _outcome(cls.from_raw, **known, parameters=unknown), _outcome(cls.from_raw, **known)
+    assert made == wanted
+    assert isinstance(made, Rejected) or made.parameters is (None if hasattr(cls, "DATA") else unknown)
 
 
 def _check_node(message: Any) -> None:
@@ -261,12 +261,12 @@ def _check_node(message: Any) -> None:
         return
     first, last = cls.NODES
     for node in (first, last):
-        other = message.replace(node=node)
-        assert (other.node, other.raw(), other == message) == (node, raw, node == message.node)
-        assert other.can_id - message.can_id == (node - message.node) * cls.NODE_STEP
+        replaced = message.replace(node=node)
+        assert (replaced.node, replaced.raw(), replaced == message) == (node, raw, node == message.node)
+        assert replaced.can_id - message.can_id == (node - message.node) * cls.NODE_STEP
     for node in (first - 1, last + 1, None):
-        found = _outcome(cls.from_raw, node=node, parameters=parameters, **raw)
-        assert found == Rejected(Refusal.UNKNOWN_NODE.value)
+        made = _outcome(cls.from_raw, node=node, parameters=parameters, **raw)
+        assert made == Rejected(Refusal.UNKNOWN_NODE.value)
     _raises(TypeError, cls.from_raw, node="1", parameters=parameters, **raw)
 
 
@@ -296,11 +296,16 @@ def _check_given_node(message: Any, values: Mapping[str, Any]) -> None:
 
 def _check_all_differ(messages: list[Any]) -> None:
     """Messages are equal exactly if their class, node, raw integers, and the parameters on which they depend are."""
-    for one, other in itertools.pairwise(messages):
-        same = (type(one), one.node, one.raw(), _needed(one)) == (type(other), other.node, other.raw(), _needed(other))
-        assert (one == other) is same and (one != other) is not same
+    for first, second in itertools.pairwise(messages):
+        same = (type(first), first.node, first.raw(), _needed(first)) == (
+            type(second),
+            second.node,
+            second.raw(),
+            _needed(second),
+        )
+        assert (first == second) is same and (first != second) is not same
         if same:
-            assert hash(one) == hash(other)
+            assert hash(first) == hash(second)
 
 
 def _needed(message: Any) -> list[Any]:
@@ -328,13 +333,13 @@ def _check_nodes(edition: Edition, module: ModuleType, nodes: ModuleType) -> Non
         for node in {numbers[0], numbers[1], numbers[-1]} & set(message.id.nodes):
             can_id = message.id.base + node * message.id.node_step
             data = bytes(0 if message.remote else message.dlc)
-            there = [one for one in (first, last) if one.node == node]
+            there = [bus_node for bus_node in (first, last) if bus_node.node == node]
             assert list(bus.nodes_of(name, can_id, **flags)) == there
             wanted = _outcome(getattr(module, f"decode_{name}"), can_id, data, **flags)
-            for one in there:
-                assert _outcome(getattr(one, f"decode_{name}"), can_id, data, **flags) == wanted
-            found = _outcome(getattr(bus, f"decode_{name}"), can_id, data, **flags)
-            assert found == (wanted if there else Rejected(Refusal.UNKNOWN_ID.value)), (message.name, node)
+            for bus_node in there:
+                assert _outcome(getattr(bus_node, f"decode_{name}"), can_id, data, **flags) == wanted
+            decoded = _outcome(getattr(bus, f"decode_{name}"), can_id, data, **flags)
+            assert decoded == (wanted if there else Rejected(Refusal.UNKNOWN_ID.value)), (message.name, node)
     _check_node_in_data(edition, module, bus)
     for message in edition.all_messages():
         if message.id.nodes == numbers and not message.layout.fields:
@@ -351,7 +356,7 @@ def _check_node_in_data(edition: Edition, module: ModuleType, bus: Any) -> None:
         flags = {"extended": message.id.extended, "remote": message.remote}
         same_rule = edition.of_rule(message.direction, message.id)
         if message.id.nodes is None:
-            in_data = any(one.node_in_data for one in same_rule if one.remote == message.remote)
+            in_data = any(another.node_in_data for another in same_rule if another.remote == message.remote)
             assert module.has_node_in_data(name, can_id, **flags) is in_data
             assert module.node_of(name, can_id, **flags) is None
             for node in bus if message.node_in_data else ():
@@ -391,6 +396,6 @@ def _raises(
 ) -> BaseException:
     try:
         call(*arguments, **named)
-    except error as found:
-        return found
+    except error as raised:
+        return raised
     raise AssertionError(f"{call} accepts {arguments} {named}")

@@ -12,11 +12,11 @@ from .equivalents import is_repeated
 
 _ORDER = ((ast.Lt, ast.LtE), (ast.Gt, ast.GtE), (ast.Eq, ast.NotEq), (ast.Is, ast.IsNot), (ast.In, ast.NotIn))
 COMPARISONS: dict[type[ast.cmpop], ast.cmpop] = {
-    one: other() for pair in _ORDER for one, other in itertools.permutations(pair)
+    old: new() for pair in _ORDER for old, new in itertools.permutations(pair)
 }
 _PAIRS = ((ast.Add, ast.Sub), (ast.Mult, ast.FloorDiv), (ast.BitOr, ast.BitAnd), (ast.LShift, ast.RShift))
 OPERATORS: dict[type[ast.operator], ast.operator] = {
-    one: other() for pair in _PAIRS for one, other in itertools.permutations(pair)
+    old: new() for pair in _PAIRS for old, new in itertools.permutations(pair)
 }
 OPERATORS |= {ast.Div: ast.Mult(), ast.Mod: ast.Mult(), ast.BitXor: ast.BitOr()}
 RUNTIME = ("_codec.py", "_dispatch.py", "nodes.py")
@@ -184,8 +184,8 @@ def _others(node: ast.AST) -> Iterator[str]:
     elif isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
         yield f"({ast.unparse(ast.BinOp(node.left, OPERATORS[type(node.op)], node.right))})"
     elif isinstance(node, ast.BoolOp):
-        other = ast.Or() if isinstance(node.op, ast.And) else ast.And()
-        yield f"({ast.unparse(ast.BoolOp(other, node.values))})"
+        opposite = ast.Or() if isinstance(node.op, ast.And) else ast.And()
+        yield f"({ast.unparse(ast.BoolOp(opposite, node.values))})"
     elif isinstance(node, ast.UnaryOp):
         yield f"({ast.unparse(node.operand)})"
     elif isinstance(node, ast.IfExp):
@@ -198,7 +198,7 @@ def _constants(value: object) -> Iterator[str]:
     if isinstance(value, bool):
         yield repr(not value)
     elif isinstance(value, int):
-        yield from (repr(other) for other in ((value + 1, value - 1) if value else (1,)))
+        yield from (repr(number) for number in ((value + 1, value - 1) if value else (1,)))
     elif isinstance(value, float):
         yield repr(value + 1.0)
     elif isinstance(value, str) and value in WORDS:

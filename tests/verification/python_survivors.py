@@ -181,8 +181,8 @@ def _replay(runner: Runner) -> None:
 
 def _compare(question: Question, wanted: Answer, adapter: PythonAdapter, module: ModuleType) -> None:
     try:
-        found = question.ask(adapter)
+        answer = question.ask(adapter)
     except Cannot:
         return
-    wrong = disagreement(wanted, found)
+    wrong = disagreement(wanted, answer)
     assert not wrong, f"{question}: {wrong}"

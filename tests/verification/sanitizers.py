@@ -118,9 +118,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         headers = write_headers(Path(name), chosen.specs)
         for title, sanitizer in SANITIZERS.items():
             reports = each(lambda header, by=sanitizer: failures(header, by, chosen.rounds), headers)  # type: ignore[misc]
-            wrong += [f"{header.name}: {title}: {one}" for header, one in zip(headers, reports, strict=True) if one]
+            wrong += [
+                f"{header.name}: {title}: {report}" for header, report in zip(headers, reports, strict=True) if report
+            ]
         reports = each(lambda header: fuzzed(header, chosen.seconds), headers)
-        wrong += [f"{header.name}: libFuzzer: {one}" for header, one in zip(headers, reports, strict=True) if one]
+        wrong += [
+            f"{header.name}: libFuzzer: {report}" for header, report in zip(headers, reports, strict=True) if report
+        ]
     print("\n".join(wrong) or f"{len(headers)} headers, {len(SANITIZERS)} sanitizers and libFuzzer: no failure")
     return 1 if wrong else 0
 

@@ -139,7 +139,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "machines", nargs="*", metavar="MACHINE", help=f"of {', '.join(one.name for one in MACHINES)} (default: all)"
+        "machines",
+        nargs="*",
+        metavar="MACHINE",
+        help=f"of {', '.join(machine.name for machine in MACHINES)} (default: all)",
     )
     names = parser.parse_args(arguments).machines
     machines = [machine for machine in MACHINES if not names or machine.name in names]

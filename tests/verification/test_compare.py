@@ -41,7 +41,7 @@ def _case(family: str, name: str, folder: Path) -> Case:
 def test_verdicts_agree_with_generated_code(
     family: str, edit: str, sending: int, receiving: int, tmp_path: Path
 ) -> None:
-    sides = _case(family, edit, tmp_path).found.sides
+    sides = _case(family, edit, tmp_path).happened.sides
     assert (sides[SENDING].low, sides[RECEIVING].low) == (sending, receiving)
 
 

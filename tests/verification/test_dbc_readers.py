@@ -26,9 +26,9 @@ EDITIONS = {
 def sample(name: str) -> tuple[str, list[Case]]:
     """The text of a file for one node, and the golden frames that it describes."""
     edition = next(edition for edition, names in EDITIONS.items() if name in names)
-    one = specification(ROOT / f"spec/mwd_motor/{edition}.yaml")
-    (found,) = ((printed(file), cases) for file, cases in samples(one, Options({NODES: (1,)})) if file.name == name)
-    return found[0], list(found[1])
+    item = specification(ROOT / f"spec/mwd_motor/{edition}.yaml")
+    (chosen,) = ((printed(file), cases) for file, cases in samples(item, Options({NODES: (1,)})) if file.name == name)
+    return chosen[0], list(chosen[1])
 
 
 def is_noticed(text: str, cases: list[Case]) -> bool:

@@ -36,5 +36,5 @@ def test_a_wrong_answer_is_reported(monkeypatch: pytest.MonkeyPatch, capsys: pyt
 
 def test_equal_seeds_give_equal_questions() -> None:
     edition = specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
-    one, same, other = (list(itertools.islice(Questions(edition, seed).forever(), 500)) for seed in (1, 1, 2))
-    assert one == same != other
+    first, same, different = (list(itertools.islice(Questions(edition, seed).forever(), 500)) for seed in (1, 1, 2))
+    assert first == same != different

@@ -36,11 +36,14 @@ def test_the_frame_from_which_another_edition_fits() -> None:
     log = list(buses.frames(motors, 200, 1))
     for frame in log:
         identifier.add(recorded(frame))
-    first, second, other = identifier.result().nodes
-    assert ([one.name for one in first.editions], [one.name for one in second.editions]) == ([V235], [V235B])
+    first, second, third = identifier.result().nodes
+    assert ([edition.name for edition in first.editions], [edition.name for edition in second.editions]) == (
+        [V235],
+        [V235B],
+    )
     changed = next(number for number, frame in enumerate(log) if frame.motor is motors[1])
     assert second.start == (changed, log[changed].time * 1000)
-    assert (first.start, other.start) == (None, None)
+    assert (first.start, third.start) == (None, None)
 
 
 def recorded(frame: Frame) -> LogFrame:

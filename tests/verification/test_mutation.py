@@ -45,8 +45,8 @@ def test_a_sample_of_mutants_is_killed(language: str, tmp_path: Path) -> None:
 
 
 def test_tokens_of_a_header_are_mutated() -> None:
-    found = {mutant.mutated for mutant in c_mutants.mutants("x.h", HEADER)}
-    assert {"if (x <= 2) {", "if (x < 3) {", "if (x < 1) {", "return B;", "return A;"} <= found
+    mutated = {mutant.mutated for mutant in c_mutants.mutants("x.h", HEADER)}
+    assert {"if (x <= 2) {", "if (x < 3) {", "if (x < 1) {", "return B;", "return A;"} <= mutated
 
 
 def test_a_copy_of_a_function_has_the_change() -> None:

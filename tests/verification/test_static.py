@@ -67,8 +67,8 @@ def test_frama_c_reports_a_defect_beside_an_exception(headers: list[Header]) -> 
 def test_analyzers_report_a_null_pointer(headers: list[Header]) -> None:
     assert not analyzers.all_findings(headers[1])
     _plant(headers[0], *NULL)
-    found = analyzers.all_findings(headers[1])
-    assert {line.split(":")[0] for line in found} == set(analyzers.ANALYZERS)
+    findings = analyzers.all_findings(headers[1])
+    assert {line.split(":")[0] for line in findings} == set(analyzers.ANALYZERS)
 
 
 @pytest.mark.parametrize(

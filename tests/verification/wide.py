@@ -34,16 +34,16 @@ def _shown(size: int, exponent: int = 0, negative: bool = True) -> str:
 
 
 def _sums(chance: random.Random) -> Iterator[Case]:
-    one, other = _number(chance), _number(chance)
+    first, second = _number(chance), _number(chance)
     if chance.random() < 0.5:
-        other = one ^ 1 << chance.randrange(WIDTH) if chance.random() < 0.7 else one
-    given = (*_words(one), *_words(other))
-    yield Case("A", given, _shown(one + other & ALL_RULES))
-    yield Case("B", given, _shown(one - other & ALL_RULES))
-    yield Case("E", given, str(int(one < other)))
-    yield Case("G", given, str(one.bit_length()))
+        second = first ^ 1 << chance.randrange(WIDTH) if chance.random() < 0.7 else first
+    given = (*_words(first), *_words(second))
+    yield Case("A", given, _shown(first + second & ALL_RULES))
+    yield Case("B", given, _shown(first - second & ALL_RULES))
+    yield Case("E", given, str(int(first < second)))
+    yield Case("G", given, str(first.bit_length()))
     factor = _number(chance, 64)
-    yield Case("K", (*_words(one), factor), _shown(one * factor & ALL_RULES))
+    yield Case("K", (*_words(first), factor), _shown(first * factor & ALL_RULES))
 
 
 def _divided(chance: random.Random) -> Case:
@@ -83,12 +83,12 @@ def _terms(chance: random.Random) -> Iterator[Case]:
 
 def _frames(chance: random.Random) -> Case:
     """Two frames, often with one byte of difference; a filter, often with one bit of difference."""
-    one, dlc = chance.getrandbits(64), chance.choice((*range(9), 255))
+    data, dlc = chance.getrandbits(64), chance.choice((*range(9), 255))
     id_, mask = chance.getrandbits(32), chance.getrandbits(32)
-    other = one ^ chance.choice((0, 1 << chance.randrange(64)))
+    other_data = data ^ chance.choice((0, 1 << chance.randrange(64)))
     other_dlc = chance.choice((dlc, dlc, dlc, chance.randrange(9)))
     wanted = id_ ^ chance.choice((0, 1 << chance.randrange(32)))
     used = (1 << 8 * min(dlc, 8)) - 1
-    same = dlc == other_dlc and one & used == other & used
+    same = dlc == other_dlc and data & used == other_data & used
     accepted = id_ & mask == wanted & mask
-    return Case("F", (one, other, dlc, other_dlc, id_, wanted, mask), f"{int(same)} {int(accepted)} 0 0")
+    return Case("F", (data, other_data, dlc, other_dlc, id_, wanted, mask), f"{int(same)} {int(accepted)} 0 0")

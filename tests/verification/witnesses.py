@@ -108,9 +108,9 @@ def _as(
     binding: Binding, direction: Direction, command: str, frame: Frame, parameters: Any, *, is_sender: bool = False
 ) -> Meaning | None:
     """A frame as a message of a command; None if it is none, or if the sender does not send these bits."""
-    found = next((c for c in binding.edition.commands if c.name == command), None)
-    message = None if found is None else found.message(direction)
-    if found is None or message is None:
+    definition = next((c for c in binding.edition.commands if c.name == command), None)
+    message = None if definition is None else definition.message(direction)
+    if definition is None or message is None:
         return None
     cls = binding.of(message)
     nodes = range(cls.NODES[0], cls.NODES[1] + 1) if hasattr(cls, "NODES") else [None]
@@ -118,7 +118,7 @@ def _as(
     for node in nodes:
         try:
             decoded = cls.unpack(node, frame.id, frame.data, parameters)
-            sent = not is_sender or message.accepted_codes or found.is_echoed or decoded.encode() == frame.data
+            sent = not is_sender or message.accepted_codes or definition.is_echoed or decoded.encode() == frame.data
             if not sent or cls.EXTENDED is not frame.extended:
                 continue
             if decoded.can_id == frame.id:

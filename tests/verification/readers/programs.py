@@ -54,7 +54,10 @@ class Program(Reader):
         lines = [line.split() for line in done.stdout.splitlines()]
         if done.returncode or len(lines) != len(cases):
             raise ValueError(f"{len(lines)} of {len(cases)} frames decoded; {done.stderr.strip()}")
-        return [{name: float(value) for name, _, value in (one.partition("=") for one in line)} for line in lines]
+        return [
+            {name: float(value) for name, _, value in (assignment.partition("=") for assignment in line)}
+            for line in lines
+        ]
 
 
 class Qt(Program):

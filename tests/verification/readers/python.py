@@ -44,7 +44,7 @@ class Canmatrix(PythonReader):
         if matrix.load_errors:
             raise ValueError(f"{matrix.load_errors[0]}")
         decoded = (matrix.decode(canmatrix.ArbitrationId(c.can_id, extended=c.extended), c.data) for c in cases)
-        return [{name: float(signal.phys_value) for name, signal in one.items()} for one in decoded]
+        return [{name: float(signal.phys_value) for name, signal in signals.items()} for signals in decoded]
 
 
 class CanDecoder(PythonReader):
@@ -65,13 +65,13 @@ class CanDecoder(PythonReader):
         }
         frames = pandas.DataFrame(columns, index=pandas.Index(times, name="TimeStamp"))
         try:
-            found = decoder.decode_frame(frames)
+            decoded = decoder.decode_frame(frames)
         except TypeError as error:
             if "decimal.Decimal" in str(error) and "SIG_VALTYPE_" in file.read_text("ascii"):
                 raise UnsupportedFileError("it multiplies floating-point signals by a Decimal, and fails") from error
             raise
         results: list[dict[str, float]] = [{} for _ in cases]
-        rows = zip(found.index, found["Signal"], found["Physical Value"], strict=True) if len(found) else ()
+        rows = zip(decoded.index, decoded["Signal"], decoded["Physical Value"], strict=True) if len(decoded) else ()
         for time, name, value in rows:
             results[int(time.timestamp())][name] = float(value)
         return results
@@ -111,9 +111,9 @@ class Asammdf(PythonReader):
             results: list[dict[str, float]] = [{} for _ in cases]
             for i, group in enumerate(extracted.groups):
                 for channel in group.channels[1:]:
-                    found = extracted.get(channel.name, group=i, raw=True)
-                    physical = found.physical()
-                    shown = found if physical.samples.dtype.kind in "SU" else physical  # a named value is text
+                    signal = extracted.get(channel.name, group=i, raw=True)
+                    physical = signal.physical()
+                    shown = signal if physical.samples.dtype.kind in "SU" else physical  # a named value is text
                     for time, value in zip(shown.timestamps, shown.samples, strict=True):
                         results[round(time)][channel.name] = float(value)
             return results
