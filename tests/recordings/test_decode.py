@@ -120,8 +120,8 @@ NODES_IN_DATA = """\
 
 def test_the_node_in_the_data_of_a_frame() -> None:
     spec = ("--spec", str(ROOT / "tests/specs/valve/v1.yaml"))
-    rows = json_rows(decode(NODES_IN_DATA, *spec, "--format", "jsonl").stdout)
-    assert [(row["node"], row["request"]) for row in rows] == [
+    printed = json_rows(decode(NODES_IN_DATA, *spec, "--format", "jsonl").stdout)
+    assert [(row["node"], row["request"]) for row in printed] == [
         (111, None),
         (111, 0),
         (37, None),
