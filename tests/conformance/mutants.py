@@ -35,7 +35,7 @@ def mutants(data: Data) -> Iterator[Mutant]:
         yield from _table(("tables", name), table)
     halves = [half for c in data["commands"].values() for half in (c, c.get("request"), c.get("reply"))]
     written = [half.get("code") for half in halves if isinstance(half, dict)]
-    codes = {code for one in written for code in (one.values() if isinstance(one, dict) else (one,))}
+    codes = {code for entry in written for code in (entry.values() if isinstance(entry, dict) else (entry,))}
     free = next(number for number in range(1, 1 << 8) if number not in codes)
     for name, command in data["commands"].items():
         yield from _command(("commands", name), command, free)
@@ -161,9 +161,9 @@ def _fields(path: Path, fields: Data) -> Iterator[Mutant]:
             yield _set((*at, "array"), f"{low}..{high - 1}")
         if "raw" in field and not {"constant", "reserved"} & set(field):
             yield from _raw((*at, "raw"), field["raw"])
-    for one, other in zip(list(fields), list(fields)[1:], strict=False):
-        if fields[one]["at"] != fields[other]["at"]:  # in one place under two parameter values: nothing would change
-            yield f"{_dotted(path)} {one}<->{other}", _swap(path, one, other)
+    for first, second in zip(list(fields), list(fields)[1:], strict=False):
+        if fields[first]["at"] != fields[second]["at"]:  # in one place under two parameter values: nothing would change
+            yield f"{_dotted(path)} {first}<->{second}", _swap(path, first, second)
 
 
 def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
@@ -187,8 +187,8 @@ def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
         yield _set((*path, "scale"), 2 if scale == 1 else 1)
     yield from _ranges(path, type_)
     for kind, key in (("enum", "value"), ("flags", "bit")):
-        for member, one in type_.get(kind, {}).items():
-            at, value = ((), one) if isinstance(one, int) else ((key,), one[key])
+        for member, entry in type_.get(kind, {}).items():
+            at, value = ((), entry) if isinstance(entry, int) else ((key,), entry[key])
             yield _set((*path, kind, member, *at), value + 2)
 
 
@@ -209,22 +209,22 @@ def _multiples(path: Path, type_: Data, numbers: Sequence[str]) -> Iterator[Muta
     keys = [key for key in ("scale", "offset", "range") if key in type_]
     names = [name for name in numbers if re.search(rf"\b{name}\b", str(type_.get("scale")))]
     for name in names:
-        for told, other in (*((n, n) for n in numbers if n != name), ("1", "1"), ("twice", f"2*{name}")):
-            written = {key: _replaced(type_[key], name, other) for key in keys}
+        for told, replacement in (*((n, n) for n in numbers if n != name), ("1", "1"), ("twice", f"2*{name}")):
+            written = {key: _replaced(type_[key], name, replacement) for key in keys}
             yield f"{_dotted(path)}.scale {name} as {told}", _change_all(path, written)
         if "offset" in type_:
             yield _drop((*path, "offset"))
 
 
-def _replaced(written: object, name: str, other: str) -> object:
+def _replaced(written: object, name: str, replacement: str) -> object:
     """A number, or a number of each case, with something else for a parameter; what it is multiplied with is kept."""
     if isinstance(written, dict):
-        return {case: one if case == "by" else _replaced(one, name, other) for case, one in written.items()}
+        return {case: entry if case == "by" else _replaced(entry, name, replacement) for case, entry in written.items()}
 
     def number(match: re.Match[str]) -> str:
         factor = Fraction(match[1].rstrip("*") + ("" if match[1].endswith("*") else "1"))
-        parameter = other.removeprefix("2*")
-        factor *= 2 if parameter != other else 1
+        parameter = replacement.removeprefix("2*")
+        factor *= 2 if parameter != replacement else 1
         return str(factor) if parameter == "1" else f"{factor}*{parameter}"
 
     return re.sub(rf"(-?[0-9][0-9.]*(?:/[0-9]+)?\*|-?)\b{name}\b", number, str(written))
@@ -295,10 +295,10 @@ def _drop(path: Path) -> Mutant:
     return f"{_dotted(path)} gone", change
 
 
-def _swap(path: Path, one: str, other: str) -> Change:
+def _swap(path: Path, first: str, second: str) -> Change:
     def change(data: Data) -> None:
         fields = _walk(data, path)
-        fields[one]["at"], fields[other]["at"] = fields[other]["at"], fields[one]["at"]
+        fields[first]["at"], fields[second]["at"] = fields[second]["at"], fields[first]["at"]
 
     return change
 

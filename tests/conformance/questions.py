@@ -118,8 +118,8 @@ class Questions:
         yield frame._replace(extended=not frame.extended)
         yield frame._replace(remote=not frame.remote)
         if not frame.remote:
-            others = {one.dlc for one in self._messages if one.direction is message.direction}
-            for length in sorted({0, 8, message.dlc - 1, message.dlc + 1, *others} & set(range(9))):
+            lengths = {another.dlc for another in self._messages if another.direction is message.direction}
+            for length in sorted({0, 8, message.dlc - 1, message.dlc + 1, *lengths} & set(range(9))):
                 yield frame._replace(data=frame.data[:length].ljust(length, b"\0"))
             fixed = (f for f in message.layout.fields if not f.role.is_value)
             parts = [(k.space, bits_of((segment,))) for k in message.keys for segment in k.segments]
@@ -238,7 +238,7 @@ class Questions:
         fields = encoder.fields(message) or {}
         for name, field in fields.items():
             for candidate in self._candidates(encoder, field):
-                raws = {other: self._raw(encoder, one) for other, one in fields.items()}
+                raws = {other_name: self._raw(encoder, other_field) for other_name, other_field in fields.items()}
                 there = raws[name]
                 if isinstance(there, list):
                     there[self._chance.randrange(len(there))] = candidate
@@ -269,7 +269,7 @@ class Questions:
         fields = encoder.fields(message) or {}
         for name, field in fields.items():
             for kind, candidate in self._values_of(encoder, field):
-                values = {other: self._value(encoder, one) for other, one in fields.items()}
+                values = {other_name: self._value(encoder, other_field) for other_name, other_field in fields.items()}
                 values[name] = [candidate] * len(field.elements) if field.is_array else candidate
                 if all(value is not None for value in values.values()):
                     yield Question(kind, "encode_values", (*_start(message), self._node(message), values, known))
@@ -317,7 +317,7 @@ class Questions:
         if linear is None or not isinstance(at_zero, int):
             return
         for raw in (at_zero, at_zero + 1):
-            low, high = (Fraction(_number(type_.encoding, type_.width, one)) for one in (raw, raw + 1))
+            low, high = (Fraction(_number(type_.encoding, type_.width, number)) for number in (raw, raw + 1))
             tie = (low + high) / 2 * linear.scale + linear.offset
             for part in (-1, 0, 1):
                 yield Fraction(float(tie * (1 + Fraction(part, 1 << 50))))
@@ -333,13 +333,13 @@ class Questions:
         command = self._edition.command(message.command)
         node = self._node(message)
         request = self._frame(message, node, noise=True)
-        others = [m for m in self._messages if m.direction is Direction.REPLY]
-        for reply in (m for m in (command.reply, chance.choice(others) if others else None) if m is not None):
+        replies = [m for m in self._messages if m.direction is Direction.REPLY]
+        for reply in (m for m in (command.reply, chance.choice(replies) if replies else None) if m is not None):
             nodes = reply.id.nodes
             to = command.from_each or ((node,) if nodes is not None and node in nodes else (None,))
             near = {n + step for n in to if n is not None for step in (-1, 0, 1, 2, 4)} & set(nodes or ())
-            for one in (*sorted(near), *((chance.choice(nodes),) if nodes is not None else (None,))):
-                answer = self._frame(reply, one)
+            for sender in (*sorted(near), *((chance.choice(nodes),) if nodes is not None else (None,))):
+                answer = self._frame(reply, sender)
                 if command.is_echoed and reply is command.reply and chance.random() < 0.8:
                     answer = answer._replace(data=request.data)
                 yield request, answer
@@ -388,8 +388,8 @@ def _number(encoding: Encoding, width: int, raw: int) -> Fraction | int:
     """The number that raw bits are."""
     if encoding is not Encoding.FLOAT:
         return raw
-    found = float_of(raw, width)
-    return Fraction(found) if math.isfinite(found) else 0
+    number = float_of(raw, width)
+    return Fraction(number) if math.isfinite(number) else 0
 
 
 def _bit(frame: CanFrame, space: Space, bit: int) -> int:
@@ -404,35 +404,35 @@ def _flipped(frame: CanFrame, space: Space, bit: int) -> CanFrame:
     return frame._replace(data=(word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little"))
 
 
-def disagreement(wanted: Answer, found: Answer, tolerance: float = 0.0) -> str:
+def disagreement(wanted: Answer, answer: Answer, tolerance: float = 0.0) -> str:
     """The first part in which an answer differs from that of the reference; empty if they agree."""
-    if isinstance(wanted, Decoded) and isinstance(found, Decoded):
+    if isinstance(wanted, Decoded) and isinstance(answer, Decoded):
         for part in ("command", "node", "raw"):
-            if getattr(wanted, part) != getattr(found, part):
-                return f"{part} {getattr(found, part)}, not {getattr(wanted, part)}"
-        return _differing(wanted.values, found.values, tolerance)
-    if isinstance(wanted, Refused) and isinstance(found, Refused):
-        names = wanted.field is not None and found.field not in (None, "") and wanted.says is not Refusal.UNKNOWN_NODE
-        if wanted.says is not found.says or (names and wanted.field != found.field):
-            return f"{found}, not {wanted}"
+            if getattr(wanted, part) != getattr(answer, part):
+                return f"{part} {getattr(answer, part)}, not {getattr(wanted, part)}"
+        return _differing(wanted.values, answer.values, tolerance)
+    if isinstance(wanted, Refused) and isinstance(answer, Refused):
+        names = wanted.field is not None and answer.field not in (None, "") and wanted.says is not Refusal.UNKNOWN_NODE
+        if wanted.says is not answer.says or (names and wanted.field != answer.field):
+            return f"{answer}, not {wanted}"
         return ""
-    return "" if wanted == found else f"{found}, not {wanted}"
+    return "" if wanted == answer else f"{answer}, not {wanted}"
 
 
-def _differing(wanted: Mapping[str, Any], found: Mapping[str, Any], tolerance: float) -> str:
-    for name in {**wanted, **found}:
-        if name not in wanted or name not in found or not _same(wanted[name], found[name], tolerance):
-            if tolerance and wanted.get(name) is None and found.get(name) is None:
+def _differing(wanted: Mapping[str, Any], given: Mapping[str, Any], tolerance: float) -> str:
+    for name in {**wanted, **given}:
+        if name not in wanted or name not in given or not _same(wanted[name], given[name], tolerance):
+            if tolerance and wanted.get(name) is None and given.get(name) is None:
                 continue  # a target that is not exact cannot tell why there is no value
-            return f"{name} is {found.get(name, 'missing')!r}, not {wanted.get(name, 'missing')!r}"
+            return f"{name} is {given.get(name, 'missing')!r}, not {wanted.get(name, 'missing')!r}"
     return ""
 
 
-def _same(wanted: Any, found: Any, tolerance: float) -> bool:
-    if isinstance(wanted, list) and isinstance(found, list):
-        return len(wanted) == len(found) and all(_same(w, f, tolerance) for w, f in zip(wanted, found, strict=True))
-    if isinstance(found, float) and not math.isfinite(found):
+def _same(wanted: Any, given: Any, tolerance: float) -> bool:
+    if isinstance(wanted, list) and isinstance(given, list):
+        return len(wanted) == len(given) and all(_same(w, f, tolerance) for w, f in zip(wanted, given, strict=True))
+    if isinstance(given, float) and not math.isfinite(given):
         return wanted is None
-    if isinstance(wanted, float) and isinstance(found, (int, float)):
-        return abs(found - wanted) <= tolerance * abs(wanted)
-    return bool(wanted == found)
+    if isinstance(wanted, float) and isinstance(given, (int, float)):
+        return abs(given - wanted) <= tolerance * abs(wanted)
+    return bool(wanted == given)

@@ -60,7 +60,7 @@ def test_golden_frames_cross_a_python_can_bus(
         message = python_can.from_message(received, decode, parameters)
         raw = {name: list(value) if isinstance(value, tuple) else int(value) for name, value in message.raw().items()}
         name = f"{message.COMMAND}_{message.DIRECTION}"
-        expected = next(one for one in item.edition.messages(frame.direction) if one.name == name)
+        expected = next(candidate for candidate in item.edition.messages(frame.direction) if candidate.name == name)
         in_data = node_of(expected, CanFrame(frame.id, frame.data, frame.extended))
         assert (message.node, raw) == (in_data, dict(frame.raw))
         crossed += 1

@@ -91,12 +91,12 @@ class _OtherMessages(ReferenceAdapter):
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
-        found = super().decode(direction, frame, parameters, expected)
-        if not isinstance(found, Decoded):
-            return found
-        message = self.message_of(direction, found.command)
-        others = [m.command for m in self.edition.messages(direction) if m is not message]
-        return dataclasses.replace(found, command=others[0])
+        decoded = super().decode(direction, frame, parameters, expected)
+        if not isinstance(decoded, Decoded):
+            return decoded
+        message = self.message_of(direction, decoded.command)
+        commands = [m.command for m in self.edition.messages(direction) if m is not message]
+        return dataclasses.replace(decoded, command=commands[0])
 
 
 def test_a_replay_fails_if_a_frame_is_decoded_as_another_message(tmp_path: Path) -> None:

@@ -114,8 +114,8 @@ def _kind(mutant: str) -> tuple[str, ...]:
 
 def _cases() -> Iterator[object]:
     seen: set[tuple[str, ...]] = set()
-    for spec, found in MUTANTS.items():
-        names = list(found)
+    for spec, changes in MUTANTS.items():
+        names = list(changes)
         complete = {*_spread(names, COMPLETE)}
         always = {*_spread(names, MOST)}
         for mutant in names:
@@ -156,9 +156,9 @@ def _replay(item: EditionInput, target: str, folder: Path) -> list[str]:
         return [repr(error)]
 
 
-def _says_the_same(edition: Edition, other: Edition) -> bool:
+def _says_the_same(edition: Edition, changed: Edition) -> bool:
     """Whether a change changes no more than how a spec is written."""
-    return asdict(replace(edition, hash="", errata=())) == asdict(replace(other, hash="", errata=()))
+    return asdict(replace(edition, hash="", errata=())) == asdict(replace(changed, hash="", errata=()))
 
 
 @pytest.mark.parametrize("spec", ORIGINALS)
@@ -235,7 +235,7 @@ def _items(data: object, path: DocumentPath = ()) -> Iterator[tuple[DocumentPath
 
 
 @pytest.mark.parametrize("target", ["c", "dbc", "docs", "javascript"])
-@pytest.mark.parametrize(("spec", "mutant"), [(spec, one) for spec, some in EVERYWHERE.items() for one in some])
+@pytest.mark.parametrize(("spec", "mutant"), [(spec, mutant) for spec, some in EVERYWHERE.items() for mutant in some])
 def test_the_replay_of_a_changed_spec_fails_in_every_target(
     spec: str, mutant: str, target: str, tmp_path: Path
 ) -> None:

@@ -191,19 +191,19 @@ def dirty(log: Iterable[Frame], seed: int) -> list[Frame]:
 
     A reply with the same data as its request has the same bytes.
     """
-    buffer, found, asked = random.Random(seed).randbytes(8), [], b""
+    buffer, changed, asked = random.Random(seed).randbytes(8), [], b""
     for frame in log:
         if frame.is_request:
             asked = frame.data
             buffer = asked[:1] + bytes(new or old for new, old in zip(asked[1:], buffer[1:], strict=True))
         data = buffer if frame.is_request or frame.data == asked else frame.data
-        found.append(replace(frame, data=data))
-    return found
+        changed.append(replace(frame, data=data))
+    return changed
 
 
 def damaged(log: Iterable[Frame], share: float, seed: int, *, ids: bool = False) -> list[Frame]:
     """A log in which a share of the frames has a flipped bit, in the data or in the id."""
-    rng, found = random.Random(seed), []
+    rng, changed = random.Random(seed), []
     for frame in log:
         if rng.random() < share:
             if ids:
@@ -211,8 +211,8 @@ def damaged(log: Iterable[Frame], share: float, seed: int, *, ids: bool = False)
             else:
                 word = int.from_bytes(frame.data, "little") ^ 1 << rng.randrange(64)
                 frame = replace(frame, data=word.to_bytes(8, "little"), is_damaged=True)
-        found.append(frame)
-    return found
+        changed.append(frame)
+    return changed
 
 
 def text(log: Iterable[Frame], marks: str = "") -> str:

@@ -120,8 +120,8 @@ NODES_IN_DATA = """\
 
 def test_the_node_in_the_data_of_a_frame() -> None:
     spec = ("--spec", str(ROOT / "tests/specs/valve/v1.yaml"))
-    found = json_rows(decode(NODES_IN_DATA, *spec, "--format", "jsonl").stdout)
-    assert [(row["node"], row["request"]) for row in found] == [
+    printed = json_rows(decode(NODES_IN_DATA, *spec, "--format", "jsonl").stdout)
+    assert [(row["node"], row["request"]) for row in printed] == [
         (111, None),
         (111, 0),
         (37, None),
@@ -180,9 +180,9 @@ def test_a_node_that_appears_late() -> None:
     new = "".join(f"(3.{i:06}) can0 143#9A00000000000000\n(3.{i:06}) can0 183#9A32081364000000\n" for i in range(20))
     log = "".join((STATUS + TORQUE).format(i) for i in range(1200)) + new
     for result in (decode(log, "--format", "jsonl"), stream(log)):
-        found = [(row["edition"], row["fields"]) for row in json_rows(result.stdout) if row["node"] == 3]
-        assert {edition for edition, _ in found} == {"v2.36-2025-03"}
-        assert found[-1][1]["voltage"]["value"] == 48.72  # type: ignore[index]
+        decoded = [(row["edition"], row["fields"]) for row in json_rows(result.stdout) if row["node"] == 3]
+        assert {edition for edition, _ in decoded} == {"v2.36-2025-03"}
+        assert decoded[-1][1]["voltage"]["value"] == 48.72  # type: ignore[index]
 
 
 def test_frames_of_a_stream_that_were_read_with_another_edition() -> None:
@@ -256,11 +256,11 @@ def test_logs_of_every_format_give_the_same_rows(suffix: str) -> None:
             )
             writer.on_message_received(message)
     result = run(f"log.{suffix}", *SETTINGS[2:], "--set", "1:edition=v2.35", "--format", "jsonl")
-    found = facts(result.stdout)
+    decoded = facts(result.stdout)
     if suffix == "csv":  # python-can writes no bus
-        assert len(found) == len(expected)
+        assert len(decoded) == len(expected)
     else:
-        assert found == expected
+        assert decoded == expected
 
 
 def test_everything_that_is_not_decoded_is_reported() -> None:
@@ -351,45 +351,45 @@ def test_golden_frames_as_a_log(file: Path) -> None:
     decoder = Decoder(edition)
     marks = {Direction.REQUEST: Mark.SENT, Direction.REPLY: Mark.RECEIVED}
     recorded = [
-        LogFrame(i * 10**12, "", CanFrame(one.id, one.data, one.extended, one.remote), marks[one.direction])
-        for i, one in enumerate(golden)
+        LogFrame(i * 10**12, "", CanFrame(entry.id, entry.data, entry.extended, entry.remote), marks[entry.direction])
+        for i, entry in enumerate(golden)
     ]
     judged = Directions({}, edition, behaviours={"": Behaviour(is_marked=True)}).classify(recorded)
-    for one, each in zip(golden, judged, strict=True):
-        frame, parameters = each.recorded.frame, {name: str(value) for name, value in one.parameters.items()}
+    for entry, each in zip(golden, judged, strict=True):
+        frame, parameters = each.recorded.frame, {name: str(value) for name, value in entry.parameters.items()}
         (row,) = RowReader(functools.partial(same, parameters)).rows([each])
-        assert row.judged.direction is one.direction
-        identified = decoder.identify(one.direction, frame)  # without its request, also for replies of other commands
+        assert row.judged.direction is entry.direction
+        identified = decoder.identify(entry.direction, frame)  # without its request, also for replies of other commands
         assert isinstance(identified, Identified) and row.judged.message is identified.message
         holding = identified.message.node_in_data
-        in_data = one.raw[holding.name] if holding and holding.name in one.raw else None
-        assert row.judged.node == (in_data if identified.message.id.nodes is None else one.node)
-        assert by_field(row, raw=True) == one.raw
+        in_data = entry.raw[holding.name] if holding and holding.name in entry.raw else None
+        assert row.judged.node == (in_data if identified.message.id.nodes is None else entry.node)
+        assert by_field(row, raw=True) == entry.raw
         values = by_field(row, raw=False)
-        for name, value in one.values.items():
-            assert is_value(values[name], value), (one, name)
+        for name, value in entry.values.items():
+            assert is_value(values[name], value), (entry, name)
 
 
 def by_field(row: Row, *, raw: bool) -> dict[str, object]:
-    found: dict[str, object] = {}
+    contents: dict[str, object] = {}
     for cell in row.cells:
-        one = cell.raw if raw else cell.value
+        content = cell.raw if raw else cell.value
         if cell.column.field.is_array:
-            elements = found.setdefault(cell.column.field.name, [])
+            elements = contents.setdefault(cell.column.field.name, [])
             assert isinstance(elements, list)
-            elements.append(one)
+            elements.append(content)
         else:
-            found[cell.column.name] = one
-    return found
+            contents[cell.column.name] = content
+    return contents
 
 
-def is_value(found: object, value: object) -> bool:
+def is_value(decoded: object, value: object) -> bool:
     """Whether a value is that of a golden frame, or the nearest float."""
     if isinstance(value, list):
-        return isinstance(found, list) and all(map(is_value, found, value)) and len(found) == len(value)
+        return isinstance(decoded, list) and all(map(is_value, decoded, value)) and len(decoded) == len(value)
     if isinstance(value, Fraction):
-        return found in (value, float(value))
-    return found == (None if value == "none" else value)
+        return decoded in (value, float(value))
+    return decoded == (None if value == "none" else value)
 
 
 @pytest.mark.parametrize("file", SPECS, ids=called)
@@ -397,13 +397,13 @@ def test_golden_frames_are_printed_as_they_are_written(file: Path, tmp_path: Pat
     edition, every = golden_of(file)
     golden = every[:: 1 + len(every) // 60]
     printed = []
-    for one in golden:
-        frame = CanFrame(one.id, one.data, one.extended, one.remote)
-        message = edition.command(one.command).message(one.direction)
-        parameters = {name: str(value) for name, value in one.parameters.items()}
+    for entry in golden:
+        frame = CanFrame(entry.id, entry.data, entry.extended, entry.remote)
+        message = edition.command(entry.command).message(entry.direction)
+        parameters = {name: str(value) for name, value in entry.parameters.items()}
         assert message
         text = golden_text(edition, message, frame, parameters)
-        assert text, one
+        assert text, entry
         printed.append(text)
     head = f"canwright: 1\nfamily: {edition.family}\nedition: {edition.name}\nsources: {{unverified: None.}}\nframes:\n"
     (tmp_path / "x.frames.yaml").write_text(head + "".join(printed), "utf-8")
@@ -518,13 +518,13 @@ def test_requests_and_replies_in_separate_channels(suffix: str) -> None:
     assert f"{name}: requests of can1 on channel 4, replies on 5, others on 6" in text
     assert "#0" not in text
     with can.LogReader(name) as reader:
-        found = [(m.channel, m.arbitration_id, bytes(m.data).hex().upper(), m.is_rx) for m in reader]
+        messages = [(m.channel, m.arbitration_id, bytes(m.data).hex().upper(), m.is_rx) for m in reader]
     first = "can{}" if suffix == ".log" else ""
     channels = [first.format(n) if first else n - 1 for n in (1, 4, 2, 5, 1, 2, 3)]
-    assert [channel for channel, *_ in found] == channels
-    assert [is_rx for *_, is_rx in found] == [False, False, True, True, False, True, True]
+    assert [channel for channel, *_ in messages] == channels
+    assert [is_rx for *_, is_rx in messages] == [False, False, True, True, False, True, True]
     frames = [line.split()[2].split("#") for line in MIXED.splitlines()]
-    assert [[f"{id_:03X}", data] for _, id_, data, _ in found] == frames
+    assert [[f"{id_:03X}", data] for _, id_, data, _ in messages] == frames
     before = Path(name).read_bytes()
     decode(MIXED, *SETTINGS, "--split", name)
     assert Path(name).read_bytes() == before
@@ -547,7 +547,7 @@ def test_both_dbc_files_read_the_channels_of_a_split_log() -> None:
     files = [ROOT / f"generated/dbc/mwd_motor-v2.35-MG-{part}.dbc" for part in ("command", "reply")]
     databases: Any = [cantools.database.load_file(file) for file in files]
 
-    found: dict[str, list[float]] = {}
+    channels: dict[str, list[float]] = {}
     with can.LogReader("split.blf") as reader, can.Logger("split.mf4") as writer:
         for row, message in zip(rows, reader, strict=True):
             assert message.channel == ["request", "reply"].index(row["direction"])
@@ -560,19 +560,19 @@ def test_both_dbc_files_read_the_channels_of_a_split_log() -> None:
                     wanted = field["value"] if isinstance(field["value"], int | float) else field["raw"]
                     assert values[name.replace("[", "_").strip("]")] == pytest.approx(wanted), (row, name)
             for name, value in decoded.items():
-                found.setdefault(name, []).append(float(value))
+                channels.setdefault(name, []).append(float(value))
             message.channel += 1  # asammdf takes channel 0 for any
             writer.on_message_received(message)
     with MDF("split.mf4") as mdf:
         extracted = mdf.extract_bus_logging({"CAN": [(files[0], 1), (files[1], 2)]})
-    for name, values_ in found.items():
+    for name, values_ in channels.items():
         samples = []
         for group, index in extracted.channels_db[name]:
             raw = extracted.get(group=group, index=index, raw=True)
             physical = raw.physical()
-            samples += [float(one) for one in (raw if physical.samples.dtype.kind in "SU" else physical).samples]
+            samples += [float(sample) for sample in (raw if physical.samples.dtype.kind in "SU" else physical).samples]
         assert sorted(samples) == pytest.approx(sorted(values_)), name
-    assert len(found) > 50
+    assert len(channels) > 50
 
 
 @pytest.mark.interop("matplotlib")

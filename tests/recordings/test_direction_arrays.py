@@ -28,18 +28,18 @@ def blocks(log: Sequence[LogFrame], size: int) -> Iterator[Frames]:
     for start in range(0, len(log), size):
         part = log[start : start + size]
         yield frames(
-            [one.frame.id for one in part],
-            [one.frame.data for one in part],
-            [MARKS[one.mark] for one in part],
-            time=[one.time or 0 for one in part],
-            bus=[one.bus for one in part],
-            kind=[Kind.EXTENDED * one.frame.extended | Kind.REMOTE * one.frame.remote for one in part],
+            [recorded.frame.id for recorded in part],
+            [recorded.frame.data for recorded in part],
+            [MARKS[recorded.mark] for recorded in part],
+            time=[recorded.time or 0 for recorded in part],
+            bus=[recorded.bus for recorded in part],
+            kind=[Kind.EXTENDED * recorded.frame.extended | Kind.REMOTE * recorded.frame.remote for recorded in part],
         )
 
 
 def directions(edition: Edition, log: Sequence[LogFrame], size: int) -> list[int]:
-    found = infer_directions(blocks(log, size), edition)
-    return [direction for block in found for direction in block.direction.tolist()]
+    inferred = infer_directions(blocks(log, size), edition)
+    return [direction for block in inferred for direction in block.direction.tolist()]
 
 
 def one_by_one(edition: Edition, log: Iterable[LogFrame]) -> list[int]:
@@ -47,8 +47,8 @@ def one_by_one(edition: Edition, log: Iterable[LogFrame]) -> list[int]:
     log = list(log)
     behaviours = Directions({}, edition).learn(log[:LOOKED_AHEAD], {"can0", "can1"})
     return [
-        NUMBERS[one.direction] if one.edition else MARKS[one.recorded.mark]
-        for one in judge(edition, log, behaviours=behaviours)
+        NUMBERS[frame.direction] if frame.edition else MARKS[frame.recorded.mark]
+        for frame in judge(edition, log, behaviours=behaviours)
     ]
 
 
@@ -72,11 +72,11 @@ def logs(draw: st.DrawFn) -> list[LogFrame]:
     log, time = [], 10**10
     steps = st.sampled_from([step for step in STEPS if step is not None])
     buses, marks = st.sampled_from(["can0", "can1"]), st.sampled_from([None, None, None, *Mark])
-    for one, step, bus, mark in draw(
+    for frame, step, bus, mark in draw(
         st.lists(st.tuples(st.sampled_from(ALPHABET), steps, buses, marks), min_size=1, max_size=30)
     ):
         time += step
-        log.append(one._replace(time=time, bus=bus, mark=mark))
+        log.append(frame._replace(time=time, bus=bus, mark=mark))
     return log
 
 
@@ -102,8 +102,8 @@ def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> Non
 def test_no_block_waits_for_the_end_of_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
     """A repeated echo waits for the next frame of its node; the clock of the bus ends the wait."""
     off = recorded_frames("141#8000000000000000 141#8000000000000000", 900_000)
-    others = recorded_frames("142#9A00000000000000 142#9A3200E701000000 " * 10)
-    log = [*off, *(one._replace(time=2_000_000 + (one.time or 0)) for one in others)]
+    exchanges = recorded_frames("142#9A00000000000000 142#9A3200E701000000 " * 10)
+    log = [*off, *(frame._replace(time=2_000_000 + (frame.time or 0)) for frame in exchanges)]
     monkeypatch.setattr("canwright.recordings.direction_arrays.LOOKED_AHEAD", 4)
     consumed = []
 

@@ -40,7 +40,7 @@ def judge(edition: Edition, recorded: Iterable[LogFrame], **options: object) -> 
 def wrong(edition: Edition, log: Sequence[Sent]) -> float:
     """The share of wrong directions in percent."""
     judged = judge(edition, [sent.recorded for sent in log])
-    count = sum(one.direction is not sent.direction for one, sent in zip(judged, log, strict=True))
+    count = sum(frame.direction is not sent.direction for frame, sent in zip(judged, log, strict=True))
     return 100 * count / len(log)
 
 
@@ -56,11 +56,11 @@ def frames(text: str, step: int = 100_000) -> list[LogFrame]:
 def rows(judged: Iterable[DirectedFrame]) -> list[tuple[str, str, int | None]]:
     return [
         (
-            one.message.name if one.message else one.direction.value if one.direction else "",
-            one.decided_by.value,
-            one.request,
+            frame.message.name if frame.message else frame.direction.value if frame.direction else "",
+            frame.decided_by.value,
+            frame.request,
         )
-        for one in judged
+        for frame in judged
     ]
 
 
@@ -82,8 +82,8 @@ def test_content_pairing_and_broadcast() -> None:
         ("", "none", None),
         ("", "none", None),
     ]
-    assert [one.latency for one in judged][:7] == [None, 100_000, None, 100_000, None, 100_000, 200_000]
-    assert [one.node for one in judged][3:7] == [1, None, 1, 4]
+    assert [frame.latency for frame in judged][:7] == [None, 100_000, None, 100_000, None, 100_000, 200_000]
+    assert [frame.node for frame in judged][3:7] == [1, None, 1, 4]
     assert judged[-1].rejection is not None and judged[-1].edition is MOTOR and judged[-2].edition is None
 
 
@@ -113,28 +113,36 @@ def test_a_reply_that_the_request_allows_and_two_requests_in_a_row() -> None:
     """A torque of 0 at 0 degC: the next frame decides."""
     reply = frames("141#A10000000A000000 141#A10000000B000000 141#A10000000A000000", 300_000)
     requests = frames("141#A10000000A000000 141#A10000000B000000 141#A13200E701000000", 300_000)
-    assert [one.direction.value for one in judge(MOTOR, reply) if one.direction] == ["request", "reply", "request"]
-    assert [one.direction.value for one in judge(MOTOR, requests) if one.direction] == ["request", "request", "reply"]
+    assert [frame.direction.value for frame in judge(MOTOR, reply) if frame.direction] == [
+        "request",
+        "reply",
+        "request",
+    ]
+    assert [frame.direction.value for frame in judge(MOTOR, requests) if frame.direction] == [
+        "request",
+        "request",
+        "reply",
+    ]
 
 
 def test_ids_apart_decide() -> None:
     edition = EDITIONS["mwd_motor/v2.36-2025-03"]
-    assert {one.decided_by for one in judge(edition, frames("141#9A00000000000000 181#9A32081364000000"))} == {
+    assert {frame.decided_by for frame in judge(edition, frames("141#9A00000000000000 181#9A32081364000000"))} == {
         DecidedBy.ID
     }
 
 
 def test_nodes_of_two_editions_obey_one_broadcast() -> None:
-    other = specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
+    older = specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
     log = frames("280#0100020003000400 141#A13200E701000000 142#A13200E701000000 143#A13200E701000000")
-    judged = list(Directions({("can0", 2): other, ("can0", 3): MOTOR}, MOTOR).classify(log))
-    assert [one.edition for one in judged] == [other, MOTOR, other, MOTOR]
-    assert [one.request for one in judged] == [None, 0, 0, 0]
+    judged = list(Directions({("can0", 2): older, ("can0", 3): MOTOR}, MOTOR).classify(log))
+    assert [frame.edition for frame in judged] == [older, MOTOR, older, MOTOR]
+    assert [frame.request for frame in judged] == [None, 0, 0, 0]
 
 
 def test_without_times_the_order_counts() -> None:
-    log = [one._replace(time=None) for one in frames("141#8000000000000000 " * 4)]
-    assert [one.request for one in judge(MOTOR, log)] == [None, 0, None, 2]
+    log = [frame._replace(time=None) for frame in frames("141#8000000000000000 " * 4)]
+    assert [frame.request for frame in judge(MOTOR, log)] == [None, 0, None, 2]
     assert judge(MOTOR, log)[1].latency is None
 
 
@@ -143,8 +151,8 @@ def test_wrong_directions_without_marks(mix: str) -> None:
     for loss, bar in BARS.items():
         log = Traffic(MOTOR, mix, 7, loss=loss).frames(1500)
         assert wrong(MOTOR, log) <= bar + 100 / len(log), (mix, loss)
-    other = Traffic(MOTOR, mix, 8, loss=Loss(0.01), bus="can1").frames(800)
-    log = with_clock_jumps(together([Traffic(MOTOR, mix, 9, loss=Loss(0.01)).frames(800), other]), 1)
+    second_bus = Traffic(MOTOR, mix, 8, loss=Loss(0.01), bus="can1").frames(800)
+    log = with_clock_jumps(together([Traffic(MOTOR, mix, 9, loss=Loss(0.01)).frames(800), second_bus]), 1)
     assert wrong(MOTOR, log) <= 0.15, mix
 
 
@@ -153,20 +161,20 @@ def test_marks_are_obeyed(spec: str) -> None:
     edition = EDITIONS[spec]
     log = with_marks(Traffic(edition, "mixed", 3, loss=Loss(0.1, has_retries=True, not_recorded=0.1)).frames(100))
     judged = judge(edition, [sent.recorded for sent in log])
-    assert [one.direction for one in judged] == [sent.direction for sent in log]
-    assert {one.decided_by for one in judged} == {DecidedBy.MARK}
-    assert all(one.message is not None for one in judged)
+    assert [frame.direction for frame in judged] == [sent.direction for sent in log]
+    assert {frame.decided_by for frame in judged} == {DecidedBy.MARK}
+    assert all(frame.message is not None for frame in judged)
 
 
 def test_marks_of_a_listener_say_nothing() -> None:
-    log = [one._replace(mark=Mark.RECEIVED) for one in frames("141#9A00000000000000 141#9A3200E701000000")]
-    assert [one.direction for one in judge(MOTOR, log)] == [Direction.REQUEST, Direction.REPLY]
+    log = [frame._replace(mark=Mark.RECEIVED) for frame in frames("141#9A00000000000000 141#9A3200E701000000")]
+    assert [frame.direction for frame in judge(MOTOR, log)] == [Direction.REQUEST, Direction.REPLY]
 
 
 def test_a_recorder_at_the_node_sends_replies() -> None:
     log = with_marks(Traffic(MOTOR, "mixed", 3).frames(20))
     judged = judge(MOTOR, [sent.recorded for sent in log], recorder=Direction.REPLY)
-    assert all(one.direction is not sent.direction for one, sent in zip(judged, log, strict=True))
+    assert all(frame.direction is not sent.direction for frame, sent in zip(judged, log, strict=True))
 
 
 def test_memory_does_not_grow_with_the_log() -> None:
@@ -198,33 +206,33 @@ STEPS = (0, 100_000, 400_000, 600_000, 1_500_000, WINDOW, WINDOW + 1, 5_000_000,
 @st.composite
 def logs(draw: st.DrawFn) -> list[LogFrame]:
     log, time = [], 10**10
-    for one, step, bus in draw(
+    for frame, step, bus in draw(
         st.lists(st.tuples(st.sampled_from(ALPHABET), st.sampled_from(STEPS), st.sampled_from(["a", "b"])), max_size=24)
     ):
         time += step or 0
-        log.append(one._replace(time=None if step is None else time, bus=bus))
+        log.append(frame._replace(time=None if step is None else time, bus=bus))
     return log
 
 
-def facts(one: DirectedFrame, numbers: Sequence[int]) -> tuple[object, ...]:
+def facts(frame: DirectedFrame, numbers: Sequence[int]) -> tuple[object, ...]:
     """The result for a frame that does not depend on the part of the log; `numbers` are those in the whole log."""
-    request = None if one.request is None else numbers[one.request]
-    return numbers[one.number], one.direction, one.decided_by, one.message, request, one.latency
+    request = None if frame.request is None else numbers[frame.request]
+    return numbers[frame.number], frame.direction, frame.decided_by, frame.message, request, frame.latency
 
 
 @given(logs())
 @settings(max_examples=60, deadline=None)
 def test_each_frame_once_in_order_and_each_bus_on_its_own(log: list[LogFrame]) -> None:
     judged = judge(MOTOR, log)
-    assert [one.recorded for one in judged] == log
-    assert [one.number for one in judged] == list(range(len(log)))
-    swapped = judge(MOTOR, [one._replace(bus={"a": "b", "b": "a"}[one.bus]) for one in log])
-    assert [one[2:] for one in swapped] == [one[2:] for one in judged]
+    assert [frame.recorded for frame in judged] == log
+    assert [frame.number for frame in judged] == list(range(len(log)))
+    swapped = judge(MOTOR, [frame._replace(bus={"a": "b", "b": "a"}[frame.bus]) for frame in log])
+    assert [frame[2:] for frame in swapped] == [frame[2:] for frame in judged]
     for bus in "ab":
-        numbers = [number for number, one in enumerate(log) if one.bus == bus]
+        numbers = [number for number, frame in enumerate(log) if frame.bus == bus]
         alone = judge(MOTOR, [log[number] for number in numbers])
-        assert [facts(one, numbers) for one in alone] == [
-            facts(one, range(len(log))) for one in judged if one.recorded.bus == bus
+        assert [facts(frame, numbers) for frame in alone] == [
+            facts(frame, range(len(log))) for frame in judged if frame.recorded.bus == bus
         ]
 
 
@@ -232,47 +240,47 @@ def test_each_frame_once_in_order_and_each_bus_on_its_own(log: list[LogFrame]) -
 @settings(max_examples=60, deadline=None)
 def test_a_reply_answers_an_earlier_request_of_its_bus(log: list[LogFrame]) -> None:
     judged = judge(MOTOR, log)
-    for one in judged:
-        if one.request is not None:
-            asked = judged[one.request]
-            assert asked.direction is Direction.REQUEST and one.direction is Direction.REPLY
-            assert asked.number < one.number and asked.recorded.bus == one.recorded.bus
-            assert one.latency is None or one.latency >= 0
+    for frame in judged:
+        if frame.request is not None:
+            asked = judged[frame.request]
+            assert asked.direction is Direction.REQUEST and frame.direction is Direction.REPLY
+            assert asked.number < frame.number and asked.recorded.bus == frame.recorded.bus
+            assert frame.latency is None or frame.latency >= 0
 
 
 @given(logs())
 @settings(max_examples=80, deadline=None)
 def test_parts_have_the_results_of_the_whole_log(log: list[LogFrame]) -> None:
     """Also of a log in which some frames have a time."""
-    log = [one._replace(bus="a") for one in log]
+    log = [frame._replace(bus="a") for frame in log]
     whole = judge(MOTOR, log)
-    cuts = [after.number for one, after in pairwise(whole) if one.ends_part or is_silent(one, after)]
+    cuts = [after.number for before, after in pairwise(whole) if before.ends_part or is_silent(before, after)]
     parts = [log[start:end] for start, end in pairwise([0, *cuts, len(log)])]
     starts = [0, *cuts]
     results = [
-        facts(one, range(len(log)))
+        facts(frame, range(len(log)))
         for start, part in zip(starts, parts, strict=True)
-        for one in judge(MOTOR, part, behaviours=Directions({}, MOTOR).learn(log), first=start)
+        for frame in judge(MOTOR, part, behaviours=Directions({}, MOTOR).learn(log), first=start)
     ]
-    assert results == [facts(one, range(len(log))) for one in whole]
+    assert results == [facts(frame, range(len(log))) for frame in whole]
 
 
-def is_silent(one: DirectedFrame, after: DirectedFrame) -> bool:
-    start, end = one.recorded.time, after.recorded.time
+def is_silent(before: DirectedFrame, after: DirectedFrame) -> bool:
+    start, end = before.recorded.time, after.recorded.time
     return start is not None and end is not None and end - start > WINDOW
 
 
 def test_an_exchange_is_not_divided() -> None:
     log = frames("141#8000000000000000 141#8000000000000000 280#0100020003000400 141#A13200E701000000")
-    assert [one.ends_part for one in judge(MOTOR, log)] == [False, True, False, False]
+    assert [frame.ends_part for frame in judge(MOTOR, log)] == [False, True, False, False]
 
 
 def test_a_part_that_begins_with_a_frame_without_time() -> None:
-    other, off = frames("7FF#00 141#8000000000000000")
-    log = [other, off._replace(time=None), off._replace(time=10_000_000)]
+    foreign, off = frames("7FF#00 141#8000000000000000")
+    log = [foreign, off._replace(time=None), off._replace(time=10_000_000)]
     whole, part = judge(MOTOR, log), judge(MOTOR, log[1:])
     assert whole[0].ends_part
-    assert [one.direction for one in whole[1:]] == [one.direction for one in part]
+    assert [frame.direction for frame in whole[1:]] == [frame.direction for frame in part]
 
 
 @pytest.mark.parametrize("mix", motor_bus.MIXES)
@@ -282,20 +290,20 @@ def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> Non
     log = MotorBus(mix, motor_bus.SITUATIONS[name], 1).frames(1200)
     directions, summary = Directions({}, MOTOR), Summary()
     judged = list(directions.classify(sent.recorded for sent in log))
-    for one in judged:
-        summary.add(Row(one, MOTOR.name))
+    for frame in judged:
+        summary.add(Row(frame, MOTOR.name))
     summary.finish()
-    share = sum(one.direction is not sent.direction for one, sent in zip(judged, log, strict=True)) / len(log)
+    share = sum(frame.direction is not sent.direction for frame, sent in zip(judged, log, strict=True)) / len(log)
     doubtful = list(doubts(summary, directions.behaviours or {}))
     assert bool(doubtful) is ("old" in name or "random" in name)
     if not doubtful:
         assert share <= (0.03 if "not recorded" in name or "retries" in name else 0.0005), share
         replies = sum(sent.direction is Direction.REPLY for sent in log)
-        assert sum(one.request is not None for one in judged) > 0.85 * replies
-        assert sum(one.is_late for one in judged) < 0.01 * replies
+        assert sum(frame.request is not None for frame in judged) > 0.85 * replies
+        assert sum(frame.is_late for frame in judged) < 0.01 * replies
     elif mix != "control":
         assert share <= 0.01, share
-    copies = sum(one.decided_by is DecidedBy.COPY for one in judged)
+    copies = sum(frame.decided_by is DecidedBy.COPY for frame in judged)
     assert copies == (sum(sent.direction is Direction.REQUEST for sent in log) // 2 if "doubled" in name else 0)
 
 
@@ -340,7 +348,7 @@ def test_a_late_reply_is_late_for_the_log() -> None:
     times[-1] += 1_000_000
     alternately = [CanFrame(0x141, bytes.fromhex(data)) for data in ("9A00000000000000", "9A3200E701000000")]
     log = [LogFrame(time, "can0", alternately[number % 2], None) for number, time in enumerate(times)]
-    assert [one.is_late for one in judge(MOTOR, log)] == [False] * 39 + [True]
+    assert [frame.is_late for frame in judge(MOTOR, log)] == [False] * 39 + [True]
 
 
 def test_a_command_with_a_reply_time_of_its_own() -> None:
@@ -348,7 +356,7 @@ def test_a_command_with_a_reply_time_of_its_own() -> None:
     log = frames("141#1800000000000000 141#9A00000000000000 181#9A32081364000000 181#18D20400E8030001")
     log[-1] = log[-1]._replace(time=3_500_000_000)
     judged = judge(edition, log)
-    assert [one.request for one in judged] == [None, None, 1, 0]
+    assert [frame.request for frame in judged] == [None, None, 1, 0]
     assert judged[-1].latency == 3_500_000_000 and not judged[-1].is_late
     late = [*log[:-1], log[-1]._replace(time=10_500_000_000)]
     assert judge(edition, late)[-1].request is None

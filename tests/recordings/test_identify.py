@@ -66,9 +66,9 @@ def run(folder: Path, lines: list[str], *options: str) -> Result:
     ],
 )
 def test_what_fits(lines: list[str], node: int, fits: list[str]) -> None:
-    found = identified(lines)
-    assert [(f.node, names(f)) for f in found.nodes] == [(node, fits)]
-    assert not found.foreign
+    identification = identified(lines)
+    assert [(f.node, names(f)) for f in identification.nodes] == [(node, fits)]
+    assert not identification.foreign
 
 
 def test_a_bus_of_three_editions_is_told_node_by_node(tmp_path: Path) -> None:
@@ -105,9 +105,9 @@ def test_a_low_voltage_weakens_a_fit_but_does_not_exclude_it() -> None:
 def test_replies_without_requests(lines: list[str], mark: str) -> None:
     """A recorder that does not see its own requests; an echo that has none is no unanswered request."""
     echo = f"{lines[0][:3]}#8800000000000000"
-    found = identified([f"{line}{mark}" for line in [echo, *lines[1::2] * 5]])
-    assert names(found.nodes[0]) == names(identified(lines).nodes[0])
-    assert found.nodes[0].scores[0].requests == 0
+    identification = identified([f"{line}{mark}" for line in [echo, *lines[1::2] * 5]])
+    assert names(identification.nodes[0]) == names(identified(lines).nodes[0])
+    assert identification.nodes[0].scores[0].requests == 0
 
 
 def test_requests_without_replies() -> None:
@@ -140,13 +140,17 @@ def test_a_node_in_the_data() -> None:
     """The last frame has the low bits of its node only."""
     valves = specification(ROOT / "tests/specs/valve/v1.yaml").edition
     lines = ["7E5#1000006F00000000", "46F#100000000DF0AD8B", "7E6#1125000000000000", "7E4#1150000002010000"]
-    assert [(one.node, one.frames) for one in identified(lines, [valves]).nodes] == [(None, 1), (37, 1), (111, 2)]
+    assert [(result.node, result.frames) for result in identified(lines, [valves]).nodes] == [
+        (None, 1),
+        (37, 1),
+        (111, 2),
+    ]
 
 
 def test_json(tmp_path: Path) -> None:
-    found = json.loads(run(tmp_path, V2_35, "--format", "json").output)
-    (node,) = found["nodes"]
-    assert (found["family"], node["node"], node["fits"]) == ("mwd_motor", 2, ["v2.35"])
+    printed = json.loads(run(tmp_path, V2_35, "--format", "json").output)
+    (node,) = printed["nodes"]
+    assert (printed["family"], node["node"], node["fits"]) == ("mwd_motor", 2, ["v2.35"])
     first = {"edition": "v2.35", "explained": 4, "score": 0, "requests": 2, "unanswered": {}, "against": []}
     assert node["editions"][0] == first
     assert all(edition["score"] >= 3 for edition in node["editions"][1:])
@@ -218,14 +222,14 @@ def test_what_would_tell_only_reads_and_was_not_seen_yet(tmp_path: Path) -> None
         for i, (name, effects) in enumerate((("burn", "burns"), ("read", "")), start=1)
     )
     editions = [edition(tmp_path, f"{text}effects: {{burns: {{}}}}\n".replace("0.1", scale)) for scale in ("0.1", "1")]
-    (found,) = identified(["101#1000000000000000"] * 2, editions).nodes
-    assert found.distinguishing == ("read",)
+    (result,) = identified(["101#1000000000000000"] * 2, editions).nodes
+    assert result.distinguishing == ("read",)
 
 
 def test_a_rare_slip_does_not_decide() -> None:
-    (found,) = identified(V2_35 * 30 + ["142#9A3200E701000400"]).nodes
-    assert names(found) == ["v2.35"]
-    assert [evidence.counts for evidence in found.scores[0].against] == [False]
+    (result,) = identified(V2_35 * 30 + ["142#9A3200E701000400"]).nodes
+    assert names(result) == ["v2.35"]
+    assert [evidence.counts for evidence in result.scores[0].against] == [False]
 
 
 def test_a_file_that_is_no_log(tmp_path: Path) -> None:
@@ -246,8 +250,8 @@ def test_golden_frames_speak_for_their_own_edition(file: Path) -> None:
     kinds, rule = ScoredClasses([item.edition]), item.edition.commands[0].replies[0].message.id
     for golden in checked:
         frame = CanFrame(golden.id, golden.data)
-        (found,) = kinds.kind(frame, rule).observation(frame.id, frame.data).by_edition
-        assert any(one.message and not one.reasons for one in found), golden
+        (interpretations,) = kinds.kind(frame, rule).observation(frame.id, frame.data).by_edition
+        assert any(interpretation.message and not interpretation.reasons for interpretation in interpretations), golden
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
@@ -261,5 +265,7 @@ def test_remembered_observations_have_the_interpretations_of_the_frame(spec: Pat
             for pair in itertools.product((0, 1, 0x7F, 0xFF), repeat=2):
                 data = (golden.data[:at] + bytes(pair))[: len(golden.data)].ljust(len(golden.data), b"\0")
                 kind = kinds.kind(CanFrame(golden.id, data, golden.extended, golden.remote), rule)
-                found, wanted = kind.observation(golden.id, data).by_edition, kind.interpretations(golden.id, data)
-                assert [[i.reasons for i in own] for own in found] == [[i.reasons for i in own] for own in wanted], data
+                remembered, wanted = kind.observation(golden.id, data).by_edition, kind.interpretations(golden.id, data)
+                assert [[i.reasons for i in own] for own in remembered] == [
+                    [i.reasons for i in own] for own in wanted
+                ], data

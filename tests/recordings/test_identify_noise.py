@@ -74,8 +74,8 @@ def identified(frames: Frames, bus: str = "can0") -> Identification:
     return identify((LogFrame(None, bus, frame, None) for frame in frames), list(EDITIONS.values()))
 
 
-def fits(found: Identification) -> dict[int | None, list[str]]:
-    return {result.node: [edition.name for edition in result.editions] for result in found.nodes}
+def fits(identification: Identification) -> dict[int | None, list[str]]:
+    return {result.node: [edition.name for edition in result.editions] for result in identification.nodes}
 
 
 @pytest.mark.parametrize("name", EDITIONS)
@@ -125,12 +125,12 @@ def test_the_buses_of_a_log_are_independent() -> None:
         for name, bus in (("v2.35", "can0"), ("v2.36-2025-03", "can1"))
         for frame in traffic(name, rounds=3)
     ]
-    found = identify(both, list(EDITIONS.values()))
-    assert {(one.bus, *(e.name for e in one.editions)) for one in found.nodes} == {
+    identification = identify(both, list(EDITIONS.values()))
+    assert {(result.bus, *(e.name for e in result.editions)) for result in identification.nodes} == {
         ("can0", "v2.35"),
         ("can1", "v2.36-2025-03"),
     }
-    assert [len(group.nodes) for group in groups(found.nodes)] == [18, 18]
+    assert [len(group.nodes) for group in groups(identification.nodes)] == [18, 18]
 
 
 def canopen() -> Iterator[CanFrame]:
@@ -183,8 +183,8 @@ def test_no_edition_fits_foreign_traffic(frames: Callable[[], Frames]) -> None:
 
 
 def test_requests_without_replies_are_counted() -> None:
-    (found,) = identified([*dead_motor(), CanFrame(0x141, bytes.fromhex("9A3200E701000000"))]).nodes
-    best = next(score for score in found.scores if score.edition.name == "v2.35")
+    (result,) = identified([*dead_motor(), CanFrame(0x141, bytes.fromhex("9A3200E701000000"))]).nodes
+    best = next(score for score in result.scores if score.edition.name == "v2.35")
     assert (best.requests, dict(best.unanswered)) == (50, {"read_status_1": 49})
 
 

@@ -73,12 +73,12 @@ def test_a_text_has_times_buses_and_marks_in_every_encoding(text: str, changed: 
     if changed in COMPRESSED:
         content = COMPRESSED[changed](content)
     read = log(content)
-    found = list(read)
-    assert [r.frame for r in found] == FRAMES
-    assert [r.mark for r in found] == MARKS
-    assert [r.time for r in found] == [START * 10**9 + i * 125_000_000 for i in range(4)]
-    assert len({r.bus for r in found[:2]}) == len({r.bus for r in found[2:]}) == 1
-    assert found[0].bus != found[2].bus
+    frames = list(read)
+    assert [r.frame for r in frames] == FRAMES
+    assert [r.mark for r in frames] == MARKS
+    assert [r.time for r in frames] == [START * 10**9 + i * 125_000_000 for i in range(4)]
+    assert len({r.bus for r in frames[:2]}) == len({r.bus for r in frames[2:]}) == 1
+    assert frames[0].bus != frames[2].bus
     assert not read.counts.skipped
     assert read.counts.frames == 4
 
@@ -94,13 +94,13 @@ def test_what_python_can_writes_is_read(suffix: str, tmp_path: Path) -> None:
         for message in MESSAGES:
             writer.on_message_received(message)
     with open_log(str(file)) as read:
-        found = list(read)
-    assert [r.frame for r in found] == FRAMES
-    assert [r.mark for r in found] == ([None] * 4 if suffix == "csv" else MARKS)
-    times = [r.time - found[0].time for r in found if r.time is not None and found[0].time is not None]
+        frames = list(read)
+    assert [r.frame for r in frames] == FRAMES
+    assert [r.mark for r in frames] == ([None] * 4 if suffix == "csv" else MARKS)
+    times = [r.time - frames[0].time for r in frames if r.time is not None and frames[0].time is not None]
     assert times == [i * 125_000_000 for i in range(4)]
     buses = {"csv": ["", ""], "log": ["can0", "can1"], "mf4": ["0", "1"]}.get(suffix, ["1", "2"])
-    assert [found[0].bus, found[2].bus] == buses
+    assert [frames[0].bus, frames[2].bus] == buses
     assert not {p: n for p, n in read.counts.skipped.items() if p is not SkippedPart.OTHER}
 
 
@@ -122,28 +122,28 @@ def test_what_python_can_writes_is_read(suffix: str, tmp_path: Path) -> None:
     ],
 )
 def test_what_is_no_frame_is_counted(line: str, part: SkippedPart) -> None:
-    found, read = of(f"141#A1\n{line}\n141#A2\n")
-    assert [r.frame.data for r in found] == [b"\xa1", b"\xa2"]
+    frames, read = of(f"141#A1\n{line}\n141#A2\n")
+    assert [r.frame.data for r in frames] == [b"\xa1", b"\xa2"]
     assert read.counts.skipped == {part: 1}
     assert read.counts.examples == {part: [(2, line.strip())]}
 
 
 def test_remote_frames_and_lines_of_cansend() -> None:
-    found, read = of("141#R\n12345678#R8\ncan0 142#A1.00.FF\n can0  143   [8]  remote request\n")
-    assert [r.frame for r in found] == [
+    frames, read = of("141#R\n12345678#R8\ncan0 142#A1.00.FF\n can0  143   [8]  remote request\n")
+    assert [r.frame for r in frames] == [
         CanFrame(0x141, b"", remote=True),
         CanFrame(0x12345678, b"", True, True),
         CanFrame(0x142, b"\xa1\x00\xff"),
         CanFrame(0x143, b"", remote=True),
     ]
     assert read.counts.remote == 3
-    assert [(r.time, r.mark) for r in found] == [(None, None)] * 4
+    assert [(r.time, r.mark) for r in frames] == [(None, None)] * 4
 
 
 @pytest.mark.parametrize("cut", [20, 21, 22, 23])
 def test_a_recording_that_was_interrupted(cut: int) -> None:
-    found, read = of(CANDUMP_LOG[: len("(1700000000.000000) can0 141#A100000064000000 T\n") + cut])
-    assert len(found) == 1
+    frames, read = of(CANDUMP_LOG[: len("(1700000000.000000) can0 141#A100000064000000 T\n") + cut])
+    assert len(frames) == 1
     assert read.counts.skipped == {SkippedPart.TRUNCATED: 1}
 
 
@@ -187,8 +187,8 @@ def test_a_truncated_file_gives_what_it_has(suffix: str, tmp_path: Path) -> None
         content = lzma.compress(content)
         content = content[: len(content) * 3 // 4]
     read = log(content)
-    found = list(read)
-    assert 1_000 < len(found) < 20_000
+    frames = list(read)
+    assert 1_000 < len(frames) < 20_000
     assert read.counts.skipped[SkippedPart.TRUNCATED] == 1
 
 
@@ -196,8 +196,8 @@ def test_events_of_a_vector_log_are_no_frames() -> None:
     header = "date Tue Nov 14 10:13:20.000 pm 2023\nbase hex  timestamps absolute\ninternal events logged\n"
     frame = "   0.000100 1  141             Tx   d 8 9A 00 00 00 00 00 00 00  Length = 225910 BitCount = 116 ID = 321\n"
     statistic = "   0.000200 1  Statistic: D 0 R 0 XD 0 XR 0 E 0 O 0 B 0.00%\n"
-    found, read = of(header + frame + statistic + frame)
-    assert [r.frame.data for r in found] == [bytes.fromhex("9A00000000000000")] * 2
+    frames, read = of(header + frame + statistic + frame)
+    assert [r.frame.data for r in frames] == [bytes.fromhex("9A00000000000000")] * 2
     assert read.counts.skipped == {SkippedPart.OTHER: 1}
     damaged = "   0.000200 1  1:1             Rx   d 8 9A 00 00 00 00 00 00 00\n"
     _, read = of(header + frame + damaged + frame)
@@ -277,8 +277,8 @@ def test_asc_of_any_language_with_absolute_or_relative_times(
     with open_log(str(file)) as opened:
         frames = list(opened)
     since = {"absolute": [10, 0.5, 1000], "relative": [10, 10.5, 1110.5]}[times]
-    assert [(one.time or 0) / 1e6 for one in frames] == since
-    assert {one.frame.id for one in frames} == {0x141} and frames[1].frame.data.hex() == "9a3200e701000000"
+    assert [(recorded.time or 0) / 1e6 for recorded in frames] == since
+    assert {recorded.frame.id for recorded in frames} == {0x141} and frames[1].frame.data.hex() == "9a3200e701000000"
     assert opened.counts.skipped == {SkippedPart.OTHER: 1}
 
 

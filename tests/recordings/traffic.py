@@ -83,7 +83,7 @@ class Traffic:
             wanted += self._turn()
             exchanges -= self._count if self._mix == "control" else 1
         free, sent = 0, []
-        for time, frame, direction in sorted(wanted, key=lambda one: one.time):
+        for time, frame, direction in sorted(wanted, key=lambda entry: entry.time):
             free = max(time, free + FRAME)
             if self._chance.random() >= self._loss.not_recorded:
                 sent.append(Sent(LogFrame(free, self._bus, frame, None), direction))
@@ -162,7 +162,7 @@ class Traffic:
         if draw < 0.4:
             low, high = max(low, -99 if draw < 0.3 else 0), min(high, 99 if draw < 0.3 else 0)
         raw = chance.randint(low, max(low, high))
-        return next(one for one in (raw, 0, 1) if self._encoder.rejects_raw(field, one) is None)
+        return next(candidate for candidate in (raw, 0, 1) if self._encoder.rejects_raw(field, candidate) is None)
 
     def _of_mix(self, mix: str) -> list[Command]:
         commands = [c for c in self._edition.commands if c.available(self._encoder.assignment)]
@@ -177,21 +177,21 @@ class Traffic:
 
 def together(logs: Sequence[Sequence[Sent]]) -> list[Sent]:
     """Several logs as one, in the order of their times."""
-    return list(heapq.merge(*logs, key=lambda one: one.recorded.time or 0))
+    return list(heapq.merge(*logs, key=lambda sent: sent.recorded.time or 0))
 
 
 def with_clock_jumps(log: Sequence[Sent], seed: int, every: int = 1000) -> list[Sent]:
     """A log whose clock jumps by up to 10 s forwards or backwards, once in about `every` frames."""
     chance, offset, jumped = random.Random(seed), 0, []
-    for one in log:
+    for sent in log:
         if chance.random() * every < 1:
             offset += chance.choice((-1, 1)) * int(10 ** chance.uniform(5, 10))
-        time = None if one.recorded.time is None else one.recorded.time + offset
-        jumped.append(one._replace(recorded=one.recorded._replace(time=time)))
+        time = None if sent.recorded.time is None else sent.recorded.time + offset
+        jumped.append(sent._replace(recorded=sent.recorded._replace(time=time)))
     return jumped
 
 
 def with_marks(log: Sequence[Sent]) -> list[Sent]:
     """A log with the marks of a recorder on the host."""
     marks = {Direction.REQUEST: Mark.SENT, Direction.REPLY: Mark.RECEIVED}
-    return [one._replace(recorded=one.recorded._replace(mark=marks[one.direction])) for one in log]
+    return [sent._replace(recorded=sent.recorded._replace(mark=marks[sent.direction])) for sent in log]

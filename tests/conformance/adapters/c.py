@@ -189,8 +189,8 @@ class CAdapter(Adapter):
         """What the program says of the header besides frames, where it differs from the model."""
         wrong = []
         for fact in Facts(self.edition, self.header).all():
-            found = self._ask(fact.kind, fact.name, *self._known(fact.parameters), *fact.rest)
-            words = " ".join(filter(None, (found.says.value, found.field)) if isinstance(found, Refused) else found)
+            answer = self._ask(fact.kind, fact.name, *self._known(fact.parameters), *fact.rest)
+            words = " ".join(filter(None, (answer.says.value, answer.field)) if isinstance(answer, Refused) else answer)
             if words != fact.answer:
                 wrong.append(f"{fact.kind} {fact.name} {dict(fact.parameters)} {fact.rest}: {words}, not {fact.answer}")
         return wrong

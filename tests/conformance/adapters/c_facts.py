@@ -76,12 +76,12 @@ class Single:
     precision: int = 0
     """The bits of the fraction of a raw number in floating point; 0 for an integer."""
 
-    def accepts(self, found: int | Refused) -> bool:
+    def accepts(self, result: int | Refused) -> bool:
         """Whether a result is within the limits, or refused for the reason."""
-        if isinstance(found, Refused):
-            return found.says is self.reason
+        if isinstance(result, Refused):
+            return result.says is self.reason
         precision = SINGLE if self.direction == "to" else self.precision
-        number = number_of(found, precision) if precision else found
+        number = number_of(result, precision) if precision else result
         return not self.is_refused and self.least <= number <= self.most
 
 
@@ -115,8 +115,8 @@ class Facts:
         return template.from_string(TEMPLATE.read_text("utf-8")).render(
             prefix=self._prefix,
             functions=[*self._type_functions(), *self._address_functions()],
-            commands=[{"name": name, "enumerator": one} for name, one in self._commands.items()],
-            fields=[{"name": name, "enumerator": one} for name, one in self._fields.items()],
+            commands=[{"name": name, "enumerator": enumerator} for name, enumerator in self._commands.items()],
+            fields=[{"name": name, "enumerator": enumerator} for name, enumerator in self._fields.items()],
             effects=[{"name": name, "macro": macro} for name, macro in self._effects().items()] if effects else [],
             available=available.call({"command": "COMMAND", "parameters": "known"}) if available else "",
             macros=self._macros,
@@ -124,7 +124,7 @@ class Facts:
 
     def _effects(self) -> dict[str, str]:
         start = f"{self._prefix}effect_".upper()
-        return {one.removeprefix(start).lower(): one for one in self._macros if one.startswith(start)}
+        return {macro.removeprefix(start).lower(): macro for macro in self._macros if macro.startswith(start)}
 
     def _type_functions(self) -> Iterator[dict[str, Any]]:
         for name, function in self._functions.items():
@@ -157,16 +157,18 @@ class Facts:
         yield Fact("status", "-", {}, ("99",), "?")
         yield Fact("clear", "-", {}, (), "A5A5A5A5A5" + "00" * (3 + MAX_DATA_BYTES))
         sizes = (0, 1, MAX_DATA_BYTES - 1, MAX_DATA_BYTES)
-        for size, other, place in itertools.product(sizes, sizes, range(MAX_DATA_BYTES + 1)):
-            yield Fact("same", "-", {}, (str(size), str(other), str(place)), str(int(size == other and place >= size)))
+        for size, another, place in itertools.product(sizes, sizes, range(MAX_DATA_BYTES + 1)):
+            yield Fact(
+                "same", "-", {}, (str(size), str(another), str(place)), str(int(size == another and place >= size))
+            )
         yield from self._of_commands()
         for name in self._fields:
             yield Fact("field", f"[{name}]", {}, (), f"[{name}]")
         yield from self._of_macros()
-        for one in self._address_functions():
-            yield from self._of_address(one["kind"], one["name"])
-        for one in self._type_functions():
-            yield from self._of_type(one["kind"], one["name"])
+        for entry in self._address_functions():
+            yield from self._of_address(entry["kind"], entry["name"])
+        for entry in self._type_functions():
+            yield from self._of_type(entry["kind"], entry["name"])
         yield from self._of_zero()
         for name in self._functions:
             match = _TYPE_FUNCTION.match(name)
@@ -210,10 +212,10 @@ class Facts:
         for name in self._commands:
             command = known.get(name)
             its = [effect.name for effect in command.effects] if command else []
-            mask = sum(effects[one] for one in its) if has_effects else 0
+            mask = sum(effects[effect] for effect in its) if has_effects else 0
             for parameters in self.assignments(*only):
                 words = [f"[{name}]"]
-                words += [f"{mask:X}", *(one for one in effects if one in its)] if has_effects else []
+                words += [f"{mask:X}", *(effect for effect in effects if effect in its)] if has_effects else []
                 if available:
                     words.append(str(int(command.available(assignment(parameters)) if command else True)))
                 yield Fact("command", f"[{name}]", parameters, (), " ".join(words))
@@ -227,53 +229,53 @@ class Facts:
 
     def _constants(self) -> dict[str, int]:
         names = self._names
-        found = self._enumerators()
+        constants = self._enumerators()
         for place, name in enumerate(self._effects()):
-            found[names.upper("effect", name)] = 1 << place
+            constants[names.upper("effect", name)] = 1 << place
         for address in self._edition.addresses:
             for direction in Direction:
                 rule = address.rule(direction)
                 if rule.nodes is not None:
-                    found[names.upper(address.name, "node_min")] = rule.nodes[0]
-                    found[names.upper(address.name, "node_max")] = rule.nodes[-1]
+                    constants[names.upper(address.name, "node_min")] = rule.nodes[0]
+                    constants[names.upper(address.name, "node_max")] = rule.nodes[-1]
                 else:
                     flag = 1 << 31 if rule.extended else 0
-                    found[names.upper(address.name, direction.value, "id")] = rule.base | flag
+                    constants[names.upper(address.name, direction.value, "id")] = rule.base | flag
         if self._edition.bus.reply_within_ms is not None:
-            found[names.upper("reply_within_us")] = math.ceil(self._edition.bus.reply_within_ms * 1000)
+            constants[names.upper("reply_within_us")] = math.ceil(self._edition.bus.reply_within_ms * 1000)
         for command in self._edition.commands:
             if command.code is not None:
-                found[self._names.upper(command.name, "code")] = command.code
+                constants[self._names.upper(command.name, "code")] = command.code
         for stem, type_ in self._types.items():
-            found |= {names.upper(stem, member.name): member.value for member in type_.enum}
-            found |= {names.upper(stem, flag.name): 1 << flag.value for flag in type_.flags}
+            constants |= {names.upper(stem, member.name): member.value for member in type_.enum}
+            constants |= {names.upper(stem, flag.name): 1 << flag.value for flag in type_.flags}
             linear = type_.linear.constant
             if linear is not None:
-                found[names.upper(stem, "scale_num")] = linear.scale.numerator
-                found[names.upper(stem, "scale_den")] = linear.scale.denominator
-                found[names.upper(stem, "offset_num")] = linear.offset.numerator
-                found[names.upper(stem, "offset_den")] = linear.offset.denominator
-            found |= self._ranges(stem, type_)
-        return found
+                constants[names.upper(stem, "scale_num")] = linear.scale.numerator
+                constants[names.upper(stem, "scale_den")] = linear.scale.denominator
+                constants[names.upper(stem, "offset_num")] = linear.offset.numerator
+                constants[names.upper(stem, "offset_den")] = linear.offset.denominator
+            constants |= self._ranges(stem, type_)
+        return constants
 
     def _enumerators(self) -> dict[str, int]:
         """Enumerators: 0 for none and unknown, codes of commands, values of parameters."""
-        found = {self._commands[""]: 0} | ({self._fields[""]: 0} if self._fields else {})
+        enumerators = {self._commands[""]: 0} | ({self._fields[""]: 0} if self._fields else {})
         times = Counter(command.code for command in self._edition.commands)
         for command in self._edition.commands:
             if command.code and times[command.code] == 1 and command.code < 1 << 15:
-                found[self._commands[command.name]] = command.code
+                enumerators[self._commands[command.name]] = command.code
         for parameter in (p for p in self._edition.parameters if p.is_choice):
-            found[self._names.upper(parameter.name, "unknown")] = 0
+            enumerators[self._names.upper(parameter.name, "unknown")] = 0
             own = [value.number for value in parameter.values if value.number and 0 < value.number < 1 << 15]
             numbers = own if len(own) == len(parameter.values) else range(1, len(parameter.values) + 1)
             for value, number in zip(parameter.values, numbers, strict=True):
-                found[self._names.upper(parameter.name, value.name)] = int(number)
-        return found
+                enumerators[self._names.upper(parameter.name, value.name)] = int(number)
+        return enumerators
 
     def _ranges(self, stem: str, type_: Type) -> dict[str, int]:
         """The ends of the range of a type, and of each of its cases."""
-        found: dict[str, int] = {}
+        ranges: dict[str, int] = {}
         if type_.encoding is not Encoding.FLOAT:
             spans = {"": type_.raw_range.constant, **{f"_{n}": span for n, span in type_.raw_range.cases.items()}}
             for case, span in spans.items():
@@ -282,9 +284,9 @@ class Facts:
                     low = max(low, math.ceil(span.low.constant))
                 if span is not None and span.high.parameter is None:
                     high = min(high, math.floor(span.high.constant))
-                found[self._names.upper(stem, f"raw_min{case}")] = low
-                found[self._names.upper(stem, f"raw_max{case}")] = high
-        return found
+                ranges[self._names.upper(stem, f"raw_min{case}")] = low
+                ranges[self._names.upper(stem, f"raw_max{case}")] = high
+        return ranges
 
     def _of_address(self, kind: str, name: str) -> Iterator[Fact]:
         """Nodes and ids at both ends and beyond."""
@@ -306,9 +308,9 @@ class Facts:
             for wrong in (0, 1, 2, rule.node_step // 2, 1 << 30, 1 << 31) if kind == "node" else ():
                 asked = (id_ ^ wrong) & 0xFFFFFFFF
                 rest = (asked & ~filled ^ flag) - rule.base
-                found = rest // rule.node_step
-                fits = rest % rule.node_step == 0 and found in rule.nodes
-                yield Fact("node", name, {}, (f"{asked:X}",), f"{found:X}" if fits else Refusal.UNKNOWN_ID.value)
+                asked_node = rest // rule.node_step
+                fits = rest % rule.node_step == 0 and asked_node in rule.nodes
+                yield Fact("node", name, {}, (f"{asked:X}",), f"{asked_node:X}" if fits else Refusal.UNKNOWN_ID.value)
 
     def _of_type(self, kind: str, stem: str) -> Iterator[Fact]:
         type_ = self._types[stem]
@@ -367,8 +369,8 @@ class Facts:
                 error = SINGLE_ERROR * (abs(back) + abs(linear.offset / linear.scale)) + SMALLEST
                 ends = back - error, back + error
                 values = (end * linear.scale + linear.offset for end in ends)
-                found = [encoder.field_raw(self._field(type_), value) for value in values]
-                is_valid = [isinstance(one, int) for one in found]
+                results = [encoder.field_raw(self._field(type_), value) for value in values]
+                is_valid = [isinstance(result, int) for result in results]
                 reason = None if all(is_valid) else Refusal.OUT_OF_RANGE
                 is_refused = not any(is_valid)
                 yield Single(type_.name, "from", given, parameters, *ends, reason, is_refused, precision)
@@ -386,14 +388,14 @@ class Facts:
                 values += [float((end + part) * linear.scale + linear.offset) for end in ends for part in parts]
                 values += [math.nextafter(value, way) for value in values[8:] for way in (-math.inf, math.inf)]
             for value in dict.fromkeys(values):
-                found = encoder.nearest_raw(field, as_double(Fraction(value), type_, encoder.assignment))
-                rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)
-                answer = rejection.reason.value if rejection else str(found)
+                nearest = encoder.nearest_raw(field, as_double(Fraction(value), type_, encoder.assignment))
+                rejection = nearest if isinstance(nearest, Rejection) else encoder.rejects_raw(field, nearest)
+                answer = rejection.reason.value if rejection else str(nearest)
                 yield Fact("from_double", stem, parameters, (repr(value),), answer)
             for text in ("nan", "inf", "-inf"):
-                found = encoder.nearest_raw(field, text)
-                assert isinstance(found, Rejection)
-                yield Fact("from_double", stem, parameters, (text,), found.reason.value)
+                nearest = encoder.nearest_raw(field, text)
+                assert isinstance(nearest, Rejection)
+                yield Fact("from_double", stem, parameters, (text,), nearest.reason.value)
 
     def filter_macros(self) -> list[str]:
         """The constants of filters."""
@@ -416,10 +418,10 @@ class Facts:
         encoder, zero = Encoder(parameters), Fraction(0)
         field, linear = self._field(type_), linear_of(type_, encoder.assignment)
         if linear is None:
-            found = encoder.nearest_raw(field, zero)
-            assert isinstance(found, Rejection)
+            nearest = encoder.nearest_raw(field, zero)
+            assert isinstance(nearest, Rejection)
             for direction in ("to", "from"):
-                yield Single(type_.name, direction, 0, parameters, zero, zero, found.reason, is_refused=True)
+                yield Single(type_.name, direction, 0, parameters, zero, zero, nearest.reason, is_refused=True)
             return
         for bits in (0x7F800000, 0xFF800000, 0x7FC00000, 0x7F800001):
             yield Single(type_.name, "from", bits, parameters, zero, zero, Refusal.NOT_FINITE, is_refused=True)
@@ -486,9 +488,9 @@ class Facts:
                 width = 1 + max(map(abs, _container(type_))).bit_length()
                 near |= {math.floor(exact + way * linear.scale * 500 * (1 << width)) for way in (-2, -1, 1, 2)}
                 for milli in sorted(near):
-                    found = encoder.nearest_raw(field, Fraction(milli, 1000))
-                    rejection = found if isinstance(found, Rejection) else encoder.rejects_raw(field, found)
-                    answer = rejection.reason.value if rejection else str(found)
+                    nearest = encoder.nearest_raw(field, Fraction(milli, 1000))
+                    rejection = nearest if isinstance(nearest, Rejection) else encoder.rejects_raw(field, nearest)
+                    answer = rejection.reason.value if rejection else str(nearest)
                     yield Fact("milli", type_.name, parameters, ("from", str(milli)), answer)
 
 

@@ -29,14 +29,16 @@ class Function:
 @functools.cache
 def functions(header: str) -> Mapping[str, Function]:
     """The functions of a header by name."""
-    found = {}
+    by_name = {}
     for match in _FUNCTION.finditer(header):
-        parameters = [one.strip() for one in match["parameters"].split(",") if one.strip() not in ("", "void")]
+        parameters = [
+            parameter.strip() for parameter in match["parameters"].split(",") if parameter.strip() not in ("", "void")
+        ]
         names, types = [], []
-        for one in parameters:
-            parts = _PARAMETER.match(one)
-            assert parts is not None, one
+        for parameter in parameters:
+            parts = _PARAMETER.match(parameter)
+            assert parts is not None, parameter
             names.append(("*" if "*" in parts["type"] else "") + parts["name"])
             types.append(parts["type"].strip())
-        found[match["name"]] = Function(match["name"], match["result"].strip(), tuple(names), tuple(types))
-    return found
+        by_name[match["name"]] = Function(match["name"], match["result"].strip(), tuple(names), tuple(types))
+    return by_name

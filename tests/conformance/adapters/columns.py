@@ -66,15 +66,15 @@ class ColumnsAdapter(DecodeOnlyAdapter):
         way = self._runtime.Direction[direction.name]
         # a frame of another kind beside it: no result may depend on the other frames of an array
         ids, data = [frame.id, frame.id ^ 1, frame.id], [frame.data, b"\x55" * 8, frame.data]
-        found = decoder.decode(self._runtime.frames(ids, data, way, kind=kind))
-        number = int(found.message[0])
-        assert number == found.message[2]
+        decoded = decoder.decode(self._runtime.frames(ids, data, way, kind=kind))
+        number = int(decoded.message[0])
+        assert number == decoded.message[2]
         if number < 0:
             return Refused(Refusal[self._runtime.Refusal(number).name])
         message = self._module.MESSAGES[number]
         if expected not in (None, message.command):
             raise Cannot("expected")
-        table = found.tables[self._module.LAYOUTS[message.layout].name]
+        table = decoded.tables[self._module.LAYOUTS[message.layout].name]
         assert table.rows[0] == 0 and table.message[0] == number
         node = int(table.node[0])
         ours = self.message_of(direction, message.command)
@@ -92,7 +92,7 @@ class ColumnsAdapter(DecodeOnlyAdapter):
             names: Mapping[int, str] = getattr(self._module, constant_name(field.type)).names
             return [n for bit, n in names.items() if value >> bit & 1] if field.type.flags else names.get(value)
         if isinstance(value, list):
-            return [float(one) for one in value]
+            return [float(element) for element in value]
         return None if math.isnan(value) else float(value)
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:

@@ -87,7 +87,9 @@ def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
         "named": type_.named,
         "flags": type_.flags,
         "members": [(m.name, e.name) for m, e in zip(members, enum.members, strict=True)] if enum else [],
-        "others": [] if view.presence else [one for one in type_.conversions if one.name != "value"],
-        "value": next((one for one in type_.conversions if one.name == "value"), None),
+        "others": []
+        if view.presence
+        else [conversion for conversion in type_.conversions if conversion.name != "value"],
+        "value": next((conversion for conversion in type_.conversions if conversion.name == "value"), None),
         "presence": view.presence,
     }

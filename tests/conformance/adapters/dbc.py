@@ -99,12 +99,12 @@ class DbcAdapter(Adapter):
             if decides is not None and decides not in parameters:
                 raise Cannot("other_value")
         unknown = result == Refused(Refusal.UNKNOWN_CODE)
-        if unknown and any(isinstance(other, Decoded) for other in self._read(direction, frame, {})):
+        if unknown and any(isinstance(answer, Decoded) for answer in self._read(direction, frame, {})):
             raise Cannot("other_value")
         if expected is not None and isinstance(result, Decoded):
-            found, wanted = (self.message_of(direction, command) for command in (result.command, expected))
+            message, wanted = (self.message_of(direction, command) for command in (result.command, expected))
             alone = self._decoder.identify(direction, frame)
-            if found is not wanted and isinstance(alone, Identified) and alone.message is found:
+            if message is not wanted and isinstance(alone, Identified) and alone.message is message:
                 raise Cannot("shared_code")
         return result
 
@@ -159,12 +159,12 @@ class DbcAdapter(Adapter):
         variant = tuple(fixed.items())
         if variant not in self._made:
             self._made[variant] = files(self.edition, self._traffics, dict(variant), NO_OPTIONS)
-        found = [
+        matching = [
             file
             for file in self._made[variant]
             if direction in file.directions and (known.issuperset(file.known) if file.table else known == {*file.known})
         ]
-        return [self._file(file) for file in sorted(found, key=lambda file: not file.table)]
+        return [self._file(file) for file in sorted(matching, key=lambda file: not file.table)]
 
     def _file(self, file: File) -> DbcFile:
         if file.name not in self._loaded:
@@ -175,8 +175,8 @@ class DbcAdapter(Adapter):
         """What the files say, for each combination of parameters that are not given."""
         read: list[Decoded | Refused] = []
         for known, fixed in self._names(parameters):
-            found = self._files(direction, known, fixed)
-            read.append(_read(found, direction, frame) if found else Refused(Refusal.UNKNOWN_ID))
+            loaded = self._files(direction, known, fixed)
+            read.append(_read(loaded, direction, frame) if loaded else Refused(Refusal.UNKNOWN_ID))
         return read
 
     def _encode(
@@ -193,13 +193,13 @@ class DbcAdapter(Adapter):
             raise Cannot("left_out")
         written = []
         for known, fixed in self._names(parameters):
-            found = self._files(direction, known, fixed)
-            written.append(_first(file.write(message, node, given, parameters, scaled) for file in found))
+            loaded = self._files(direction, known, fixed)
+            written.append(_first(file.write(message, node, given, parameters, scaled) for file in loaded))
         if all(result is None for result in written):
             raise Cannot("selectors_apart" if len(message.keys) > 1 else "other_value")
-        for one in written:
-            if isinstance(one, Refused) and one.says is Refusal.OUT_OF_RANGE:
-                refused = (f for f in message.layout.fields if f.name == one.field)
+        for answer in written:
+            if isinstance(answer, Refused) and answer.says is Refusal.OUT_OF_RANGE:
+                refused = (f for f in message.layout.fields if f.name == answer.field)
                 if any(f.type.raw_range.parameter not in (None, *parameters) for f in refused):
                     raise Cannot("unknown_range")
         result = _agreed([result for result in written if result is not None])

@@ -114,7 +114,7 @@ class Cell:
 
 def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     """The places of a field, found by name; none where the file does not have it."""
-    found = []
+    result = []
     signals = _signals(message)
     for element in field.elements:
         name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
@@ -123,8 +123,8 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
         else:
             places = _flags(name, field, signals)
         if places:
-            found.append(Cell(field, tuple(places)))
-    return found
+            result.append(Cell(field, tuple(places)))
+    return result
 
 
 @functools.lru_cache(maxsize=1024)
@@ -148,6 +148,6 @@ def _flags(name: str, field: Field, signals: Mapping[str, Signal]) -> list[Place
     return places
 
 
-def values_of(found: list[Cell], shown: Mapping[str, object]) -> Value:
-    values = [cell.value(shown) for cell in found]
-    return values if found[0].field.is_array else values[0]  # type: ignore[return-value]
+def values_of(places: list[Cell], shown: Mapping[str, object]) -> Value:
+    values = [cell.value(shown) for cell in places]
+    return values if places[0].field.is_array else values[0]  # type: ignore[return-value]

@@ -58,8 +58,8 @@ class DbcMessages:
     def owned_by(self, owner: str) -> Mapping[str, int]:
         """The ids of the messages whose names start with `owner`, by the rest of the name."""
         if owner not in self._owned:
-            found = ((name, number) for name, number in self.names.items() if name.startswith(owner))
-            self._owned[owner] = {name.removeprefix(owner): number for name, number in found}
+            owned = ((name, number) for name, number in self.names.items() if name.startswith(owner))
+            self._owned[owner] = {name.removeprefix(owner): number for name, number in owned}
         return self._owned[owner]
 
     def message(self, number: int) -> CanMessage:
@@ -84,12 +84,12 @@ class DbcFile:
         number = frame.id | (EXTENDED if frame.extended else 0)
         if number not in self._numbers:
             return Refused(Refusal.UNKNOWN_ID)
-        found = self._messages.message(number)
-        if (fitting(self._edition.bus.host, ()) in found.senders) is not (direction is Direction.REQUEST):
+        can_message = self._messages.message(number)
+        if (fitting(self._edition.bus.host, ()) in can_message.senders) is not (direction is Direction.REQUEST):
             return Refused(Refusal.UNKNOWN_ID)
         try:
-            numbers = _mapping(found.decode(frame.data, decode_choices=False, scaling=False, allow_excess=False))
-            shown = _mapping(found.decode(frame.data))
+            numbers = _mapping(can_message.decode(frame.data, decode_choices=False, scaling=False, allow_excess=False))
+            shown = _mapping(can_message.decode(frame.data))
             if any(math.isnan(number) for number in numbers.values()):
                 raise Cannot("not_finite")
         except DecodeError as error:
@@ -99,22 +99,22 @@ class DbcFile:
             if any(message.dlc == len(frame.data) for message in same_id):
                 raise Cannot("lengths") from None
             return Refused(Refusal.WRONG_LENGTH)
-        selector = _selector(found)
-        name = shown[selector.name] if selector else found.name.partition("_")[2]
+        selector = _selector(can_message)
+        name = shown[selector.name] if selector else can_message.name.partition("_")[2]
         command = None if isinstance(name, (int, float)) else self._command(str(name))
         if command is None:
             raise Cannot("selectors_apart")
         message = message_of(command, direction)
         if not self._is_of_table and sum(key.space is Space.DATA for key in message.keys) > 1:
             raise Cannot("selectors_apart")
-        if message.dlc != found.length:
+        if message.dlc != can_message.length:
             raise Cannot("lengths")
-        return self._decoded(message, found, numbers, shown, selector)
+        return self._decoded(message, can_message, numbers, shown, selector)
 
     def _decoded(
         self,
         message: Message,
-        found: CanMessage,
+        can_message: CanMessage,
         numbers: Mapping[str, Number],
         shown: Mapping[str, object],
         selector: Signal | None,
@@ -122,7 +122,7 @@ class DbcFile:
         raw, values = {}, {}
         prefix = _prefix(message, numbers[selector.name] if selector else None)
         for field in message.layout.fields:
-            places = cells(found, prefix, field)
+            places = cells(can_message, prefix, field)
             if places:
                 read = [place.raw(numbers) for place in places]
                 if field.role.is_checked and read != [field.role.required_raw] * len(read):
@@ -131,7 +131,7 @@ class DbcFile:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = values_of(places, shown)
         in_data = message.node_in_data
-        node = _node(message, found) if in_data is None else raw[in_data.name]
+        node = _node(message, can_message) if in_data is None else raw[in_data.name]
         assert not isinstance(node, list)
         return Decoded(message.command, node, raw, values)
 
@@ -168,25 +168,25 @@ class DbcFile:
         kind = KIND[message.direction]
         endings = ("_".join((kind, *in_id)), f"{message.command}_{kind}", message.command)
         number = next((of_node[ending] for ending in endings if ending in of_node), None)
-        found = None if number is None else self._messages.message(number)
-        selector = _selector(found) if found else None
+        can_message = None if number is None else self._messages.message(number)
+        selector = _selector(can_message) if can_message else None
         code = self._code(message, selector) if selector else None
-        if found is None or (selector and code is None):
+        if can_message is None or (selector and code is None):
             return None
-        if message.dlc != found.length:
+        if message.dlc != can_message.length:
             raise Cannot("lengths")
         data: Data = {selector.name: code} if selector and code is not None else {}
         prefix = _prefix(message, code)
-        data |= {signal.name: 0 for signal in found.signals if signal.name == f"{prefix}reserved"}
+        data |= {signal.name: 0 for signal in can_message.signals if signal.name == f"{prefix}reserved"}
         for field in message.layout.fields:
             value = [field.role.sent_raw] * len(field.elements) if not field.role.is_value else given.get(field.name)
             parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
-            for place, part in zip(cells(found, prefix, field), parts, strict=False):
+            for place, part in zip(cells(can_message, prefix, field), parts, strict=False):
                 put = place.put_raw if not field.role.is_value or not scaled else place.put_value
                 refused = None if part is None else put(data, part, parameters)
                 if refused:
                     return refused
-        return _checked(message, found, prefix, data, scaled, parameters)
+        return _checked(message, can_message, prefix, data, scaled, parameters)
 
 
 def message_of(command: Command, direction: Direction) -> Message:
@@ -196,13 +196,15 @@ def message_of(command: Command, direction: Direction) -> Message:
 
 
 def _checked(
-    message: Message, found: CanMessage, prefix: str, data: Data, scaled: bool, parameters: Parameters
+    message: Message, can_message: CanMessage, prefix: str, data: Data, scaled: bool, parameters: Parameters
 ) -> Encoded | Refused:
     """What cantools makes of the signals, or says of them; Cannot for what it lets pass and the spec does not."""
-    fields = {place.signal.name: f for f in message.layout.fields for place in cells(found, prefix, f)}
+    fields = {place.signal.name: f for f in message.layout.fields for place in cells(can_message, prefix, f)}
     infinite = [name for name, value in data.items() if isinstance(value, float) and value - value != 0]
     try:
-        encoded = Encoded(found.frame_id, found.encode(data, scaling=scaled, strict=True), found.is_extended_frame)
+        encoded = Encoded(
+            can_message.frame_id, can_message.encode(data, scaling=scaled, strict=True), can_message.is_extended_frame
+        )
     except (EncodeError, ValueError, OverflowError) as error:
         if infinite:
             return Refused(Refusal.NOT_FINITE, fields[infinite[0]].name)
@@ -213,9 +215,9 @@ def _checked(
         return Refused(Refusal.OUT_OF_RANGE, names[0] if len(names) == 1 else None)
     if infinite:
         raise Cannot("not_finite")
-    numbers = _mapping(found.decode(encoded.data, decode_choices=False, scaling=False))
+    numbers = _mapping(can_message.decode(encoded.data, decode_choices=False, scaling=False))
     for field in message.layout.fields:
-        for place in cells(found, prefix, field):
+        for place in cells(can_message, prefix, field):
             _refuse_unchecked(message.direction, field, place.raw(numbers), parameters)
     return encoded
 
@@ -249,8 +251,8 @@ def _prefix(message: Message, code: Number | None) -> str:
     return f"{letter}{'_'.join(codes)}_"
 
 
-def _node(message: Message, found: CanMessage) -> int | None:
-    number = found.name.partition("_")[0].removeprefix(_title(message.address))
+def _node(message: Message, can_message: CanMessage) -> int | None:
+    number = can_message.name.partition("_")[0].removeprefix(_title(message.address))
     return int(number) if number else None
 
 

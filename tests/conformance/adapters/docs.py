@@ -58,10 +58,10 @@ class DocsAdapter(Adapter):
                     self._flags.add(heading)
 
     def _read_command(self, name: str, text: str) -> None:
-        found = [(heading, rows) for heading, rows in tables(text) if heading in ("Request", "Reply")]
+        sections = [(heading, rows) for heading, rows in tables(text) if heading in ("Request", "Reply")]
         rows_of: dict[Direction, list[list[str]]] = {}
         for direction in Direction:
-            here = [rows for heading, rows in found if heading.lower() == direction.value]
+            here = [rows for heading, rows in sections if heading.lower() == direction.value]
             if here and "Id" in here[0][0]:
                 facts = dict(zip(*here[0], strict=True))
                 if "Fields" in facts:
@@ -112,14 +112,14 @@ class DocsAdapter(Adapter):
         raw: dict[str, Raw] = {}
         values: dict[str, Value] = {}
         for row in rows:
-            one = _raw(row, frame)
-            value = self._value(row, one, parameters)
+            integer = _raw(row, frame)
+            value = self._value(row, integer, parameters)
             if row.index is None:
-                raw[row.name] = one
+                raw[row.name] = integer
                 if not isinstance(value, Refused):
                     values[row.name] = value
             else:
-                raw[row.name] = [*raw.get(row.name, []), one]  # type: ignore[misc]
+                raw[row.name] = [*raw.get(row.name, []), integer]  # type: ignore[misc]
                 values[row.name] = [*values.get(row.name, []), value]  # type: ignore[misc]
         return Decoded(name, node, raw, values)
 
@@ -129,25 +129,25 @@ class DocsAdapter(Adapter):
             if row.type in self._flags:
                 return [name for name, bit in names.items() if raw >> bit & 1]
             return next((name for name, value in names.items() if value == raw), None)
-        found = self._scale(row, parameters)
-        if isinstance(found, Refused):
-            return None if found.says is Refusal.NO_SCALE else found
+        scale = self._scale(row, parameters)
+        if isinstance(scale, Refused):
+            return None if scale.says is Refusal.NO_SCALE else scale
         if row.raw.startswith("f"):
             number = _float(row, raw)
-            return float(Fraction(number) * found.step + found.offset) if math.isfinite(number) else number
-        return float(raw * found.step + found.offset)
+            return float(Fraction(number) * scale.step + scale.offset) if math.isfinite(number) else number
+        return float(raw * scale.step + scale.offset)
 
     def _scale(self, row: FieldRow, parameters: Parameters) -> Scale | Refused:
         case = self._case(row.scales, parameters)
         if case is None:
             return Refused(Refusal.MISSING_PARAMETER, row.name)
-        found = row.scales[case]
-        if found is None:
+        scale = row.scales[case]
+        if scale is None:
             return Refused(Refusal.NO_SCALE, row.name)
-        if found.parameter and found.parameter not in parameters:
+        if scale.parameter and scale.parameter not in parameters:
             return Refused(Refusal.MISSING_PARAMETER, row.name)
-        times = Fraction(str(parameters[found.parameter])) if found.parameter else 1
-        return Scale(found.step * times, found.offset * times)
+        times = Fraction(str(parameters[scale.parameter])) if scale.parameter else 1
+        return Scale(scale.step * times, scale.offset * times)
 
     def _case(self, cases: Mapping[str, object], parameters: Parameters) -> str | None:
         """The case that the parameters lead to."""
@@ -187,13 +187,13 @@ class DocsAdapter(Adapter):
         seen: dict[str, int] = {}
         for row in rows:
             given = raw[row.name] if row.constant is None else row.constant
-            one = given[seen.get(row.name, 0)] if isinstance(given, list) else given
+            integer = given[seen.get(row.name, 0)] if isinstance(given, list) else given
             seen[row.name] = seen.get(row.name, 0) + 1
-            if row.constant is None and not self._allowed(row, one, parameters):
+            if row.constant is None and not self._allowed(row, integer, parameters):
                 return Refused(Refusal.OUT_OF_RANGE, row.name)
-            parts.append((row.bits, one))
-        for bits, one in parts:
-            can_id, word = (can_id | bits.write(one), word) if bits.in_id else (can_id, word | bits.write(one))
+            parts.append((row.bits, integer))
+        for bits, integer in parts:
+            can_id, word = (can_id | bits.write(integer), word) if bits.in_id else (can_id, word | bits.write(integer))
         data = b"" if page.remote else word.to_bytes(page.dlc, "little")
         return Encoded(can_id, data, page.extended, page.remote)
 
@@ -210,10 +210,10 @@ class DocsAdapter(Adapter):
             return True
         value = Fraction(raw)
         if row.raw[0] == "f":
-            found = self._scale(row, parameters)
-            if isinstance(found, Refused):
+            scale = self._scale(row, parameters)
+            if isinstance(scale, Refused):
                 return True
-            value = Fraction(_float(row, raw)) * found.step + found.offset
+            value = Fraction(_float(row, raw)) * scale.step + scale.offset
         bottom, top = (end.at(parameters) for end in row.ranges[case])
         return (bottom is None or value >= bottom) and (top is None or value <= top)
 
@@ -235,10 +235,10 @@ class DocsAdapter(Adapter):
             given = values[row.name]
             index = len(raw.get(row.name, [])) if row.index is not None else 0  # type: ignore[arg-type]
             is_array = row.index is not None and isinstance(given, list)
-            one = self._to_raw(row, given[index] if is_array else given, parameters)  # type: ignore[index]
-            if isinstance(one, Refused):
-                return one
-            raw[row.name] = one if row.index is None else [*raw.get(row.name, []), one]  # type: ignore[misc]
+            integer = self._to_raw(row, given[index] if is_array else given, parameters)  # type: ignore[index]
+            if isinstance(integer, Refused):
+                return integer
+            raw[row.name] = integer if row.index is None else [*raw.get(row.name, []), integer]  # type: ignore[misc]
         return self.encode_raw(direction, command, node, raw, parameters)
 
     def _to_raw(self, row: FieldRow, value: ExactValue, parameters: Parameters) -> int | Refused:
@@ -248,12 +248,12 @@ class DocsAdapter(Adapter):
         if value in ("nan", "inf", "-inf"):
             return Refused(Refusal.NOT_FINITE, row.name)
         assert isinstance(value, Fraction)
-        found = self._scale(row, parameters)
-        if isinstance(found, Refused):
-            return found
+        scale = self._scale(row, parameters)
+        if isinstance(scale, Refused):
+            return scale
         if row.raw[0] == "f":
-            return _float_bits(row, float((value - found.offset) / found.step))
-        exact = (value - found.offset) / found.step
+            return _float_bits(row, float((value - scale.offset) / scale.step))
+        exact = (value - scale.offset) / scale.step
         size = math.floor(abs(exact) + Fraction(1, 2))
         return size if exact >= 0 else -size
 
@@ -272,7 +272,7 @@ class DocsAdapter(Adapter):
         to, bits = ((node, -1), asked or (node, -1))[1 if not page.from_each else 0]
         expected = page.from_each or ((to,) if to is not None else ())
         for source, has in ((from_node[0], -1), told or (None, 0)):
-            if source is not None and expected and all((source ^ one) & bits & has for one in expected):
+            if source is not None and expected and all((source ^ sender) & bits & has for sender in expected):
                 return Refused(Refusal.NOT_ANSWER)
         if page.is_echo and request.data != reply.data:
             return Refused(Refusal.NOT_ANSWER)
@@ -300,9 +300,9 @@ def _fit(page: MessagePage, frame: CanFrame) -> str:
     """Whether the selectors of a page are those of a frame: `sent`, `accepted`, or not at all."""
     fit = "sent"
     for key in page.keys:
-        found = key.bits.read(frame.id, frame.data)
-        if found != key.value:
-            if found not in key.accepted:
+        value = key.bits.read(frame.id, frame.data)
+        if value != key.value:
+            if value not in key.accepted:
                 return ""
             fit = "accepted"
     return fit

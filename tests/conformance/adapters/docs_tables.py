@@ -41,12 +41,12 @@ def plain(cell: str) -> str:
 
 def cases(cell: str) -> dict[str, str | None]:
     """`MF: 16.5/2048 A`, one line a case; the key is empty where there is one case, the value None for "not given"."""
-    found: dict[str, str | None] = {}
+    cases: dict[str, str | None] = {}
     for line in filter(None, cell.split("<br>")):
         names, colon, _ = line.partition(": ")
         for name in names.split(", ") if colon else [""]:
-            found[name] = None if line.endswith("not given") else plain(line)
-    return found
+            cases[name] = None if line.endswith("not given") else plain(line)
+    return cases
 
 
 def rational(text: str) -> Fraction:

@@ -51,22 +51,24 @@ class JavaScriptAdapter(Adapter):
     ) -> Decoded | Refused:
         question = {"direction": direction.value, "frame": _frame(frame), "parameters": _plain(parameters)}
         task = "decode" if expected is None else "decodeAs"
-        found = self.ask(task, command=expected, **question)
-        if isinstance(found, Refused):
-            return found
+        answer = self.ask(task, command=expected, **question)
+        if isinstance(answer, Refused):
+            return answer
         values: dict[str, Value] = {}
-        for one in found["fields"]:
-            field = self._field(direction, found["command"], one["name"])
-            assert one["unit"] == (field.type.unit.symbol if field.type.unit else None)
-            if one["reason"] != Refusal.MISSING_PARAMETER.value:
-                value = _names(field, one["raw"], one["value"]) if field.type.flags else one["value"]
-                values[one["name"]] = _value(value)
-        return Decoded(found["command"], found["node"], found["raw"], values)
+        for entry in answer["fields"]:
+            field = self._field(direction, answer["command"], entry["name"])
+            assert entry["unit"] == (field.type.unit.symbol if field.type.unit else None)
+            if entry["reason"] != Refusal.MISSING_PARAMETER.value:
+                value = _names(field, entry["raw"], entry["value"]) if field.type.flags else entry["value"]
+                values[entry["name"]] = _value(value)
+        return Decoded(answer["command"], answer["node"], answer["raw"], values)
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
-        return self._encode(direction, command, node, parameters, raw={name: _given(one) for name, one in raw.items()})
+        return self._encode(
+            direction, command, node, parameters, raw={name: _given(value) for name, value in raw.items()}
+        )
 
     def encode_values(
         self,
@@ -78,21 +80,21 @@ class JavaScriptAdapter(Adapter):
     ) -> Encoded | Refused:
         message = self.message_of(direction, command)
         numbers = {f.name for f in message.layout.fields if f.type.is_number}
-        given = {name: _number(one) if name in numbers else _given(one) for name, one in values.items()}
+        given = {name: _number(value) if name in numbers else _given(value) for name, value in values.items()}
         return self._encode(direction, command, node, parameters, values=given)
 
     def _encode(
         self, direction: Direction, command: str, node: int | None, parameters: Parameters, **content: Any
     ) -> Encoded | Refused:
         content |= {"node": node, "parameters": _plain(parameters)}
-        found = self.ask("encode", direction=direction.value, command=command, content=content)
-        if isinstance(found, Refused):
-            return found
-        return Encoded(found["id"], bytes(found["data"]), found["extended"], found["remote"])
+        answer = self.ask("encode", direction=direction.value, command=command, content=content)
+        if isinstance(answer, Refused):
+            return answer
+        return Encoded(answer["id"], bytes(answer["data"]), answer["extended"], answer["remote"])
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
-        found = self.ask("answers", request=_frame(request), reply=_frame(reply))
-        return found if isinstance(found, Refused) else None
+        answer = self.ask("answers", request=_frame(request), reply=_frame(reply))
+        return answer if isinstance(answer, Refused) else None
 
     def refusal(self, task: str, **question: Any) -> str:
         """The name of the refusal; empty for an answer, or for a wrong argument."""
@@ -133,7 +135,7 @@ def _frame(frame: CanFrame) -> dict[str, Any]:
 def _given(given: Any) -> Any:
     """A raw integer, a name, or several of them; integers that are no exact double as BigInt."""
     if isinstance(given, list):
-        return [_given(one) for one in given]
+        return [_given(element) for element in given]
     if isinstance(given, Fraction):
         return _number(given)
     return {"bigint": str(given)} if isinstance(given, int) and abs(given) >= 1 << 53 else given
@@ -142,7 +144,7 @@ def _given(given: Any) -> Any:
 def _number(value: Any) -> Any:
     """A number as the nearest double; an integer that is none as BigInt."""
     if isinstance(value, list):
-        return [_number(one) for one in value]
+        return [_number(element) for element in value]
     if not isinstance(value, (Fraction, int)):
         return {"special": value}
     if value.denominator == 1 and float(value) != value:
@@ -153,8 +155,8 @@ def _number(value: Any) -> Any:
 def _names(field: Field, raw: Any, flags: Any) -> Any:
     """The names of flags; what follows are all other bits, so that nothing is lost."""
     if field.is_array:
-        return [_names(field, one, each) for one, each in zip(raw, flags, strict=True)]
-    names = [one for one in flags if isinstance(one, str)]
+        return [_names(field, number, each) for number, each in zip(raw, flags, strict=True)]
+    names = [name for name in flags if isinstance(name, str)]
     rest = raw & ~sum(1 << flag.value for flag in field.type.flags)
     assert flags == [*names, *([rest] if rest else [])]
     return names
@@ -163,7 +165,7 @@ def _names(field: Field, raw: Any, flags: Any) -> Any:
 def _value(value: Any) -> Value:
     """A value with its numbers as floats."""
     if isinstance(value, list):
-        return [_value(one) for one in value]  # type: ignore[return-value]
+        return [_value(element) for element in value]  # type: ignore[return-value]
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 

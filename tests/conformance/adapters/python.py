@@ -98,8 +98,8 @@ class PythonAdapter(Adapter):
 
     def _identified(self, direction: Direction, frame: CanFrame) -> str | None:
         """The command of a frame by itself; None for a frame that has none."""
-        found = self._decoder.identify(direction, frame)
-        return None if isinstance(found, Rejection) else found.message.command
+        identified = self._decoder.identify(direction, frame)
+        return None if isinstance(identified, Rejection) else identified.message.command
 
     def _reserved(self, message: Any, direction: Direction) -> int:
         """The bits of the id that a reader ignores."""
@@ -108,16 +108,16 @@ class PythonAdapter(Adapter):
         return sum(1 << bit for f in ignored for element in f.elements for bit in element.bits)
 
     def _values(self, message: Any) -> list[tuple[str, Value]]:
-        found: list[tuple[str, Value]] = []
+        values: list[tuple[str, Value]] = []
         for name in message.fields():
             try:
                 value = getattr(message, name)
                 unnamed = not isinstance(value, IntEnum) and self._names[name] in self._enums(message)
-                found.append((self._names[name], None if unnamed else _value(value)))
+                values.append((self._names[name], None if unnamed else _value(value)))
             except ValueError as error:
                 if self._refused(error).says is not Refusal.MISSING_PARAMETER:
-                    found.append((self._names[name], None))
-        return found
+                    values.append((self._names[name], None))
+        return values
 
     def _enums(self, message: Any) -> set[str]:
         """The fields whose values have names."""

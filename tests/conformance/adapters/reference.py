@@ -52,21 +52,21 @@ class ReferenceAdapter(Adapter):
     ) -> Decoded | Refused:
         known = assignment(parameters)
         if expected is None:
-            found = self._decoder.decode(direction, frame, known)
+            result = self._decoder.decode(direction, frame, known)
         else:
-            found = self._decoder.decode_as(self.message_of(direction, expected), frame, known)
-        if isinstance(found, Rejection):
-            return _refused(found)
-        missing = {f.name for f in found.variant.fields if f.name in found.values and self._is_missing(f, parameters)}
-        values = {name: _value(value) for name, value in found.values.items() if name not in missing}
-        return Decoded(found.message.command, node_of(found.message, frame), found.raws, values)
+            result = self._decoder.decode_as(self.message_of(direction, expected), frame, known)
+        if isinstance(result, Rejection):
+            return _refused(result)
+        missing = {f.name for f in result.variant.fields if f.name in result.values and self._is_missing(f, parameters)}
+        values = {name: _value(value) for name, value in result.values.items() if name not in missing}
+        return Decoded(result.message.command, node_of(result.message, frame), result.raws, values)
 
     def _is_missing(self, field: Field, parameters: Parameters) -> bool:
         """Whether the value of a field depends on a missing parameter."""
         if not field.type.is_number or not (field.type.linear.parameter or field.type.times):
             return False
-        found = self._encoders.for_parameters(parameters).nearest_raw(field, Fraction(0))
-        return isinstance(found, Rejection) and found.reason is Refusal.MISSING_PARAMETER
+        nearest = self._encoders.for_parameters(parameters).nearest_raw(field, Fraction(0))
+        return isinstance(nearest, Rejection) and nearest.reason is Refusal.MISSING_PARAMETER
 
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -93,13 +93,13 @@ class ReferenceAdapter(Adapter):
         return _encoded(encoder.encode_values(message, node, given))
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
-        found = check_reply(self._decoder, request, reply)
-        return _refused(found) if isinstance(found, Rejection) else None
+        result = check_reply(self._decoder, request, reply)
+        return _refused(result) if isinstance(result, Rejection) else None
 
 
 def _as_double(value: ExactValue, type_: Type, known: Assignment) -> ExactValue:
     if isinstance(value, list):
-        return [as_double(one, type_, known) for one in value]
+        return [as_double(element, type_, known) for element in value]
     return as_double(value, type_, known)
 
 
@@ -116,13 +116,13 @@ def _refused(rejection: Rejection) -> Refused:
     return Refused(rejection.reason, rejection.field)
 
 
-def _encoded(found: CanFrame | Rejection) -> Encoded | Refused:
-    if isinstance(found, Rejection):
-        return _refused(found)
-    return Encoded(found.id, found.data, found.extended, found.remote)
+def _encoded(result: CanFrame | Rejection) -> Encoded | Refused:
+    if isinstance(result, Rejection):
+        return _refused(result)
+    return Encoded(result.id, result.data, result.extended, result.remote)
 
 
 def _value(value: ModelValue | list[ModelValue]) -> Value:
     if isinstance(value, list):
-        return [_value(one) for one in value]  # type: ignore[return-value]
+        return [_value(element) for element in value]  # type: ignore[return-value]
     return float(value) if isinstance(value, Fraction) else value

@@ -53,10 +53,10 @@ class LuaDecoder:
         """What a frame means, as the message `expected` or by itself."""
         table = self.frame(frame)
         if expected is None:
-            message, found = _two(self.codec.identify(self.edition, self._directions[direction], table))
+            message, detail = _two(self.codec.identify(self.edition, self._directions[direction], table))
             if message is None:
-                return Refused(Refusal(found))
-            node = found
+                return Refused(Refusal(detail))
+            node = detail
         else:
             message = expected
             fits, node = _two(self.codec.is_message(message, table))
@@ -74,35 +74,35 @@ class LuaDecoder:
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
         """Why a frame is not the reply to a request."""
         asking = self.frame(request)
-        message, found = _two(self.codec.identify(self.edition, "requests", asking))
+        message, detail = _two(self.codec.identify(self.edition, "requests", asking))
         if message is None:
-            return Refused(Refusal(found))
+            return Refused(Refusal(detail))
         if not self.codec.has_constants(message, asking):
             return Refused(Refusal.WRONG_CONSTANT)
-        fits, _ = _two(self.codec.answers(message, found, asking, self.frame(reply)))
+        fits, _ = _two(self.codec.answers(message, detail, asking, self.frame(reply)))
         return None if fits else Refused(Refusal.NOT_ANSWER)
 
 
-def _two(found: Any) -> tuple[Any, Any]:
+def _two(results: Any) -> tuple[Any, Any]:
     """Two results of a function of Lua; the second can be missing."""
-    return (found[0], found[1]) if isinstance(found, tuple) else (found, None)
+    return (results[0], results[1]) if isinstance(results, tuple) else (results, None)
 
 
 def _decoded(message: Any, node: int | None, fields: list[Any]) -> Decoded:
     raw: dict[str, Any] = {}
     values: dict[str, Any] = {}
-    for one in fields:
-        name = one.field.name
-        integer = int(one.raw.high) * (1 << 32) + int(one.raw.low)
-        value: Value = one.value
+    for entry in fields:
+        name = entry.field.name
+        integer = int(entry.raw.high) * (1 << 32) + int(entry.raw.low)
+        value: Value = entry.value
         if hasattr(value, "values"):
             value = list(value.values())  # type: ignore[union-attr]
-        if one.field.indices:
+        if entry.field.indices:
             raw.setdefault(name, []).append(integer)
             values.setdefault(name, []).append(value)
         else:
             raw[name], values[name] = integer, value
-        if one.reason == Refusal.MISSING_PARAMETER.value:
+        if entry.reason == Refusal.MISSING_PARAMETER.value:
             values.pop(name, None)
     return Decoded(message.command, None if node is None else int(node), raw, values)
 
@@ -129,14 +129,14 @@ class WiresharkAdapter(DecodeOnlyAdapter):
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
-        first, *others = (
+        first, *rest = (
             decoder.decode(direction, frame, parameters, expected and decoder.message(direction, expected))
             for decoder in self._decoders
         )
-        assert others == [first] * len(others), f"the versions of Lua differ: {first}, {others}"
+        assert rest == [first] * len(rest), f"the versions of Lua differ: {first}, {rest}"
         return first
 
     def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
-        first, *others = (decoder.answers(request, reply) for decoder in self._decoders)
-        assert others == [first] * len(others), f"the versions of Lua differ: {first}, {others}"
+        first, *rest = (decoder.answers(request, reply) for decoder in self._decoders)
+        assert rest == [first] * len(rest), f"the versions of Lua differ: {first}, {rest}"
         return first
