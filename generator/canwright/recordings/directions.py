@@ -230,7 +230,7 @@ class Directions:
     marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. If the log
     `is_stream`, no frame waits for these: what they show counts for later frames. `first` is the
     number of the first frame. Before the frames with the numbers of `changes`, nodes get other editions, which are among
-    `others`.
+    `further`.
     """
 
     def __init__(
