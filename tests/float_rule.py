@@ -63,7 +63,7 @@ def effective(value: Fraction, type_: Type, linear: Linear, times: Fraction = Fr
         return value
     if type_.encoding is Encoding.FLOAT:
         bits = bits_of_double(number, type_, linear)
-        found = 0.0 if bits is None else float_of(bits, type_.width)
-        return Fraction(found) * linear.scale + linear.offset if found else value
+        converted = 0.0 if bits is None else float_of(bits, type_.width)
+        return Fraction(converted) * linear.scale + linear.offset if converted else value
     factor = times if linear.times else 1
     return (raw_of_double(number, linear, times) * linear.scale + linear.offset) * factor

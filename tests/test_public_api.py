@@ -91,8 +91,10 @@ def lamp(tmp_path: Path) -> canwright.Edition:
 def test_numbers_of_every_kind_are_encoded(lamp: canwright.Edition, value: Any, expected: str) -> None:
     request = lamp.command("dim").request
     assert request is not None
-    found = canwright.Encoder(lamp).encode_values(request, 1, {"level": value})
-    assert (found.reason.value if isinstance(found, canwright.Rejection) else found.data.hex().upper()) == expected
+    encoded = canwright.Encoder(lamp).encode_values(request, 1, {"level": value})
+    assert (
+        encoded.reason.value if isinstance(encoded, canwright.Rejection) else encoded.data.hex().upper()
+    ) == expected
 
 
 @pytest.mark.parametrize(
@@ -107,8 +109,8 @@ def test_numbers_of_every_kind_are_encoded(lamp: canwright.Edition, value: Any, 
 def test_names_are_encoded(lamp: canwright.Edition, values: dict[str, Any], expected: str) -> None:
     request = lamp.command("mode").request
     assert request is not None
-    found = canwright.Encoder(lamp).encode_values(request, 1, values)
-    assert (found.field if isinstance(found, canwright.Rejection) else found.data.hex()) == expected
+    encoded = canwright.Encoder(lamp).encode_values(request, 1, values)
+    assert (encoded.field if isinstance(encoded, canwright.Rejection) else encoded.data.hex()) == expected
 
 
 ARM = ROOT / "tests/specs/arm/v1.yaml"

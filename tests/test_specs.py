@@ -25,7 +25,7 @@ FRAMES = [frames_file(spec) for spec in SMALL]
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All targets of all small specs, in one folder."""
     folder = tmp_path_factory.mktemp("specs")
-    items = [one.specification for one in all_loaded(SMALL)]
+    items = [loaded.specification for loaded in all_loaded(SMALL)]
     for path, content in generate(items, default_targets(), {}).files.items():
         file = folder / path
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -83,8 +83,8 @@ TOGETHER = """\
 
 
 def test_a_constant_that_tells_messages_apart_is_a_key(tmp_path: Path) -> None:
-    found = edition(tmp_path, MINIMAL + TOGETHER)
-    requests = {c.name: c.request for c in found.commands if c.request}
+    item = edition(tmp_path, MINIMAL + TOGETHER)
+    requests = {c.name: c.request for c in item.commands if c.request}
     assert [(k.name, k.value) for k in requests["slow"].keys] == [("code", 0x20), ("mode", 2)]
     assert [f.name for f in requests["slow"].layout.fields] == ["time"]
     assert [f.name for f in requests["stop"].layout.fields] == ["mode"]
@@ -106,10 +106,10 @@ def test_each_address_has_a_selector_of_its_own(tmp_path: Path) -> None:
         "addresses: {far: {request: 0x200 + node, reply: 0x300, nodes: 1..4, selector: {at: 1, raw: u8}, "
         "reply_selector: {at: 2, raw: u16}}, ",
     ).replace("  dim:\n", "  dim:\n    address: lamp\n")
-    found = edition(tmp_path, text + "  ask: {code: 0x10, reply: {level: {at: 4, type: level}}}\n").commands
+    commands = edition(tmp_path, text + "  ask: {code: 0x10, reply: {level: {at: 4, type: level}}}\n").commands
 
     def places(number: int) -> list[tuple[int, int]]:
-        both = (found[number].request, found[number].reply)
+        both = (commands[number].request, commands[number].reply)
         return [(m.keys[0].segments[0].byte, m.keys[0].width) for m in both if m]
 
     assert (places(0), places(1)) == ([(0, 8), (0, 8)], [(1, 8), (2, 16)])

@@ -118,7 +118,7 @@ def _measures(log: Path, part: Path) -> Iterator[Measure]:
         for _ in range(TURNS)
     ]
     kind = "BLF" if log.suffix == ".blf" else "candump"
-    python_can = median(columns / (other * FRAMES / SAMPLE) for columns, _, other in turns)
+    python_can = median(columns / (reader * FRAMES / SAMPLE) for columns, _, reader in turns)
     numpy = median(columns / hand for columns, hand, _ in turns)
     seconds = median(columns for columns, _, _ in turns)
     yield Measure(f"{kind}, time relative to python-can and cantools", python_can, at_most=0.1, note=f"{seconds:.2f} s")
@@ -139,7 +139,7 @@ def _without_marks(folder: Path, expected: Mapping[str, Any], peer: Work) -> Ite
     turns = [
         [_seconds(work) for work in (lambda: decoded_by_columns(log, has_marks=False), peer)] for _ in range(TURNS)
     ]
-    python_can = median(columns / (other * FRAMES / SAMPLE) for columns, other in turns)
+    python_can = median(columns / (reader * FRAMES / SAMPLE) for columns, reader in turns)
     seconds = median(columns for columns, _ in turns)
     title = "candump without marks"
     yield Measure(
@@ -149,10 +149,10 @@ def _without_marks(folder: Path, expected: Mapping[str, Any], peer: Work) -> Ite
     yield Measure(f"{title}, MB for 5 million frames", _memory(long, str(SPEC)), at_most=MEGABYTES)
 
 
-def _compare(ours: Mapping[str, Any], others: Mapping[str, Any]) -> None:
-    assert ours.keys() == others.keys() and len(ours) > 10, ours.keys() ^ others.keys()
+def _compare(ours: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    assert ours.keys() == wanted.keys() and len(ours) > 10, ours.keys() ^ wanted.keys()
     for name, values in ours.items():
-        assert np.array_equal(values, others[name]), name
+        assert np.array_equal(values, wanted[name]), name
 
 
 def _repeat(log: Path, long: Path) -> None:
@@ -187,15 +187,15 @@ def decoded_by_columns(log: Path, *, has_marks: bool = True) -> dict[str, Any]:
     from mwd_motor_columns import Direction as Way, logs, v2_35  # type: ignore[import-not-found]
 
     decoder = v2_35.decoder(PARAMETERS)
-    found: dict[str, list[Any]] = {}
+    by_name: dict[str, list[Any]] = {}
     blocks = logs.Log(log, received=Way.REPLY)
     for frames in blocks if has_marks else infer_directions(blocks, specification(SPEC).edition):
         for name, table in decoder.decode(frames).tables.items():
-            found.setdefault(f"{name}.time", []).append(frames.time[table.rows])
-            found.setdefault(f"{name}.node", []).append(table.node)
+            by_name.setdefault(f"{name}.time", []).append(frames.time[table.rows])
+            by_name.setdefault(f"{name}.node", []).append(table.node)
             for column, values in table.columns.items():
-                found.setdefault(f"{name}.{column}", []).append(values)
-    return {name: np.concatenate(parts) for name, parts in found.items()}
+                by_name.setdefault(f"{name}.{column}", []).append(values)
+    return {name: np.concatenate(parts) for name, parts in by_name.items()}
 
 
 def cantools_work(log: Path) -> Work:
@@ -263,10 +263,10 @@ def read_blf(log: Path) -> Iterator[Block]:
         if len(parts) == 16 or position >= len(content):
             objects = rest + b"".join(parts)
             parts, count = [], len(objects) // record.itemsize
-            found = np.frombuffer(objects, record, count)
+            records = np.frombuffer(objects, record, count)
             rest = objects[count * record.itemsize :]
-            words = np.ascontiguousarray(found["data"])
-            yield found["time"].astype(np.int64) + start, found["id"], found["state"] & 1 == 0, words
+            words = np.ascontiguousarray(records["data"])
+            yield records["time"].astype(np.int64) + start, records["id"], records["state"] & 1 == 0, words
 
 
 def _start_of(content: bytes) -> int:
@@ -279,7 +279,7 @@ def _start_of(content: bytes) -> int:
 
 def decoded_by_hand(blocks: Iterator[Block]) -> dict[str, Any]:
     """The columns of all tables, by table and column."""
-    found: dict[str, list[Any]] = {}
+    by_name: dict[str, list[Any]] = {}
     for time_, ids, is_reply, words in blocks:
         code = words & 0xFF
         for table, mask in _tables(code, is_reply):
@@ -287,8 +287,8 @@ def decoded_by_hand(blocks: Iterator[Block]) -> dict[str, Any]:
             own = words[rows]
             columns = {"time": time_[rows], "node": (ids[rows] - 0x140).astype(np.int32), **_columns(table, own)}
             for name, values in columns.items():
-                found.setdefault(f"{table}.{name}", []).append(values)
-    return {name: np.concatenate(parts) for name, parts in found.items()}
+                by_name.setdefault(f"{table}.{name}", []).append(values)
+    return {name: np.concatenate(parts) for name, parts in by_name.items()}
 
 
 def _tables(code: Any, is_reply: Any) -> Iterator[tuple[str, Any]]:

@@ -102,10 +102,10 @@ class Runs:
         return min(whole) / min(bare)
 
 
-def same_files(folder: Path, other: Path) -> None:
+def same_files(folder: Path, expected: Path) -> None:
     """Exits unless two folders contain the same files."""
     for file in folder.rglob("*"):
-        if file.is_file() and file.read_bytes() != (other / file.relative_to(folder)).read_bytes():
+        if file.is_file() and file.read_bytes() != (expected / file.relative_to(folder)).read_bytes():
             raise SystemExit(f"the script writes another {file.relative_to(folder)}")
 
 
@@ -121,17 +121,17 @@ def multiplied(folder: Path, times: int) -> Path:
     for i in range(times):
         for name, address in addresses.items():
             base = int(str(address["id"]).split(" ")[0], 16 if isinstance(address["id"], str) else 10)
-            one = copy.deepcopy(address)
-            one |= {
+            copied_address = copy.deepcopy(address)
+            copied_address |= {
                 "extended": True,
                 "id": f"0x{(i + 1) << 12 | base:X} + node" if "nodes" in address else (i + 1) << 12 | base,
             }
-            data["addresses"][f"{name}_{i}"] = one | ({"nodes": "1..4"} if "nodes" in address else {})
+            data["addresses"][f"{name}_{i}"] = copied_address | ({"nodes": "1..4"} if "nodes" in address else {})
         for name, command in commands.items():
-            one = copy.deepcopy(command) | {"address": f"{command.get('address', 'motor')}_{i}"}
-            if isinstance(one["reply"], dict) and "of" in one["reply"]:
-                one["reply"]["of"] += f"_{i}"
-            data["commands"][f"{name}_{i}"] = one
+            copied_command = copy.deepcopy(command) | {"address": f"{command.get('address', 'motor')}_{i}"}
+            if isinstance(copied_command["reply"], dict) and "of" in copied_command["reply"]:
+                copied_command["reply"]["of"] += f"_{i}"
+            data["commands"][f"{name}_{i}"] = copied_command
     for state in data["states"].values():
         state["entered_by"] = [f"{name}_{i}" for name in state["entered_by"] for i in range(times)]
     file = folder / f"times{times}.yaml"

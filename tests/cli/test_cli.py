@@ -39,7 +39,7 @@ def test_check_reports_output_that_differs_after_an_edit_of_the_spec(folder: Pat
     assert (result.exit_code, result.stdout.split(":")[0]) == (0, "lamp v1")
     assert "warning: there are no golden frames" in result.stderr
     listed = run("generate", "--spec", "my.yaml", "--out", "out", "--format", "json")
-    assert [one["rule"] for one in json.loads(listed.stdout)["findings"]] == ["missing-frame"]
+    assert [finding["rule"] for finding in json.loads(listed.stdout)["findings"]] == ["missing-frame"]
     assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", *default_targets()}
     assert run("check", "--spec", "my.yaml", "--out", "out").exit_code == 0
     (folder / "my.yaml").write_text(MINIMAL.replace("0..1000", "0..999"), "utf-8")

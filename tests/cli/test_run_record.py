@@ -389,7 +389,7 @@ def test_a_process_repeats_what_it_printed_without_the_generator() -> None:
 
 def test_simultaneous_processes_print_the_same() -> None:
     run(*GENERATE)
-    for printed, _ in [one.communicate() for one in [process(*CHECK) for _ in range(3)]]:
+    for printed, _ in [started.communicate() for started in [process(*CHECK) for _ in range(3)]]:
         assert printed.startswith("lamp v1: OK, and out/ is up to date\n")
 
 

@@ -33,13 +33,13 @@ def memory_folder() -> Iterator[Path]:
 
 def tree(out: Path) -> Tree:
     """The content of every file by its path, hidden ones included; of a link, its destination."""
-    found = {}
+    contents = {}
     for file in sorted(out.rglob("*")):
         if file.is_symlink():
-            found[file.relative_to(out).as_posix()] = str(file.readlink()).encode()
+            contents[file.relative_to(out).as_posix()] = str(file.readlink()).encode()
         elif file.is_file():
-            found[file.relative_to(out).as_posix()] = file.read_bytes()
-    return found
+            contents[file.relative_to(out).as_posix()] = file.read_bytes()
+    return contents
 
 
 @dataclass(frozen=True)

@@ -73,10 +73,10 @@ def test_after_a_killed_run_the_old_output_is_whole_or_the_next_run_completes(
 def test_a_check_reports_an_interrupted_run_and_completes_nothing(remains: list[Path], scenario: Scenario) -> None:
     for folder in remains:
         before = tree(folder)
-        found = "".join(difference(folder, scenario.content))
+        report = "".join(difference(folder, scenario.content))
         assert tree(folder) == before
-        assert ("an interrupted run" in found) == (folder / JOURNAL).exists()
-        assert found or visible(folder) == scenario.new
+        assert ("an interrupted run" in report) == (folder / JOURNAL).exists()
+        assert report or visible(folder) == scenario.new
 
 
 def test_every_edit_is_kept_whenever_it_was_made(remains: list[Path], scenario: Scenario, out: Path) -> None:

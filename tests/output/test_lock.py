@@ -25,12 +25,12 @@ def out(scenario: Scenario) -> Iterator[Path]:
 
 def test_two_runs_at_once_do_not_mix(scenario: Scenario, out: Path, tmp_path: Path) -> None:
     """Each forked just before it begins to write."""
-    other = tmp_path / "other.yaml"
-    other.write_text(scenario.spec.read_text("utf-8").replace("fade:", "glow:"), "utf-8")
-    one = scenario.arguments(out)
-    two = [str(other) if argument == str(scenario.spec) else argument for argument in one]
+    changed = tmp_path / "other.yaml"
+    changed.write_text(scenario.spec.read_text("utf-8").replace("fade:", "glow:"), "utf-8")
+    arguments = scenario.arguments(out)
+    two = [str(changed) if argument == str(scenario.spec) else argument for argument in arguments]
     (tmp_path / "texts").mkdir()
-    with Runs(tmp_path, *one, watched=out) as first, Runs(tmp_path / "texts", *two, watched=out) as second:
+    with Runs(tmp_path, *arguments, watched=out) as first, Runs(tmp_path / "texts", *two, watched=out) as second:
         whole = []
         for run in (first, second):
             scenario.restore(out)

@@ -76,12 +76,12 @@ def test_a_target_that_needs_the_folder_for_itself(tmp_path: Path) -> None:
     write(site, first)
     assert write(site, second) == FileChanges(("y.html",), ("a/x.html",), 0)
     for files in (content({"c/a.h": "a\n"}), content({"site/a.h": "a\n"}, targets=("site", "c"))):
-        other = tmp_path / str(len(files.targets))
-        write(other, files)
-        before = tree(other)
+        shared = tmp_path / str(len(files.targets))
+        write(shared, files)
+        before = tree(shared)
         with pytest.raises(OutputError, match="no earlier run for site"):
-            write(other, second, force=True)
-        assert tree(other) == before
+            write(shared, second, force=True)
+        assert tree(shared) == before
 
 
 def test_an_edited_file_is_kept_until_forced(tmp_path: Path) -> None:
@@ -132,8 +132,8 @@ def test_nothing_is_written_outside(tmp_path: Path, path: str) -> None:
 
 def test_the_difference_is_a_unified_diff(tmp_path: Path) -> None:
     write(tmp_path, content({"c/a.h": "one\ntwo\n", "c/b.h": "b\n"}))
-    found = list(difference(tmp_path, content({"c/a.h": "one\n2\n"})))
-    assert found == [
+    differences = list(difference(tmp_path, content({"c/a.h": "one\n2\n"})))
+    assert differences == [
         f"--- {tmp_path.as_posix()}/c/a.h\n+++ c/a.h as generated\n@@ -1,2 +1,2 @@\n one\n-two\n+2\n",
         f"--- {tmp_path.as_posix()}/c/b.h\n+++ c/b.h as generated\n@@ -1 +0,0 @@\n-b\n",
     ]

@@ -85,8 +85,8 @@ def test_specs_fit_the_json_schema(name: str, files: list[Path]) -> None:
 
 def test_generator_contains_no_word_of_the_protocol() -> None:
     for file in tracked("generator", "templates"):
-        found = FOREIGN.search(file.read_text("utf-8", "replace"))
-        assert not found, f"{file}: {found}"
+        match = FOREIGN.search(file.read_text("utf-8", "replace"))
+        assert not match, f"{file}: {match}"
 
 
 def test_no_path_of_a_machine_is_committed() -> None:

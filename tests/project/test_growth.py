@@ -34,9 +34,9 @@ def calls(work: Callable[P, object], *arguments: P.args, **named: P.kwargs) -> i
 @pytest.fixture(scope="module")
 def specs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     folder = tmp_path_factory.mktemp("specs")
-    found = [multiplied(folder, times) for times in TIMES]
-    specification(found[0])
-    return found
+    files = [multiplied(folder, times) for times in TIMES]
+    specification(files[0])
+    return files
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def test_calls_to_load_a_spec_grow_linearly_with_its_commands(specs: list[Path])
 @pytest.mark.parametrize("target", default_targets())
 def test_a_target_grows_with_the_commands(target: str, read: list[EditionInput]) -> None:
     generate(read[:1], [target], {})
-    few, more, most = (calls(generate, [one], [target], {}) for one in read)
+    few, more, most = (calls(generate, [edition], [target], {}) for edition in read)
     assert most - more < MOST * (more - few)
 
 
@@ -61,8 +61,8 @@ def test_pairs_are_all_patterns_that_some_bits_match(bits: list[tuple[int, int]]
     known = [Known(mask, value & mask) for mask, value in bits]
     expected = [
         (i, j)
-        for i, one in enumerate(known)
-        for j, other in enumerate(known[:i])
-        if not (one.value ^ other.value) & one.mask & other.mask
+        for i, first in enumerate(known)
+        for j, second in enumerate(known[:i])
+        if not (first.value ^ second.value) & first.mask & second.mask
     ]
     assert list(pairs(known)) == expected

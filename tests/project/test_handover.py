@@ -135,17 +135,17 @@ def test_golden_frames_are_decoded_with_the_matrix_alone(spec: Path) -> None:
         known = {name: str(value) for name, value in frame.parameters.items()}
         assert frame.node is None or str(frame.node) in _expanded(rows[0]["nodes"]), frame
         for name, raw in frame.raw.items():
-            for index, one in enumerate(raw) if isinstance(raw, list) else [(None, raw)]:
+            for index, element_raw in enumerate(raw) if isinstance(raw, list) else [(None, raw)]:
                 elements = [r for r in rows if re.sub(r"\[\d+\]", "", r["field"]) == name]
                 elements = [r for r in elements if _applies(r["only"], titles, known)]
                 places = list(dict.fromkeys(r["position"] for r in elements))
                 own = [r for r in elements if r["position"] == places[index or 0]]
-                assert own and {_raw(frame, r) for r in own} == {one}, (frame, own)
+                assert own and {_raw(frame, r) for r in own} == {element_raw}, (frame, own)
                 assert len(own) == 1 or not all(_is_decided(r["only"], titles, known) for r in own), (frame, own)
                 value = frame.values.get(name)
                 value = value[index] if isinstance(value, list) and index is not None else value
                 if isinstance(value, Fraction) and len(own) == 1:
-                    decoded += _has_value(own[0], one, value)
+                    decoded += _has_value(own[0], element_raw, value)
     assert decoded or not any(frame.values for frame in item.frames.frames)
 
 
@@ -249,13 +249,13 @@ def test_numbers_are_numbers_in_excel(made: Path) -> None:
 @pytest.mark.parametrize("spec", SPECS_OF_ALL, ids=called)
 def test_excel_has_the_rows_of_the_matrix(spec: Path, tmp_path: Path) -> None:
     """Below the title and the headings; integers that Excel would round are texts."""
-    found = list(matrix.rows(specification(spec).edition, "en"))
-    found.append(found[0]._replace(raw_minimum=Fraction(1 - 10**15), raw_maximum=Fraction(2**63 - 1)))
+    listed = list(matrix.rows(specification(spec).edition, "en"))
+    listed.append(listed[0]._replace(raw_minimum=Fraction(1 - 10**15), raw_maximum=Fraction(2**63 - 1)))
     headings = {name: name for name in matrix.Row._fields}
-    (tmp_path / "matrix.xlsx").write_bytes(spreadsheets.excel(found, headings, "title", "sheet"))
+    (tmp_path / "matrix.xlsx").write_bytes(spreadsheets.excel(listed, headings, "title", "sheet"))
     title, names, *rows = _sheet(tmp_path / "matrix.xlsx")
     assert (title, names) == (["title"], list(matrix.Row._fields))
-    for row, wanted in zip(rows, found, strict=True):
+    for row, wanted in zip(rows, listed, strict=True):
         for cell, exact in zip(row, wanted, strict=True):
             if isinstance(exact, Fraction) and abs(exact) < 10**15:
                 assert isinstance(cell, float) and math.isclose(cell, exact, rel_tol=1e-15), (row, exact)
@@ -268,7 +268,7 @@ def _sheet(file: Path) -> list[list[str | float]]:
     space = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
     with zipfile.ZipFile(file) as book:
         strings = ElementTree.fromstring(book.read("xl/sharedStrings.xml"))
-        texts = ["".join(part.text or "" for part in one.iter(f"{space}t")) for one in strings]
+        texts = ["".join(part.text or "" for part in string.iter(f"{space}t")) for string in strings]
         sheet = ElementTree.fromstring(book.read("xl/worksheets/sheet1.xml"))
     rows: list[list[str | float]] = []
     for row in sheet.iter(f"{space}row"):
@@ -305,8 +305,8 @@ def test_texts_of_a_spec_are_escaped(tmp_path: Path) -> None:
     text = (tmp_path / "out/lamp-v1-en.html").read_text("utf-8")
     assert text.count("<script") == 1
     assert text.count("</style>") == 1
-    found = list(matrix.rows(item.edition, "en"))
-    assert "'=HYPERLINK" in spreadsheets.csv_text(found, labels()["en"]).decode("utf-8-sig")
+    rows = list(matrix.rows(item.edition, "en"))
+    assert "'=HYPERLINK" in spreadsheets.csv_text(rows, labels()["en"]).decode("utf-8-sig")
     with zipfile.ZipFile(tmp_path / "out/lamp-v1-en.xlsx") as book:
         assert b"<f>" not in book.read("xl/worksheets/sheet1.xml")
 

@@ -41,7 +41,7 @@ def test_name_that_would_replace_a_file_is_an_error(
     file.write_text(MINIMAL.replace("family: lamp", f"family: {family}").replace("edition: v1", f"edition: {edition}"))
     with pytest.raises(SpecError) as rejected:
         all_loaded([file])
-    (finding,) = [one for one in rejected.value.diagnostics if one.severity.value == "error"]
+    (finding,) = [diagnostic for diagnostic in rejected.value.diagnostics if diagnostic.severity.value == "error"]
     assert (finding.rule, finding.position.line) == (rule, 2 if family != "lamp" else 3)
     assert message in finding.message
     assert finding.position.text[finding.position.column - 1 :] == (family if family != "lamp" else edition)

@@ -71,18 +71,18 @@ def first_pages(folder: Path, language: str, queries: Mapping[str, Iterable[str]
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_words_of_the_manual_find_the_page(language: str, tmp_path: Path) -> None:
     queries = {edition: [word for words in pages.values() for word in words] for edition, pages in MANUAL.items()}
-    found = first_pages(tmp_path, language, queries)
+    hits = first_pages(tmp_path, language, queries)
     failed = [
-        f"{edition}: {word}: {found[f'{edition} {word}']} instead of {name}"
+        f"{edition}: {word}: {hits[f'{edition} {word}']} instead of {name}"
         for edition, pages in MANUAL.items()
         for name, words in pages.items()
         for word in words
-        if not {f"{edition}/{name}", f"{edition}/commands/{name}"} & set(found[f"{edition} {word}"])
+        if not {f"{edition}/{name}", f"{edition}/commands/{name}"} & set(hits[f"{edition} {word}"])
     ]
     assert failed == []
 
 
 def test_the_word_command_in_a_query_excludes_no_page(tmp_path: Path) -> None:
     """Headings of manuals contain it, titles do not."""
-    found = first_pages(tmp_path, "en", {"v2.35": ["read encoder", "read encoder command"]})
-    assert found["v2.35 read encoder"][0] == found["v2.35 read encoder command"][0] == "v2.35/commands/read_encoder"
+    hits = first_pages(tmp_path, "en", {"v2.35": ["read encoder", "read encoder command"]})
+    assert hits["v2.35 read encoder"][0] == hits["v2.35 read encoder command"][0] == "v2.35/commands/read_encoder"

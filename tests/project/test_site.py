@@ -126,13 +126,13 @@ def test_the_menu_has_every_command_of_its_edition_once_with_its_code(
     site: Path, specifications: list[EditionInput]
 ) -> None:
     ids = {"clock": "0x400", "time_left": "0x401"}
-    for one in specifications:
-        text = (site / "en" / one.edition.name / "index.html").read_text("utf-8")
+    for item in specifications:
+        text = (site / "en" / item.edition.name / "index.html").read_text("utf-8")
         menu = re.findall(
             r'<li class="toctree-l2"><a class="reference internal" href="commands/(\w+)\.html">(?:<code>(\w+)</code> )?',
             text,
         )
-        codes = [(c.spec_name, f"0x{c.code:02X}" if c.code is not None else ids[c.name]) for c in one.edition.commands]
+        codes = [(c.spec_name, f"0x{c.code:02X}" if c.code is not None else ids[c.name]) for c in item.edition.commands]
         assert menu == codes
 
 
@@ -142,12 +142,12 @@ def test_languages_have_the_same_anchors_and_none_twice(site: Path) -> None:
     for file in files:
         ids = {}
         for language in ("en", "zh"):
-            other = site / language / file.relative_to(site / "en")
-            if other.is_file():
+            translation = site / language / file.relative_to(site / "en")
+            if translation.is_file():
                 ids[language] = [
-                    a["id"] for tag, a in page(other).elements if a.get("id") and tag in ("section", "span")
+                    a["id"] for tag, a in page(translation).elements if a.get("id") and tag in ("section", "span")
                 ]
-        assert len({tuple(found) for found in ids.values()}) == 1, file
+        assert len({tuple(listed) for listed in ids.values()}) == 1, file
         assert [name for name, count in Counter(ids["en"]).items() if count > 1] == [], file
 
 
@@ -178,8 +178,8 @@ def test_every_link_of_a_site_of_all_specs_leads_to_a_page_and_an_anchor(tmp_pat
 def test_no_page_loads_anything_from_another_host(site: Path) -> None:
     for file in site.rglob("*.html"):
         sources = [v for tag in ("script", "img", "iframe", "source") for v in page(file).all(tag, "src")]
-        found = [v for v in (*sources, *page(file).all("link", "href")) if re.match(r"(https?:)?//", v)]
-        assert found == [], file.name
+        foreign = [v for v in (*sources, *page(file).all("link", "href")) if re.match(r"(https?:)?//", v)]
+        assert foreign == [], file.name
     for style in site.rglob("*.css"):
         assert not re.search(r"url\(['\"]?(?:https?:)?//", style.read_text("utf-8")), style.name
 
@@ -188,14 +188,14 @@ def test_the_index_is_a_script_with_every_record(site: Path) -> None:
     text = (site / "zh/_static/search-index.js").read_text("utf-8")
     index = json.loads(text.removeprefix("searchIndex = ").removesuffix(";\n"))
     (edition,) = (e for e in index["editions"] if e["folder"] == OLD)
-    found = {(record["kind"], record["name"]) for record in edition["records"]}
-    assert {("command", "set_volume"), ("field", "volume"), ("erratum", "lamp_width"), ("value", "bright")} <= found
+    records = {(record["kind"], record["name"]) for record in edition["records"]}
+    assert {("command", "set_volume"), ("field", "volume"), ("erratum", "lamp_width"), ("value", "bright")} <= records
     assert any("急停" in group and "e-stop" in group for group in index["synonyms"])
-    for one in index["editions"]:
-        for record in one["records"]:
+    for entry in index["editions"]:
+        for record in entry["records"]:
             for name in record["pages"]:
                 path, _, anchor = name.partition("#")
-                found_page = page(site / "en" / one["folder"] / f"{path}.html")
+                found_page = page(site / "en" / entry["folder"] / f"{path}.html")
                 assert not anchor or anchor in found_page.ids
 
 
@@ -216,7 +216,7 @@ def test_texts_of_a_spec_are_escaped_in_the_site(tmp_path: Path) -> None:
         if path.name != "bus-load-calculator.html":  # the data of its script is escaped
             shown = "".join(hostile.text).replace("\u200b", "")
             assert shown.count(text) == "".join(plain.text).count(HARMLESS), path
-    assert sum("".join(one.text).count(text) for one in sites["hostile"].values()) > 100
+    assert sum("".join(shown_page.text).count(text) for shown_page in sites["hostile"].values()) > 100
 
 
 @pytest.fixture
@@ -352,7 +352,7 @@ def test_missing_package_has_the_name_that_pip_installs(small: Path, monkeypatch
         build(small / "docs", small / "site")
     (wanted,) = re.findall(r"(?m)^site = (.*)$", (ROOT / "pyproject.toml").read_text("utf-8"))
     named = [package for package in NEEDED.values() if package != "no-such-package"]
-    assert named == [re.sub(r">=.*<", "<", one) for one in re.findall(r'"([^"]+)"', wanted)]
+    assert named == [re.sub(r">=.*<", "<", requirement) for requirement in re.findall(r'"([^"]+)"', wanted)]
 
 
 def test_no_pages_is_an_error(small: Path, tmp_path: Path) -> None:

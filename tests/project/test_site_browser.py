@@ -183,10 +183,10 @@ def test_title_and_code_of_every_item_find_its_page(site: Path, opened: Open, la
                 for text in texts:
                     pages = wanted.setdefault((record["kind"], text), set())
                     pages |= {f"{folder}/{name.partition('#')[0]}" for name in record["pages"]}
-        found = hits(page, list(dict.fromkeys(query for _, query in wanted)), folder)
-        assert len(found) > 100
+        results = hits(page, list(dict.fromkeys(query for _, query in wanted)), folder)
+        assert len(results) > 100
         for (kind, query), pages in wanted.items():
-            first = {hit["page"] for hit in found[query][:2]}
+            first = {hit["page"] for hit in results[query][:2]}
             failed += [] if first & pages else [f"{folder}: {kind} {query}: {first} instead of {pages}"]
     assert failed == []
 
@@ -209,11 +209,11 @@ WORDS = {
 def test_words_that_people_search_for(site: Path, opened: Open, language: str) -> None:
     """In the current edition, which comes first."""
     page = opened(f"{folder_of(site)}/{language}/index.html")
-    found = hits(page, [query for queries in WORDS.values() for query in queries], "v2.35")
+    results = hits(page, [query for queries in WORDS.values() for query in queries], "v2.35")
     for expected, queries in WORDS.items():
         for query in queries:
-            assert f"v2.35/{expected}" in [hit["page"] for hit in found[query][:3]], query
-            assert found[query][0]["edition"] == "v2.35"
+            assert f"v2.35/{expected}" in [hit["page"] for hit in results[query][:3]], query
+            assert results[query][0]["edition"] == "v2.35"
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
@@ -225,13 +225,13 @@ def test_guides_are_found_by_their_words(site: Path, opened: Open, language: str
         "bus-load": ("bus load", "总线负载"),
         "quickstart": ("快速入门", "quick start"),
     }
-    found = hits(
+    results = hits(
         page, [query for queries in words.values() for query in queries] + ["修改ID", "修改 ID", "overtemperature"]
     )
     for expected, queries in words.items():
-        assert all(expected in [hit["page"] for hit in found[query][:2]] for query in queries), expected
-    assert found["修改ID"][0]["anchor"] == found["修改 ID"][0]["anchor"] == "entries.driver_id"
-    assert "types" in found["overtemperature"][0]["page"]
+        assert all(expected in [hit["page"] for hit in results[query][:2]] for query in queries), expected
+    assert results["修改ID"][0]["anchor"] == results["修改 ID"][0]["anchor"] == "entries.driver_id"
+    assert "types" in results["overtemperature"][0]["page"]
 
 
 def test_search_with_the_keyboard_only(site: Path, opened: Open) -> None:
@@ -269,7 +269,7 @@ def test_every_link_and_button_can_be_reached_with_the_keyboard(site: Path, open
             page.evaluate("document.activeElement.closest('[class]')?.className + ' ' + document.activeElement.tagName")
         )
     for part in ("skip-to-content", "site-search", "reference internal", "site-language", "theme-toggle"):
-        assert any(part in one for one in reached), part
+        assert any(part in element for element in reached), part
 
 
 def test_pages_on_a_phone_and_on_paper(site: Path, opened: Open) -> None:
@@ -321,13 +321,13 @@ def test_texts_of_a_spec_are_texts(tmp_path: Path, opened: Open) -> None:
 def test_accessibility(address: str, opened: Open, scheme: str) -> None:
     """axe-core finds nothing serious."""
     page = opened("about:blank", color_scheme=scheme)
-    found = set()
+    violations = set()
     for name in (*PAGES[:-1], "404.html"):
         page.goto(f"{address}/{name}")
         for violation in accessibility_violations(page):
             if violation["impact"] in ("serious", "critical"):
-                found |= {f"{violation['id']}: {node['html'][:150]}" for node in violation["nodes"]}
-    assert found == set()
+                violations |= {f"{violation['id']}: {node['html'][:150]}" for node in violation["nodes"]}
+    assert violations == set()
 
 
 def test_the_size_of_the_site_and_of_a_first_view(site: Path, address: str, opened: Open) -> None:

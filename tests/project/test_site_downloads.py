@@ -40,9 +40,9 @@ def test_generated_folders_are_packed_and_no_file_of_the_user(site: Path) -> Non
     with zipfile.ZipFile(site / "downloads/dbc.zip") as archive:
         assert archive.namelist() == ["dbc/README.md", "dbc/a & b.dbc"]
         assert {info.date_time for info in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
-    found = sorted(file.relative_to(site).as_posix() for file in (site / "downloads").rglob("*.*"))
+    files = sorted(file.relative_to(site).as_posix() for file in (site / "downloads").rglob("*.*"))
     documents = [f"downloads/handover/lamp-v1-{name}" for name in ("en.csv", "en.html", "zh.csv", "zh.html")]
-    assert found == ["downloads/dbc.zip", "downloads/dbc/a & b.dbc", *documents, "downloads/javascript.zip"]
+    assert files == ["downloads/dbc.zip", "downloads/dbc/a & b.dbc", *documents, "downloads/javascript.zip"]
 
 
 def test_links_lead_to_the_files_of_the_site(site: Path) -> None:

@@ -19,13 +19,13 @@ def random_frames(of_spec: Edition, count: int) -> Iterator[CanFrame]:
         yield random_frame(messages[i % len(messages)], chance.choice(messages), chance)
 
 
-def random_frame(message: Message, other: Message, chance: random.Random) -> CanFrame:
+def random_frame(message: Message, another: Message, chance: random.Random) -> CanFrame:
     """A frame that is nearly that of a message: most have its id, its length and its keys, or those of another."""
     node = chance.choice(message.id.nodes) if message.id.nodes is not None else 0
     can_id = message.id.base + node * message.id.node_step
-    length = message.dlc if chance.random() < 0.9 else chance.choice((other.dlc, chance.randrange(9)))
+    length = message.dlc if chance.random() < 0.9 else chance.choice((another.dlc, chance.randrange(9)))
     word = chance.getrandbits(8 * length) * (chance.random() < 0.6)
-    for key in (*message.keys, *(other.keys if chance.random() < 0.2 else ())):
+    for key in (*message.keys, *(another.keys if chance.random() < 0.2 else ())):
         values = (key.value,) * 8 + (
             *message.accepted_codes,
             *message.identifying_codes,

@@ -85,10 +85,10 @@ def test_the_dispatch_plan_identifies_random_frames_of_unusual_specs(text: str, 
 def test_only_the_length_decides_between_messages_of_one_code(tmp_path: Path) -> None:
     """Whatever further codes are accepted for one of them."""
     decoder = Decoder(edition(tmp_path, LENGTHS))
-    found = decoder.identify(Direction.REPLY, CanFrame(0x101, bytes.fromhex("10 00 00 00")))
-    assert not isinstance(found, Rejection) and found.message.command == "long"
-    found = decoder.identify(Direction.REPLY, CanFrame(0x101, bytes.fromhex("20 00 00 00")))
-    assert isinstance(found, Rejection) and found.reason is Refusal.WRONG_LENGTH
+    identified = decoder.identify(Direction.REPLY, CanFrame(0x101, bytes.fromhex("10 00 00 00")))
+    assert not isinstance(identified, Rejection) and identified.message.command == "long"
+    identified = decoder.identify(Direction.REPLY, CanFrame(0x101, bytes.fromhex("20 00 00 00")))
+    assert isinstance(identified, Rejection) and identified.reason is Refusal.WRONG_LENGTH
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
@@ -116,13 +116,15 @@ def compare(of_spec: Edition, frames: Sequence[CanFrame]) -> None:
     seen: Counter[str | Refusal] = Counter()
     for frame in frames:
         for direction in Direction:
-            found = decoder.identify(direction, frame)
-            outcome = found.reason if isinstance(found, Rejection) else (found.message.name, found.node)
+            identified = decoder.identify(direction, frame)
+            outcome = (
+                identified.reason if isinstance(identified, Rejection) else (identified.message.name, identified.node)
+            )
             wanted = expected(by_rule[direction], frame)
             assert outcome == wanted, (direction, frame)
             seen[wanted if isinstance(wanted, Refusal) else wanted[0]] += 1
     assert {m.name for m in of_spec.all_messages() if m.identifying_codes or not m.keys} <= set(seen)
-    assert {Refusal.UNKNOWN_ID} < {one for one in seen if isinstance(one, Refusal)}
+    assert {Refusal.UNKNOWN_ID} < {result for result in seen if isinstance(result, Refusal)}
 
 
 Group = tuple[list[Message], set[int]]
@@ -131,8 +133,8 @@ Group = tuple[list[Message], set[int]]
 
 def groups(messages: Sequence[Message]) -> list[Group]:
     """The messages by id rule, fewest open bits first."""
-    found = {(m.id, m.remote): [o for o in messages if (o.id, o.remote) == (m.id, m.remote)] for m in messages}
-    return sorted(((group, _open(group)) for group in found.values()), key=lambda group: len(group[1]))
+    by_rule = {(m.id, m.remote): [o for o in messages if (o.id, o.remote) == (m.id, m.remote)] for m in messages}
+    return sorted(((group, _open(group)) for group in by_rule.values()), key=lambda group: len(group[1]))
 
 
 def expected(of_direction: Sequence[Group], frame: CanFrame) -> Outcome:
@@ -149,17 +151,19 @@ def expected(of_direction: Sequence[Group], frame: CanFrame) -> Outcome:
     most = max(len(m.keys) for m in matching)
     first = next(m for m in matching if len(m.keys) == most)
     same = [m for m in matching if _where(m) == _where(first)]
-    found = next((m for m in same if len(frame.data) == m.dlc and not frame.remote), first)
-    if any(frame.id >> bit & 1 for bit in open_bits - _open([found])):
+    fitting_length = next((m for m in same if len(frame.data) == m.dlc and not frame.remote), first)
+    if any(frame.id >> bit & 1 for bit in open_bits - _open([fitting_length])):
         return Refusal.UNKNOWN_ID
-    return (found.name, node) if frame.remote or len(frame.data) == found.dlc else Refusal.WRONG_LENGTH
+    return (
+        (fitting_length.name, node) if frame.remote or len(frame.data) == fitting_length.dlc else Refusal.WRONG_LENGTH
+    )
 
 
 def _open(messages: Sequence[Message]) -> set[int]:
     """The bits of the id that keys and fields of messages have."""
-    found = {bit for m in messages for k in m.keys if k.space is Space.ID for bit in bits_of(k.segments)}
+    bits = {bit for m in messages for k in m.keys if k.space is Space.ID for bit in bits_of(k.segments)}
     fields = (f for m in messages for f in m.layout.fields if f.space is Space.ID)
-    return found | {bit for f in fields for e in f.elements for bit in e.bits}
+    return bits | {bit for f in fields for e in f.elements for bit in e.bits}
 
 
 def _nodes(group: Sequence[Message], open_bits: set[int], frame: CanFrame) -> list[int | None]:
@@ -174,8 +178,8 @@ def _nodes(group: Sequence[Message], open_bits: set[int], frame: CanFrame) -> li
 
 
 def _keys_match(message: Message, frame: CanFrame) -> bool:
-    first, *others = message.keys
-    return _held(first, frame) in message.identifying_codes and all(_held(key, frame) == key.value for key in others)
+    first, *further = message.keys
+    return _held(first, frame) in message.identifying_codes and all(_held(key, frame) == key.value for key in further)
 
 
 def _held(key: Key, frame: CanFrame) -> int:

@@ -114,12 +114,12 @@ def worked_out(source: str) -> list[int]:
     """The lines where a filter is applied while a template is compiled, for all it is applied to is constant."""
     env = jinja2.Environment()
     env.filters = AnyFilter()
-    found = []
+    lines = []
     for node in env.parse(source).find_all(nodes.Filter):
         with contextlib.suppress(nodes.Impossible):
             node.as_const(nodes.EvalContext(env))
-            found.append(node.lineno)
-    return found
+            lines.append(node.lineno)
+    return lines
 
 
 def test_no_filter_is_evaluated_while_a_template_is_compiled() -> None:

@@ -34,10 +34,10 @@ def find(specifications: Sequence[EditionInput], wanted: str) -> tuple[list[tupl
     except ValueError:
         number = None
     pairs = [(d.edition, c) for d in specifications for c in d.edition.commands]
-    found = [
+    matching = [
         (e, c) for e, c in pairs if wanted in (c.name, c.spec_name) or (number is not None and _has_number(c, number))
     ]
-    return found, (_rules_of(pairs, number) if number is not None else "") or nearest(
+    return matching, (_rules_of(pairs, number) if number is not None else "") or nearest(
         wanted, dict.fromkeys(name for _, c in pairs for name in (c.name, c.spec_name))
     ) or "see `canwright show --help`"
 

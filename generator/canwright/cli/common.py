@@ -67,12 +67,12 @@ def _specs(ctx: click.Context, param: click.Parameter, given: Sequence[Path]) ->
     """The specs that are given, and all specs in the folders that are given."""
     files: list[Path] = []
     for path in given:
-        found = specs_below(path) if path.is_dir() else [path]
-        if not found:
+        specs = specs_below(path) if path.is_dir() else [path]
+        if not specs:
             raise click.BadParameter(
                 f"The folder '{visible(path.as_posix())}' has no spec; expected *.yaml or */*.yaml.", ctx, param
             )
-        files += found
+        files += specs
     return files
 
 
@@ -118,7 +118,7 @@ def read(specs: Sequence[Path], printer: str = "text", *, packaged: bool = False
     """
     if packaged and not specs and not spec_files(SPEC_FOLDER):
         specs = spec_files(SPECS)
-    return [one.specification for one in load(specs, printer)]
+    return [item.specification for item in load(specs, printer)]
 
 
 def load(specs: Sequence[Path], printer: str = "text", record: RunRecord | None = None) -> list[Loaded]:
@@ -136,8 +136,8 @@ def load(specs: Sequence[Path], printer: str = "text", record: RunRecord | None 
         sys.exit(FINDINGS)
     except OSError as error:
         stop(str(error))
-    loaded = [dataclasses.replace(one, warnings=settings.applied(one.warnings)) for one in loaded]
-    findings = [finding for one in loaded for finding in one.warnings]
+    loaded = [dataclasses.replace(item, warnings=settings.applied(item.warnings)) for item in loaded]
+    findings = [finding for item in loaded for finding in item.warnings]
     if record and any(finding.severity is Severity.ERROR for finding in findings):
         show_findings(findings, printer)
         sys.exit(FINDINGS)

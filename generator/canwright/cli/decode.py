@@ -240,7 +240,7 @@ def _decode(
         window=None if window is None else int(window * 1_000_000),
         recorder=recorder,
         is_stream=not log.is_file,
-        others=nodes.family,
+        further=nodes.family,
         changes=nodes.changes,
     )
     rows = RowReader(nodes.assignment, nodes.label).rows(directions.classify(frames))

@@ -97,10 +97,10 @@ def diff(
         _write(baseline, accepted, report, write_baseline.strip())
         return
     _print(report, report_format)
-    stale = accepted.unused((one.title for one in report.comparisons), report.accepted)
+    stale = accepted.unused((comparison.title for comparison in report.comparisons), report.accepted)
     if stale:
         print_text(printers.text(stale) + "\n", error=True, styled=True)
-    if any(one.failing for one in report.comparisons):
+    if any(comparison.failing for comparison in report.comparisons):
         sys.exit(FINDINGS)
 
 
@@ -123,7 +123,7 @@ def _compared(references: Sequence[str], against: str | None) -> FolderChanges:
     if list(references).count(STANDARD_INPUT) > 1:
         stop("standard input contains one spec; give a file or a revision for the other one")
     old, new = (find(reference, SPEC_FOLDER, golden=False) for reference in references)
-    families = [one.specification.edition.family for one in (old, new)]
+    families = [item.specification.edition.family for item in (old, new)]
     if families[0] != families[1]:
         stop(f"`{families[0]}` and `{families[1]}` are different families; give two editions of one family")
     return FolderChanges(((old, new),), (), ())
@@ -131,16 +131,16 @@ def _compared(references: Sequence[str], against: str | None) -> FolderChanges:
 
 def _write(file: Path, known: Baseline, report: Report, reason: str) -> None:
     """Adds the changes that fail to the accepted ones, and removes the unused entries of the compared editions."""
-    titles = {one.title for one in report.comparisons}
-    kept = [one for one in known.accepted if one.editions not in titles or one.identity in report.accepted]
+    titles = {comparison.title for comparison in report.comparisons}
+    kept = [entry for entry in known.accepted if entry.editions not in titles or entry.identity in report.accepted]
     added = [
         AcceptedChange(
-            editions=one.title, rule=change.rule.id, item=str(change.item), facts=facts(change), reason=reason
+            editions=comparison.title, rule=change.rule.id, item=str(change.item), facts=facts(change), reason=reason
         )
-        for one in report.comparisons
-        for change in one.failing
+        for comparison in report.comparisons
+        for change in comparison.failing
     ]
-    content = {one.identity: one for one in (*kept, *added)}
+    content = {entry.identity: entry for entry in (*kept, *added)}
     try:
         file.write_text(baseline_text(content.values()), "utf-8", newline="\n")
     except OSError as error:
@@ -153,8 +153,8 @@ def _write(file: Path, known: Baseline, report: Report, reason: str) -> None:
 def editions(specs: Sequence[Path]) -> None:
     """List the editions: family, name, date, commands, title."""
     rows = [("family", "edition", "date", "commands", "title")]
-    for one in load(specs):
-        edition = one.specification.edition
+    for item in load(specs):
+        edition = item.specification.edition
         groups = dict.fromkeys(command.spec_name for command in edition.commands)
         title = next(iter(edition.title.values()), "")
         rows.append((edition.family, edition.name, edition.date, str(len(groups)), title))

@@ -67,16 +67,16 @@ class Comparison:
     @classmethod
     def of(cls, old: Loaded, new: Loaded, policy: Policy) -> Comparison:
         title = _title(old, new)
-        found = [
+        reasoned = [
             (change, policy.reasons.get(identity(title, change)))
             for change in by_impact(compare(old.specification.edition, new.specification.edition, targets()))
         ]
-        changes = tuple(change for change, reason in found if reason is None and policy.shows(change))
+        changes = tuple(change for change, reason in reasoned if reason is None and policy.shows(change))
         return cls(
             old,
             new,
             changes,
-            tuple((change, reason) for change, reason in found if reason is not None),
+            tuple((change, reason) for change, reason in reasoned if reason is not None),
             tuple(change for change in changes if policy.configuration.fails(change, policy.kinds)),
         )
 
@@ -116,15 +116,17 @@ class Report:
     @property
     def accepted(self) -> set[Identity]:
         """The identities of the accepted changes."""
-        return {identity(one.title, change) for one in self.comparisons for change, _ in one.accepted}
+        return {
+            identity(comparison.title, change) for comparison in self.comparisons for change, _ in comparison.accepted
+        }
 
     @property
     def specs(self) -> list[str]:
         """A line for each spec added or removed: `added: lamp v3 (spec/lamp/v3.yaml)`."""
         return [
-            f"{kind}: {one.specification.edition.family} {one.specification.edition.name} ({one.document.name})"
+            f"{kind}: {spec.specification.edition.family} {spec.specification.edition.name} ({spec.document.name})"
             for kind, specs in (("added", self.added), ("removed", self.removed))
-            for one in specs
+            for spec in specs
         ]
 
     @property
@@ -162,8 +164,8 @@ def _host(change: Change) -> str:
 
 def _reach(item: Item, changes: Sequence[Change]) -> str:
     names = dict.fromkeys(name for change in changes for name in change.used_by)
-    others = [name for name in names if name != item.name]
-    return f" ({', '.join(others)})" if others else ""
+    affected = [name for name in names if name != item.name]
+    return f" ({', '.join(affected)})" if affected else ""
 
 
 def _text(comparison: Comparison) -> str:
@@ -342,11 +344,11 @@ def _pull_request(comparison: Comparison) -> str:
             cells += ["<br>".join(_examples(change)[:1]), _host(change), markdown_text(f"{new.file}:{new.line}")]
             lines.append(f"| {' | '.join(cells)} |")
         lines.append("")
-    others = [_bullet(change) for change in comparison.changes if change not in broken]
-    others += [f"{_bullet(change)} (accepted: {markdown_text(reason)})" for change, reason in comparison.accepted]
-    if others:
-        count = formatting.counted(len(others), "other change" if broken else "change")
-        lines += ["<details>", f"<summary>{count}</summary>", "", *others, "", "</details>"]
+    bullets = [_bullet(change) for change in comparison.changes if change not in broken]
+    bullets += [f"{_bullet(change)} (accepted: {markdown_text(reason)})" for change, reason in comparison.accepted]
+    if bullets:
+        count = formatting.counted(len(bullets), "other change" if broken else "change")
+        lines += ["<details>", f"<summary>{count}</summary>", "", *bullets, "", "</details>"]
     return "\n".join(lines).rstrip("\n")
 
 
@@ -388,10 +390,10 @@ def _in_markdown(report: Report, written: Callable[[Comparison], str]) -> str:
 
 def as_json(report: Report) -> str:
     """One object of a comparison; with `--against`, all of them, and the files of the specs added and removed."""
-    objects = [_json(one) for one in report.comparisons]
+    objects = [_json(comparison) for comparison in report.comparisons]
     if report.against is None:
         return json_text(objects[0])
-    added, removed = ([one.document.name for one in specs] for specs in (report.added, report.removed))
+    added, removed = ([spec.document.name for spec in specs] for specs in (report.added, report.removed))
     return json_text({"against": report.against, "comparisons": objects, "added": added, "removed": removed})
 
 
@@ -403,16 +405,16 @@ def github(report: Report) -> str:
 def junit(report: Report) -> str:
     """JUnit XML in ASCII: a suite for each comparison, a test for each change; those that fail `diff` are failures."""
     suites = ElementTree.Element("testsuites", name="canwright diff")
-    for one in report.comparisons:
-        counts = {"tests": str(max(1, len(one.changes))), "failures": str(len(one.failing))}
-        suite = ElementTree.SubElement(suites, "testsuite", {"name": one.title, **counts})
-        if not one.changes:
-            ElementTree.SubElement(suite, "testcase", classname=one.title, name="no change")
-        for change in one.changes:
-            old, new = map(_location, one.positions(change))
+    for comparison in report.comparisons:
+        counts = {"tests": str(max(1, len(comparison.changes))), "failures": str(len(comparison.failing))}
+        suite = ElementTree.SubElement(suites, "testsuite", {"name": comparison.title, **counts})
+        if not comparison.changes:
+            ElementTree.SubElement(suite, "testcase", classname=comparison.title, name="no change")
+        for change in comparison.changes:
+            old, new = map(_location, comparison.positions(change))
             name = visible(f"{change.item}: {change.says()} [{change.rule.id}]")
-            case = ElementTree.SubElement(suite, "testcase", classname=one.title, name=name)
-            if one.fails(change):
+            case = ElementTree.SubElement(suite, "testcase", classname=comparison.title, name=name)
+            if comparison.fails(change):
                 says = visible(f"{change.impact.value}, {_affected(change)}: {change.says()}")
                 failure = ElementTree.SubElement(case, "failure", message=says, type=change.rule.id)
                 failure.text = "\n".join(map(visible, (f"{old} -> {new}", *_examples(change))))

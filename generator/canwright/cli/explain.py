@@ -29,8 +29,10 @@ def explain(rule: str | None) -> None:
 
     Without an argument, list all rules. `check` and `diff` print the rule in brackets after each finding and change.
     """
-    kinds = {one.id: (one.severity.value, one.purpose) for one in ALL_RULES.values()}
-    kinds |= {one.id: (one.category.value, one.purpose) for one in CHANGES.values()}
+    kinds = {
+        finding_rule.id: (finding_rule.severity.value, finding_rule.purpose) for finding_rule in ALL_RULES.values()
+    }
+    kinds |= {change_rule.id: (change_rule.category.value, change_rule.purpose) for change_rule in CHANGES.values()}
     if rule is None:
         width = max(map(len, kinds))
         for id_, (kind, purpose) in kinds.items():

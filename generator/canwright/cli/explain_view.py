@@ -40,13 +40,13 @@ def explanation(editions: Iterable[Edition], frame: CanFrame, assignment: Assign
 
 def golden_entries(editions: Iterable[Edition], frame: CanFrame, assignment: Assignment) -> str:
     """All meanings of a frame as golden frames; empty if it has none under these parameters."""
-    found: dict[str, list[Edition]] = {}
+    having_text: dict[str, list[Edition]] = {}
     for edition in editions:
         for meaning in meanings(edition, frame, assignment):
             text = meaning.message and golden_text(edition, meaning.message, frame, assignment)
             if text:
-                found.setdefault(text, []).append(edition)
-    return "".join(f"  # {_names(having)}\n{text}" for text, having in found.items())
+                having_text.setdefault(text, []).append(edition)
+    return "".join(f"  # {_names(having)}\n{text}" for text, having in having_text.items())
 
 
 def _names(editions: Sequence[Edition]) -> str:

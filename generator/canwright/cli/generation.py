@@ -97,8 +97,8 @@ class GenerationCommand(OfSpecs):
 @functools.cache
 def _options(taken: frozenset[str]) -> Sequence[click.Option]:
     """`--target` and the options of the targets; `taken` are those of the command. Raises TargetError."""
-    others = ", ".join(name for name in target_names() if name not in default_targets())
-    default = f"all except {others}" if others else "all"
+    excluded = ", ".join(name for name in target_names() if name not in default_targets())
+    default = f"all except {excluded}" if excluded else "all"
     options = [
         click.Option(
             ["--target", "targets"],

@@ -28,7 +28,7 @@ def direction_of(recorder: str) -> Direction:
 
 def node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list[NodeSetting]:
     """`--set [[BUS:]NODE:]NAME=VALUE`; the name is that of a parameter, or `edition`."""
-    found: dict[tuple[str | None, int | None, str], NodeSetting] = {}
+    unique: dict[tuple[str | None, int | None, str], NodeSetting] = {}
     by_name = {edition.name: edition for edition in editions}
     for setting in settings:
         left, _, value = setting.partition("=")
@@ -39,7 +39,7 @@ def node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list[
         chosen: Edition | str = by_name.get(value, value) if name == EDITION else value
         if isinstance(chosen, str):
             check_value(editions, setting, name, value, f"{EDITION}={'|'.join(by_name)}")
-        one = NodeSetting(bus or None, int(node) if scope else None, name, chosen)
-        if found.setdefault(one[:3], one) != one:
+        node_setting = NodeSetting(bus or None, int(node) if scope else None, name, chosen)
+        if unique.setdefault(node_setting[:3], node_setting) != node_setting:
             stop(f"--set {setting}: `{left}` is already set to another value; remove one")
-    return list(found.values())
+    return list(unique.values())

@@ -181,9 +181,10 @@ def _own_files() -> Iterator[object]:
             folder = Path(name)
             yield name
             folders[:] = sorted(
-                one
-                for one in folders
-                if one != "__pycache__" and folder / one not in (resources.EXAMPLES, resources.CHANGE_EXAMPLES)
+                subfolder
+                for subfolder in folders
+                if subfolder != "__pycache__"
+                and folder / subfolder not in (resources.EXAMPLES, resources.CHANGE_EXAMPLES)
             )
             yield from ([file, digest_of_regular(f"{name}/{file}")] for file in sorted(files))
     yield from (

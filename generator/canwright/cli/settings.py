@@ -16,14 +16,14 @@ def assignment(specifications: Sequence[EditionInput], settings: Sequence[str]) 
     result: dict[str, str] = {}
     for setting in settings:
         name, _, value = setting.partition("=")
-        check_value([one.edition for one in specifications], setting, name, value, "")
+        check_value([item.edition for item in specifications], setting, name, value, "")
         if result.setdefault(name, value) != value:
             stop(f"--set {setting}: `{name}` is already set to {result[name]}; remove one")
     return result
 
 
-def check_value(editions: Sequence[Edition], setting: str, name: str, value: str, others: str) -> None:
-    """Stops unless a parameter has this value in some edition; `others` are further settings that are possible."""
+def check_value(editions: Sequence[Edition], setting: str, name: str, value: str, further: str) -> None:
+    """Stops unless a parameter has this value in some edition; `further` are other settings that are possible."""
     owners = [(edition, p) for edition in editions for p in edition.parameters if p.name == name]
     numbers = [(edition, p) for edition, p in owners if not p.is_choice]
     for edition, parameter in numbers:
@@ -32,7 +32,7 @@ def check_value(editions: Sequence[Edition], setting: str, name: str, value: str
         except ValueError as error:
             stop(f"--set {setting}: {error}")
     if not numbers and not any(v.name == value for _, p in owners for v in p.values):
-        wanted = "; ".join(filter(None, (others, known_values(editions))))
+        wanted = "; ".join(filter(None, (further, known_values(editions))))
         remedy = f"use one of: {wanted}" if wanted else "the spec has no parameters"
         stop(f"--set {setting} is not a parameter and its value; {remedy}")
 

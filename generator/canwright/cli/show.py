@@ -28,15 +28,15 @@ def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) ->
 
     specifications = read(specs)
     if edition is not None:
-        names = [one.edition.name for one in specifications]
-        specifications = [one for one in specifications if one.edition.name == edition]
+        names = [item.edition.name for item in specifications]
+        specifications = [item for item in specifications if item.edition.name == edition]
         if not specifications:
             hint = nearest(edition, names) or "run `canwright editions` for a list"
             stop(f"there is no edition `{edition}`; {hint}")
-    found, hint = find(specifications, command)
-    if not found:
+    pairs, hint = find(specifications, command)
+    if not pairs:
         stop(f"there is no command `{command}`; {hint}")
-    for i, (item, one) in enumerate(found):
+    for i, (item, shown) in enumerate(pairs):
         if i:
             print_text("\n")
-        print_text(command_text(item, one, lang), styled=True)
+        print_text(command_text(item, shown, lang), styled=True)

@@ -74,8 +74,8 @@ def _echo(text: str, stream: TextIO) -> None:
 
 
 def _safe(text: str, *, styled: bool) -> str:
-    found = {ord(c): f"[U+{ord(c):04X}]" for c in unseen(_STYLE.sub("", text) if styled else text)}
-    text = text.translate(found) if found else text
+    escapes = {ord(c): f"[U+{ord(c):04X}]" for c in unseen(_STYLE.sub("", text) if styled else text)}
+    text = text.translate(escapes) if escapes else text
     return _WORKFLOW_COMMAND.sub(lambda match: match.group() + "\\", text)
 
 

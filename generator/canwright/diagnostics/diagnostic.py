@@ -86,14 +86,14 @@ class Diagnostic:
     @property
     def related_lines(self) -> list[str]:
         """One line for each related position."""
-        return [f"{one.item} is at {p.file}:{p.line}:{p.column}" for one in self.related for p in (one.position,)]
+        return [f"{item.item} is at {p.file}:{p.line}:{p.column}" for item in self.related for p in (item.position,)]
 
 
-def with_number_of_others(diagnostics: list[Diagnostic], others: int, *, at_least: bool = False) -> list[Diagnostic]:
-    """The findings of a check; the last of them states how many `others` the check found that are not listed."""
-    if not others or not diagnostics:
+def with_number_of_others(diagnostics: list[Diagnostic], unlisted: int, *, at_least: bool = False) -> list[Diagnostic]:
+    """The findings of a check; the last of them states how many further ones are `unlisted`."""
+    if not unlisted or not diagnostics:
         return diagnostics
-    more = f"; {'at least ' if at_least else ''}{others} more are not listed, correct these first"
+    more = f"; {'at least ' if at_least else ''}{unlisted} more are not listed, correct these first"
     return [*diagnostics[:-1], replace(diagnostics[-1], message=diagnostics[-1].message + more)]
 
 
@@ -136,8 +136,8 @@ def _likely(name: str, names: Sequence[str]) -> Sequence[str]:
     if len(names) <= MAX_MATCHES:
         return names
     pairs = _pairs(name)
-    likely = set(heapq.nlargest(MAX_MATCHES, names, key=lambda other: len(pairs & _pairs(other))))
-    return [other for other in names if other in likely]
+    likely = set(heapq.nlargest(MAX_MATCHES, names, key=lambda candidate: len(pairs & _pairs(candidate))))
+    return [candidate for candidate in names if candidate in likely]
 
 
 @functools.lru_cache(maxsize=4 * MAX_NAMES)
@@ -149,12 +149,12 @@ def _pairs(name: str) -> frozenset[str]:
 def _similarities(name: str, names: Iterable[str]) -> dict[str, float]:
     """The names that are similar to `name`, in their order, with their similarity."""
     matcher = difflib.SequenceMatcher(None, "", name)
-    found = {}
-    for other in names:
-        matcher.set_seq1(other)
+    ratios = {}
+    for candidate in names:
+        matcher.set_seq1(candidate)
         if min(matcher.real_quick_ratio(), matcher.quick_ratio()) >= CUTOFF and (ratio := matcher.ratio()) >= CUTOFF:
-            found[other] = ratio
-    return found
+            ratios[candidate] = ratio
+    return ratios
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

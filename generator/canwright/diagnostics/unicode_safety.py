@@ -33,22 +33,22 @@ def _is_invisible(character: str) -> bool:
 
 def places(text: str) -> Iterator[tuple[int, int, str]]:
     """Line, column and character of every invisible character."""
-    found = frozenset(unseen(text))
-    for number, line in enumerate(text.split("\n") if found else (), 1):
-        yield from ((number, column, character) for column, character in enumerate(line, 1) if character in found)
+    hidden = frozenset(unseen(text))
+    for number, line in enumerate(text.split("\n") if hidden else (), 1):
+        yield from ((number, column, character) for column, character in enumerate(line, 1) if character in hidden)
 
 
 def covered(text: str) -> str:
     """The text with each invisible character replaced by one mark, so that positions stay the same."""
-    found = unseen(text)
-    return text.translate(dict.fromkeys(map(ord, found), CANNOT_BE_SEEN)) if found else text
+    hidden = unseen(text)
+    return text.translate(dict.fromkeys(map(ord, hidden), CANNOT_BE_SEEN)) if hidden else text
 
 
 def visible(text: str) -> str:
     """The text on one line, with invisible characters escaped, as in `[U+202E]`."""
     line = " ".join(text.split())
-    found = unseen(line)
-    return line.translate({ord(c): f"[U+{ord(c):04X}]" for c in found}) if found else line
+    hidden = unseen(line)
+    return line.translate({ord(c): f"[U+{ord(c):04X}]" for c in hidden}) if hidden else line
 
 
 def described(character: str) -> str:

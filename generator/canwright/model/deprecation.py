@@ -31,13 +31,13 @@ def is_date(name: str) -> bool:
     return _DATE.fullmatch(name) is not None
 
 
-def is_before(one: str, other: str) -> bool | None:
+def is_before(first: str, second: str) -> bool | None:
     """Whether the name or date of an edition is before another one; None if the order is not known.
 
     The first different numbers decide: v2.9 is before v2.10. An edition of a label, v2.1-2024, is not before the label.
     """
-    parts, others = (re.findall(r"[0-9]+|[^0-9]+", name) for name in (one, other))
-    for part, another in zip(parts, others, strict=False):
+    parts, second_parts = (re.findall(r"[0-9]+|[^0-9]+", name) for name in (first, second))
+    for part, another in zip(parts, second_parts, strict=False):
         if part != another:
             return int(part) < int(another) if part.isdigit() and another.isdigit() else None
-    return False if len(parts) >= len(others) else None
+    return False if len(parts) >= len(second_parts) else None

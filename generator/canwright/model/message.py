@@ -258,8 +258,8 @@ class Command:
         if self.entry is None:
             return (self.previous_name,) if self.previous_name else ()
         groups, entries = (
-            (one or now, now)
-            for one, now in ((self.previous_name, self.spec_name), (self.entry.renamed_from, self.entry.name))
+            (previous or now, now)
+            for previous, now in ((self.previous_name, self.spec_name), (self.entry.renamed_from, self.entry.name))
         )
         names = dict.fromkeys(f"{group}_{entry}" for group in groups for entry in entries)
         return tuple(name for name in names if name != self.name)

@@ -265,8 +265,8 @@ class Type:
     @property
     def times(self) -> tuple[str, ...]:
         """Names of the number parameters that scales are multiples of."""
-        found = (linear.times for _, linear in self.linear.distinct() if linear is not None)
-        return tuple(dict.fromkeys(name for name in found if name is not None))
+        names = (linear.times for _, linear in self.linear.distinct() if linear is not None)
+        return tuple(dict.fromkeys(name for name in names if name is not None))
 
     @cached_property
     def _plausible_limits(self) -> tuple[float, float] | None:

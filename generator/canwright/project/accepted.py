@@ -57,21 +57,21 @@ class Baseline:
     @property
     def reasons(self) -> Mapping[Identity, str]:
         """Why a change is accepted, by its identity."""
-        return {one.identity: one.reason for one in self.accepted}
+        return {change.identity: change.reason for change in self.accepted}
 
-    def unused(self, editions: Iterable[str], found: Iterable[Identity]) -> list[Diagnostic]:
+    def unused(self, editions: Iterable[str], changes: Iterable[Identity]) -> list[Diagnostic]:
         """Warnings about entries for the compared editions without a change."""
-        compared, identities = set(editions), set(found)
+        compared, identities = set(editions), set(changes)
         return [
             self.document.finding(
                 ("accepted", i),
                 "unused",
-                f"no change from {one.editions} by `{one.rule}` of {one.item} has these facts",
+                f"no change from {change.editions} by `{change.rule}` of {change.item} has these facts",
                 "remove the entry",
                 warning=True,
             )
-            for i, one in enumerate(self.accepted)
-            if self.document and one.editions in compared and one.identity not in identities
+            for i, change in enumerate(self.accepted)
+            if self.document and change.editions in compared and change.identity not in identities
         ]
 
 
@@ -94,10 +94,16 @@ def read_baseline(file: Path) -> Baseline:
 def baseline_text(accepted: Iterable[AcceptedChange]) -> str:
     """The file with these changes, sorted."""
     lines = ["canwright: 1", "accepted:"]
-    for one in sorted(accepted, key=lambda one: one.identity):
-        lines += [f"  - editions: {_quoted(one.editions)}", f"    rule: {one.rule}", f"    item: {_quoted(one.item)}"]
-        lines.append("    facts: {" + ", ".join(f"{name}: {_quoted(fact)}" for name, fact in one.facts.items()) + "}")
-        lines.append(f"    reason: {_quoted(one.reason)}")
+    for change in sorted(accepted, key=lambda change: change.identity):
+        lines += [
+            f"  - editions: {_quoted(change.editions)}",
+            f"    rule: {change.rule}",
+            f"    item: {_quoted(change.item)}",
+        ]
+        lines.append(
+            "    facts: {" + ", ".join(f"{name}: {_quoted(fact)}" for name, fact in change.facts.items()) + "}"
+        )
+        lines.append(f"    reason: {_quoted(change.reason)}")
     if lines[-1] == "accepted:":
         lines[-1] = "accepted: []"
     return "\n".join(lines) + "\n"

@@ -139,7 +139,7 @@ class Configuration(Concept):
 def candidates() -> list[Path]:
     """Where the configuration can be: in the current folder, and above it up to the top of its git repository."""
     folders = [Path.cwd(), *Path.cwd().parents]
-    top = next((i for i, one in enumerate(folders) if (one / ".git").exists()), 0)
+    top = next((i for i, folder in enumerate(folders) if (folder / ".git").exists()), 0)
     return [Path(*[".."] * level) / NAME for level in range(top + 1)]
 
 

@@ -29,9 +29,9 @@ def generate(
         selected = options.get(target, NO_OPTIONS)
         for output in registry.target(target).generate(specifications, set_parameters, selected):
             path = f"{target}/{output.path}"
-            other = paths.setdefault(path.casefold(), path)
-            if path in files or other != path:
-                what = f"two files {path}" if other == path else f"the files {other} and {path}"
+            first = paths.setdefault(path.casefold(), path)
+            if path in files or first != path:
+                what = f"two files {path}" if first == path else f"the files {first} and {path}"
                 raise registry.TargetError(
                     f"the target `{target}` generates {what}; rename the item of the spec that they are named after"
                 )

@@ -79,12 +79,12 @@ def since(revision: str, folder: Path) -> FolderChanges:
     )
 
 
-def _family(one: Loaded) -> str:
-    return one.specification.edition.family
+def _family(item: Loaded) -> str:
+    return item.specification.edition.family
 
 
-def _edition(one: Loaded) -> tuple[str, str]:
-    return one.specification.edition.family, one.specification.edition.name
+def _edition(item: Loaded) -> tuple[str, str]:
+    return item.specification.edition.family, item.specification.edition.name
 
 
 def _contents_at(revision: str, folder: Path) -> dict[str, bytes]:
@@ -94,10 +94,10 @@ def _contents_at(revision: str, folder: Path) -> dict[str, bytes]:
     in_folder = ("-C", str(folder))
     entries = _git(revision, revision, *in_folder, "ls-tree", "-r", "-z", revision).decode("utf-8", "surrogateescape")
     blobs = [entry.partition("\t")[::2] for entry in entries.split("\0") if entry.startswith("100")]
-    found = {name: facts.split()[2] for facts, name in blobs if PurePosixPath(name).match("*/*.yaml")}
+    blob_of = {name: facts.split()[2] for facts, name in blobs if PurePosixPath(name).match("*/*.yaml")}
     return {
         name: _git(revision, revision, *in_folder, "cat-file", "blob", blob)
-        for name, blob in found.items()
+        for name, blob in blob_of.items()
         if name.count("/") == 1 and not name.endswith(FRAMES_SUFFIX)
     }
 

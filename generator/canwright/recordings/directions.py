@@ -230,7 +230,7 @@ class Directions:
     marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. If the log
     `is_stream`, no frame waits for these: what they show counts for later frames. `first` is the
     number of the first frame. Before the frames with the numbers of `changes`, nodes get other editions, which are among
-    `others`.
+    `further`.
     """
 
     def __init__(
@@ -243,19 +243,19 @@ class Directions:
         behaviours: Mapping[str, Behaviour] | None = None,
         is_stream: bool = False,
         first: int = 0,
-        others: Iterable[Edition] = (),
+        further: Iterable[Edition] = (),
         changes: Mapping[int, Sequence[Change]] = MappingProxyType({}),
     ) -> None:
         self._editions = editions
         self._changed: dict[tuple[str, int | None], Edition | None] = {}
         self._default = default
         self._changes = changes
-        used = dict.fromkeys([*editions.values(), *([default] if default else []), *others])
+        used = dict.fromkeys([*editions.values(), *([default] if default else []), *further])
         self._classes = [frame_classes(edition) for edition in used]
         self._window = window
         self._recorder = recorder
-        other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
-        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: other}
+        opposite = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
+        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite}
         self.behaviours = behaviours
         self._is_stream = is_stream
         self._number = first

@@ -82,11 +82,11 @@ class Identifier:
     """
 
     def __init__(self, editions: Sequence[Edition], recorder: Direction = Direction.REQUEST) -> None:
-        other = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
+        opposite = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
         self.editions = editions
         self.marked: set[str] = set()
         """The buses with frames that are marked as sent."""
-        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: other}
+        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite}
         self._kinds = ScoredClasses(editions)
         self._lines: dict[tuple[str, int, bool, bool, int], _IdState] = {}
         self._nodes: dict[tuple[str, int | None], NodeFrames] = {}

@@ -62,18 +62,18 @@ class Decoder:
 
     def identify(self, direction: Direction, frame: CanFrame) -> Identified | Rejection:
         """The message that a frame is, without knowledge of its request."""
-        found = self._route(direction, frame)
-        if found is None:
+        routed = self._route(direction, frame)
+        if routed is None:
             kind = ("29-bit " if frame.extended else "") + ("remote " if frame.remote else "")
             return Rejection(Refusal.UNKNOWN_ID, f"no {direction.value} has the {kind}id 0x{frame.id:X}")
-        route, node = found
+        route, node = routed
         message = _message(route.then, direction, frame)
         return message if isinstance(message, Rejection) else Identified(message, node)
 
     def decode(self, direction: Direction, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
         """The message that a frame is under some parameters, with its fields."""
-        found = self.identify(direction, frame)
-        return found if isinstance(found, Rejection) else _fields(found, frame, assignment)
+        identified = self.identify(direction, frame)
+        return identified if isinstance(identified, Rejection) else _fields(identified, frame, assignment)
 
     def decode_as(self, message: Message, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
         """The fields of a frame that is expected to be one message, as the reply to a request is."""
@@ -84,8 +84,8 @@ class Decoder:
 
     def decisions(self, direction: Direction, frame: CanFrame) -> DispatchNode | None:
         """The decisions between the messages that have the id of a frame; None without such a message."""
-        found = self._route(direction, frame)
-        return None if found is None else found[0].then
+        routed = self._route(direction, frame)
+        return None if routed is None else routed[0].then
 
     def _route(self, direction: Direction, frame: CanFrame) -> tuple[Route, int | None] | None:
         known = (direction, frame.id, frame.extended, frame.remote)
@@ -101,15 +101,15 @@ _REASONS = {"length": Refusal.WRONG_LENGTH, "keys": Refusal.UNKNOWN_CODE}
 """The reason for a rejection, by the part of the frame that differs; unknown_id for all other parts."""
 
 
-def _fields(found: Identified, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
+def _fields(identified: Identified, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
     """The fields of a message, by the steps of its plan."""
-    layout = found.message.layout
+    layout = identified.message.layout
     raws: dict[str, Raw] = {}
     values: dict[str, Value | list[Value]] = {}
-    for step in message_plan(found.message).decoding:
+    for step in message_plan(identified.message).decoding:
         if isinstance(step, ChooseFields):
             if layout.variant(assignment) is None:
-                return missing_parameter(found.message, step)
+                return missing_parameter(identified.message, step)
         elif not layout.has(step.field, assignment):
             continue
         elif isinstance(step, ReadField):
@@ -119,7 +119,7 @@ def _fields(found: Identified, frame: CanFrame, assignment: Assignment) -> Decod
             return _wrong_constant(step)
     variant = layout.variant(assignment)
     assert variant is not None
-    return Decoded(*found, variant, raws, values)
+    return Decoded(*identified, variant, raws, values)
 
 
 def rejects_constants(message: Message, frame: CanFrame, assignment: Assignment) -> Rejection | None:
@@ -148,7 +148,7 @@ def _wrong_constant(check: CheckConstant) -> Rejection:
 def field_value(field: Field, raw: Raw, assignment: Assignment) -> Value | list[Value]:
     """The value of the raw integer of a field, or the values of an array."""
     if isinstance(raw, list):
-        return [value_of(field.type, one, assignment) for one in raw]
+        return [value_of(field.type, element, assignment) for element in raw]
     return value_of(field.type, raw, assignment)
 
 
@@ -177,8 +177,8 @@ def is_finite(type_: Type, raw: int) -> bool:
 def _float(type_: Type, raw: int) -> float:
     """The float with a bit pattern."""
     bits, number = {32: ("<I", "<f"), 64: ("<Q", "<d")}[type_.width]
-    found: float = struct.unpack(number, struct.pack(bits, raw))[0]
-    return found
+    result: float = struct.unpack(number, struct.pack(bits, raw))[0]
+    return result
 
 
 def linear_of(type_: Type, assignment: Assignment) -> Linear | None:

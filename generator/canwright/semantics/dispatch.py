@@ -124,8 +124,8 @@ def node_of_id(rule: IdRule, id_: int) -> int | None:
     """The node of an id without the bits of keys and fields; None without one."""
     if rule.nodes is None:
         return None
-    found, remainder = divmod(id_ - rule.base, rule.node_step)
-    return found if not remainder and found in rule.nodes else None
+    node, remainder = divmod(id_ - rule.base, rule.node_step)
+    return node if not remainder and node in rule.nodes else None
 
 
 def _route(rule: IdRule, remote: bool, messages: Sequence[Message]) -> Route:
@@ -153,16 +153,19 @@ class _Candidate(NamedTuple):
 
 def _candidates(messages: Sequence[Message]) -> list[_Candidate]:
     """Every message under each value that it claims: by the bits of the first key, then most keys first."""
-    found: dict[Conditions, tuple[int, dict[int, Message]]] = {}
+    claims: dict[Conditions, tuple[int, dict[int, Message]]] = {}
     for order, message in enumerate(messages):
         for conditions in _conditions(message):
-            found.setdefault(conditions, (order, {}))[1].setdefault(message.dlc, message)
-    candidates = [_Candidate(order, keys, tuple(same.values())) for keys, (order, same) in found.items()]
+            claims.setdefault(conditions, (order, {}))[1].setdefault(message.dlc, message)
+    candidates = [_Candidate(order, keys, tuple(same.values())) for keys, (order, same) in claims.items()]
     firsts = dict.fromkeys(_bits(message.keys[0]) for message in messages if message.keys)
     rank = {bits: number for number, bits in enumerate(firsts)}
     return sorted(
         candidates,
-        key=lambda one: (rank[one.conditions[0][0]] if one.conditions else len(rank), -len(one.conditions)),
+        key=lambda candidate: (
+            rank[candidate.conditions[0][0]] if candidate.conditions else len(rank),
+            -len(candidate.conditions),
+        ),
     )
 
 
@@ -177,9 +180,9 @@ def _conditions(message: Message) -> Iterator[Conditions]:
     if not message.keys:
         yield ()
         return
-    first, *others = message.keys
+    first, *further = message.keys
     for value in message.identifying_codes:
-        yield ((_bits(first), value), *((_bits(key), key.value) for key in others))
+        yield ((_bits(first), value), *((_bits(key), key.value) for key in further))
 
 
 class _Tree:
@@ -198,24 +201,24 @@ class _Tree:
         return self._select(candidates[0].conditions[0][0], candidates)
 
     def _select(self, subject: BitRun, candidates: Sequence[_Candidate]) -> DispatchNode:
-        others: list[_Candidate] = []
+        remaining: list[_Candidate] = []
         """Candidates without a condition on the subject: they remain for every value."""
         by_value: dict[int, list[_Candidate]] = {}
-        for one in candidates:
-            value = next((value for bits, value in one.conditions if bits == subject), None)
+        for candidate in candidates:
+            value = next((value for bits, value in candidate.conditions if bits == subject), None)
             if value is None:
-                others.append(one)
+                remaining.append(candidate)
             else:
-                left = tuple(condition for condition in one.conditions if condition[0] != subject)
-                by_value.setdefault(value, []).append(one._replace(conditions=left))
+                left = tuple(condition for condition in candidate.conditions if condition[0] != subject)
+                by_value.setdefault(value, []).append(candidate._replace(conditions=left))
         cases: list[Case] = []
-        for value, own in sorted(by_value.items(), key=lambda item: min(one.order for one in item[1])):
-            then = self.of([*own, *others])
+        for value, own in sorted(by_value.items(), key=lambda item: min(candidate.order for candidate in item[1])):
+            then = self.of([*own, *remaining])
             if cases and cases[-1].then == then:
                 cases[-1] = Case((*cases[-1].values, value), then)
             else:
                 cases.append(Case((value,), then))
-        return Select(subject, tuple(cases), self.of(others))
+        return Select(subject, tuple(cases), self.of(remaining))
 
     def _by_length(self, messages: Sequence[Message]) -> DispatchNode:
         """The decision by length between messages with the same keys; no other message is tried."""

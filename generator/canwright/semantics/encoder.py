@@ -119,7 +119,7 @@ class Encoder:
     def rejects_raw(self, field: Field, raw: Raw) -> Rejection | None:
         """The reason why a raw integer, or a list of an array, is invalid for a field; None without one."""
         if isinstance(raw, list):
-            each = (self.rejects_raw(field, one) for one in raw)
+            each = (self.rejects_raw(field, element) for element in raw)
             return _wrong_count(field, len(raw)) or next(filter(None, each), None)
         if field.type.encoding is Encoding.FLOAT and not is_finite(field.type, raw):
             return Rejection(Refusal.NOT_FINITE, f"raw {raw} is no finite number in `{field.name}`", field.name)
@@ -133,8 +133,8 @@ class Encoder:
         """The raw integer of a value of a field, or a list for an array. Names must be those of the type."""
         elements = value if isinstance(value, list) and field.is_array else [value]
         raws: list[int] = []
-        for one in elements:
-            raw = self.nearest_raw(field, one)
+        for element in elements:
+            raw = self.nearest_raw(field, element)
             if isinstance(raw, Rejection):
                 return raw
             rejection = self.rejects_raw(field, raw)
@@ -236,7 +236,7 @@ class Encoder:
 def exact_value(value: Value | Number | list[Number]) -> Value:
     """A value with its numbers as fractions; numbers that are not finite as `nan`, `inf` or `-inf`."""
     if isinstance(value, list):
-        return [one if isinstance(one, str) else _exact(one) for one in value]
+        return [element if isinstance(element, str) else _exact(element) for element in value]
     return value if isinstance(value, str) else _exact(value)
 
 

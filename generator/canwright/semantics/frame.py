@@ -30,11 +30,11 @@ def read_bits(bits: BitRun, frame: CanFrame) -> int:
 
 
 def _read(segments: Sequence[Segment], space: Space, frame: CanFrame) -> int:
-    found = 0
+    raw = 0
     for s in segments:
         source = frame.id if space is Space.ID else frame.data[s.byte] if s.byte < len(frame.data) else 0
-        found |= (source >> s.low & (1 << s.width) - 1) << s.raw_low
-    return found
+        raw |= (source >> s.low & (1 << s.width) - 1) << s.raw_low
+    return raw
 
 
 Parts = tuple[tuple[int, int, int], ...]
@@ -71,8 +71,8 @@ def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
 
 def raw_of(field: Field, frame: CanFrame) -> Raw:
     """The raw integer of a field, a list for an array."""
-    found = [_signed(field.type, _read(e.segments, field.space, frame)) for e in field.elements]
-    return found if field.is_array else found[0]
+    integers = [_signed(field.type, _read(e.segments, field.space, frame)) for e in field.elements]
+    return integers if field.is_array else integers[0]
 
 
 def _signed(type_: Type, raw: int) -> int:
@@ -147,8 +147,8 @@ def difference(message: Message, frame: CanFrame) -> Difference | None:
             "length", f"{formatting.counted(len(frame.data), 'byte')}, but {message.name} has {message.dlc}"
         )
     key = next(accepted.key for accepted in message_plan(message).keys if not _has_key(accepted, frame))
-    found = f"{formatting.place(key.space, key.segments)} is 0x{read_bits(key, frame):02X}"
-    return Difference("keys", f"{found}, but {message.name} has 0x{key.value:02X}")
+    actual = f"{formatting.place(key.space, key.segments)} is 0x{read_bits(key, frame):02X}"
+    return Difference("keys", f"{actual}, but {message.name} has 0x{key.value:02X}")
 
 
 def _has_key(accepted: AcceptedKey, frame: CanFrame) -> bool:

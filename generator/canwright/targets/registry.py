@@ -22,14 +22,14 @@ class TargetError(Exception):
 @functools.cache
 def _installed() -> dict[str, EntryPoint]:
     """The entry points by name, sorted. Raises TargetError where two packages register one name."""
-    found: dict[str, EntryPoint] = {}
+    points: dict[str, EntryPoint] = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: (point.name, point.value)):
-        other = found.setdefault(point.name, point)
-        if other.value != point.value:
+        first = points.setdefault(point.name, point)
+        if first.value != point.value:
             raise TargetError(
-                f"{_package(other)} and {_package(point)} both register the target `{point.name}`; uninstall one of them"
+                f"{_package(first)} and {_package(point)} both register the target `{point.name}`; uninstall one of them"
             )
-    return found
+    return points
 
 
 def _package(point: EntryPoint) -> str:

@@ -73,7 +73,11 @@ def build(docs: Path, site: Path, handover: Path | None = None, *, force: bool =
             **{name: (THEME / "root" / name).read_bytes() for name in ("404.html", "index.html")},
             **{f"{EXPLORER}/{path}": content for path, content in explorer.items()},
             **downloads,
-            **{f"{one}/{file.name}": file.read_bytes() for one in languages for file in (docs / one).glob("*.html")},
+            **{
+                f"{language}/{file.name}": file.read_bytes()
+                for language in languages
+                for file in (docs / language).glob("*.html")
+            },
             **{
                 f"{language}/{path}": content
                 for language in languages

@@ -67,8 +67,8 @@ def _add_variables(
         return
     config = app.config
     menu: Menu = app.canwright_menu  # type: ignore[attr-defined]
-    others = [name for name in config.canwright_languages if name != config.canwright_language]
-    has = {name: (Path(config.canwright_docs) / name / f"{pagename}.md").is_file() for name in others}
+    languages = [name for name in config.canwright_languages if name != config.canwright_language]
+    has = {name: (Path(config.canwright_docs) / name / f"{pagename}.md").is_file() for name in languages}
     context["site"] = {
         "texts": config.canwright_texts,
         "theme": config.canwright_theme,

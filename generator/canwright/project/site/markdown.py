@@ -75,11 +75,11 @@ class Anchors(SphinxTransform):
     def apply(self, **kwargs: object) -> None:
         anchors = self.env.metadata[self.env.docname].setdefault("anchors", {})
         for raw in list(self.document.findall(nodes.raw)):
-            found = _ANCHOR.fullmatch(raw.astext())
-            if found:
-                target = nodes.target("", "", ids=[found[1]], names=[found[1]])
+            match = _ANCHOR.fullmatch(raw.astext())
+            if match:
+                target = nodes.target("", "", ids=[match[1]], names=[match[1]])
                 self.document.note_explicit_target(target)
-                anchors[found[1]] = found[1]
+                anchors[match[1]] = match[1]
                 raw.replace_self(target)
             elif raw.astext() == "</a>":
                 raw.parent.remove(raw)
@@ -97,11 +97,11 @@ class Alerts(SphinxTransform):
         quotes = list(self.document.findall(nodes.block_quote))
         lines = Path(self.document["source"]).read_text("utf-8").split("\n") if quotes else []
         for quote in quotes:
-            found = _ALERT.fullmatch(lines[quote.line - 1]) if quote.line else None
+            match = _ALERT.fullmatch(lines[quote.line - 1]) if quote.line else None
             first = quote.children[0] if quote.children else None
-            if found and found[1] in _ALERTS and isinstance(first, nodes.paragraph):
+            if match and match[1] in _ALERTS and isinstance(first, nodes.paragraph):
                 del first.children[: 2 if len(first.children) > 1 else 1]
-                alert = _ALERTS[found[1]]()
+                alert = _ALERTS[match[1]]()
                 alert.extend(quote.children if first.children else quote.children[1:])
                 quote.replace_self(alert)
 
@@ -148,7 +148,9 @@ class Links(SphinxTransform):
         if isinstance(item, nodes.list_item):
             single = [file for file in files if file.startswith(f"{DOWNLOADS}/{folder}/")]
             links = [nodes.reference("", posixpath.basename(file), refuri=quoted(f"../{file}")) for file in single]
-            item.append(nodes.bullet_list("", *(nodes.list_item("", nodes.paragraph("", "", one)) for one in links)))
+            item.append(
+                nodes.bullet_list("", *(nodes.list_item("", nodes.paragraph("", "", reference)) for reference in links))
+            )
             link.replace_self(link.children)
         else:
             packed = f"{DOWNLOADS}/{folder}.zip"
@@ -172,7 +174,7 @@ class Documents(SphinxTransform):
             stem, _, suffix = file.removeprefix(HANDOVER).rpartition(".")
             if file.startswith(HANDOVER) and stem.endswith(end):
                 of_edition.setdefault(stem.removesuffix(end), []).append(suffix)
-        items = [nodes.list_item("", self._links(name, end, found)) for name, found in of_edition.items()]
+        items = [nodes.list_item("", self._links(name, end, suffixes)) for name, suffixes in of_edition.items()]
         return [nodes.bullet_list("", *items)] if items else []
 
     @staticmethod

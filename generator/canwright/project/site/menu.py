@@ -96,10 +96,10 @@ class Menu:
 
     def _others(self, name: str, folder: str) -> Iterator[tuple[str, str, bool]]:
         family = self.editions[folder]["family"] if folder else None
-        for other, edition in self.editions.items():
+        for member, edition in self.editions.items():
             if edition["family"] == family:
-                same = other + name[len(folder) :]
-                yield other, same if same in self._titles else f"{other}/index", same in self._titles
+                same = member + name[len(folder) :]
+                yield member, same if same in self._titles else f"{member}/index", same in self._titles
 
     def edition_of(self, name: str) -> str:
         """The folder of the edition that a page is about; empty without one."""

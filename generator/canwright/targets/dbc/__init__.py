@@ -21,9 +21,9 @@ def generate(
     specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = NO_OPTIONS
 ) -> Iterator[Output]:
     """The files of every edition, and a README.md with instructions."""
-    made = [_made(one, set_parameters, options) for one in specifications]
-    for one in made:
-        for file in one.files:
+    made = [_made(specification, set_parameters, options) for specification in specifications]
+    for product in made:
+        for file in product.files:
             yield Output(f"{file.name}.dbc", printed(file))
     env = environment("dbc", {})
     yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(made)))

@@ -149,9 +149,9 @@ class Fields:
             raw_bits = tuple(place.bits[i] for i in run)
             flag = named.get(run[0])
             if flag:
-                one = Place(f"{place.name}_{flag.name}", place.mux, raw_bits, place.order)
+                flag_place = Place(f"{place.name}_{flag.name}", place.mux, raw_bits, place.order)
                 about = [self._comments.of(flag.title), self._comments.deprecation(flag.deprecated)]
-                yield bare(one, self._comments.sentences([*sentences, *about]))
+                yield bare(flag_place, self._comments.sentences([*sentences, *about]))
             else:
                 name = "_".join((place.name, "bits", *(str(i) for i in sorted({run[0], run[-1]}))))
                 unnamed = Place(name, place.mux, raw_bits, place.order)

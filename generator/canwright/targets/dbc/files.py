@@ -41,7 +41,7 @@ def files(edition: Edition, both: Traffics, set_parameters: Assignment, options:
     Files of a table that are the same for every value of the parameters are one file.
     """
     made = _Files(edition, both, set_parameters, options)
-    plain = [file for one in made.assignments for file in made.plain(one)]
+    plain = [file for values in made.assignments for file in made.plain(values)]
     of_tables: dict[tuple[Sequence[Direction], str], list[File]] = {}
     for assignment in made.assignments:
         for file in made.tables(assignment):
@@ -57,8 +57,8 @@ def _with_defaults(edition: Edition) -> _Files:
 def reply_file(edition: Edition, assignment: Assignment) -> str | None:
     """The name of the first file that decodes replies under some parameter values; None without replies."""
     made = _with_defaults(edition)
-    found = (a for a in made.assignments if all(assignment.get(name, value) == value for name, value in a.items()))
-    return made.name_of_replies(next(found))
+    agreeing = (a for a in made.assignments if all(assignment.get(name, value) == value for name, value in a.items()))
+    return made.name_of_replies(next(agreeing))
 
 
 def stems(edition: Edition) -> Iterator[str]:
@@ -94,7 +94,7 @@ class _Files:
             for p in edition.parameters
             if not p.is_choice and (number := number_of(set_parameters, p.name)) is not None
         }
-        self._signals = {one: Signals(one, self._numbers, self._comments) for one in KIND}
+        self._signals = {direction: Signals(direction, self._numbers, self._comments) for direction in KIND}
         self.assignments = list(_assignments(edition, set_parameters))
         every_frame = {direction: traffic.frames({}) for direction, traffic in both.items()}
         every_node = Scope(edition, {}, self._numbers)
@@ -122,8 +122,8 @@ class _Files:
             contents: dict[str, list[_Content]] = {}
             for name, content in self._table_contents(group, assignment):
                 contents.setdefault(name, []).append(content)
-            for name, found in contents.items():
-                yield from self._file(group, assignment, name, found)
+            for name, parts in contents.items():
+                yield from self._file(group, assignment, name, parts)
 
     def merged(self, same: Sequence[File]) -> Sequence[File]:
         """The files of a table for all values of the parameters; a single one if their messages are the same."""
@@ -161,7 +161,9 @@ class _Files:
         """A file with these frames; none without messages."""
         scope = self._scope(assignment)
         host = fitting(self._edition.bus.host, ())
-        messages = fitted(message for one in contents for message in self._messages(scope, one, host, len(group) > 1))
+        messages = fitted(
+            message for content in contents for message in self._messages(scope, content, host, len(group) > 1)
+        )
         ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NO_NODE]
         if messages:
             yield File(
@@ -235,9 +237,9 @@ class _Files:
             comments.labelled(comments.fixed("parameters"), known) if known else "",
         ]
         if len(group) == 1:
-            other = comments.fixed(KIND[_OTHER[group[0]]])
+            opposite = comments.fixed(KIND[_OTHER[group[0]]])
             sentences.append(comments.fixed("one_direction", kind=comments.fixed(KIND[group[0]])))
-            sentences.append(comments.fixed("meaningless", other=other) if self._shared else "")
+            sentences.append(comments.fixed("meaningless", other=opposite) if self._shared else "")
         else:
             sentences.append(comments.fixed("both_directions"))
         sentences.append(comments.fixed("table", table=table) if table else "")

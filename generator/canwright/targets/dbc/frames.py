@@ -162,13 +162,13 @@ def partners(scope: Scope, part: Part) -> Sequence[tuple[str, int | None]]:
     These are the nodes of the addresses of the command. If there are none, every node receives the request.
     """
     command, message, edition = part.command, part.message, scope.edition
-    other = command.reply if message.direction is Direction.REQUEST else command.request
-    near = dict.fromkeys((message.address, other.address if other else message.address))
+    counterpart = command.reply if message.direction is Direction.REQUEST else command.request
+    near = dict.fromkeys((message.address, counterpart.address if counterpart else message.address))
     everywhere = [address.name for address in edition.addresses] if message.direction is Direction.REQUEST else []
     for names in (list(near), everywhere):
-        found = [(name, node) for name in names for node in _nodes(scope, edition.address(name))]
-        if found:
-            return [end for end in found if end[1] in (command.from_each or (end[1],))]
+        ends = [(name, node) for name in names for node in _nodes(scope, edition.address(name))]
+        if ends:
+            return [end for end in ends if end[1] in (command.from_each or (end[1],))]
     return [(message.address, None)]
 
 

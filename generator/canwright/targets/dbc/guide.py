@@ -95,21 +95,23 @@ class Guide(NamedTuple):
 
 def guide(made: Sequence[Made]) -> Guide:
     sections = tuple(map(_section, made))
-    reading = [e for one in made for e in _examples(one.specification, one.files, Direction.REPLY)]
-    requests = (e for one in made for e in _examples(one.specification, one.files, Direction.REQUEST))
+    reading = [e for product in made for e in _examples(product.specification, product.files, Direction.REPLY)]
+    requests = (e for product in made for e in _examples(product.specification, product.files, Direction.REQUEST))
     sending = next((e for e in requests if len(e.values) == len(e.frame.raw)), None)
     best = max(reading, key=lambda e: len(e.values), default=None)
-    first = best.file if best else next((file for one in made for file in one.files), None)
+    first = best.file if best else next((file for product in made for file in product.files), None)
     return Guide(
         sections,
         first,
         any(map(_is_rejected, first.messages)) if first else False,
         best,
         sending,
-        frozenset(file.kind for one in made for file in one.files),
+        frozenset(file.kind for product in made for file in product.files),
         " ".join(_selection(made[0])) if made else "",
         tuple(
-            one for one in languages() if one != ENGLISH and any(one in m.specification.edition.languages for m in made)
+            language
+            for language in languages()
+            if language != ENGLISH and any(language in m.specification.edition.languages for m in made)
         ),
     )
 

@@ -63,7 +63,7 @@ def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> 
     for message, signals in messages:
         receivers = ",".join(message.receivers)
         yield f"BO_ {message.id} {message.name}: {message.length} {message.senders[0]}"
-        yield from (f"{one.signal} {receivers}" for one in signals)
+        yield from (f"{texts.signal} {receivers}" for texts in signals)
         yield ""
     for message in file.messages:
         if len(message.senders) > 1:
@@ -75,11 +75,13 @@ def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> 
         if message.extended:
             yield f'BA_ "VFrameFormat" BO_ {message.id} 1;'
     for message, signals in messages:
-        yield from (f'BA_ "GenSigStartValue" SG_ {message.id} {one.start_value};' for one in signals if one.start_value)
+        yield from (
+            f'BA_ "GenSigStartValue" SG_ {message.id} {texts.start_value};' for texts in signals if texts.start_value
+        )
     for message, signals in messages:
-        yield from (f"VAL_ {message.id} {one.values} ;" for one in signals if one.values)
+        yield from (f"VAL_ {message.id} {texts.values} ;" for texts in signals if texts.values)
     for message, signals in messages:
-        yield from (f"SIG_VALTYPE_ {message.id} {one.float_kind};" for one in signals if one.float_kind)
+        yield from (f"SIG_VALTYPE_ {message.id} {texts.float_kind};" for texts in signals if texts.float_kind)
 
 
 def _comments(file: File) -> Iterator[str]:

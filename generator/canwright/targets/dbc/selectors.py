@@ -42,13 +42,13 @@ def joined_value(part: Part, span: range) -> int:
 
 def runs(numbers: Iterable[int], split: Iterable[int] = ()) -> list[tuple[int, ...]]:
     """Runs of adjacent numbers; each number in `split` is a run of its own."""
-    found: list[list[int]] = []
+    adjacent: list[list[int]] = []
     for n in sorted(numbers):
-        if found and found[-1][-1] == n - 1 and n not in split and n - 1 not in split:
-            found[-1].append(n)
+        if adjacent and adjacent[-1][-1] == n - 1 and n not in split and n - 1 not in split:
+            adjacent[-1].append(n)
         else:
-            found.append([n])
-    return list(map(tuple, found))
+            adjacent.append([n])
+    return list(map(tuple, adjacent))
 
 
 def _fixed(part: Part) -> Iterator[tuple[tuple[int, ...], int]]:
@@ -93,5 +93,5 @@ def table_names(parts: Iterable[Part]) -> Mapping[TableKey, str]:
 
 
 def _common_ending(names: Sequence[str]) -> str:
-    last, *others = {name.rpartition("_")[2] for name in names}
-    return "" if others else last
+    last, *further = {name.rpartition("_")[2] for name in names}
+    return "" if further else last

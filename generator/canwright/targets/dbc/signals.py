@@ -89,12 +89,10 @@ class Signals:
 
 def _shared_name(parts: Sequence[Part]) -> str:
     """The command of a selector value: of messages with one more selector, the name of all of them; empty if they differ."""
-    first, *others = parts
+    first, *further = parts
     if len(first.selectors) == 1:
         return first.command.name
-    return (
-        first.command.spec_name if all(other.command.spec_name == first.command.spec_name for other in others) else ""
-    )
+    return first.command.spec_name if all(part.command.spec_name == first.command.spec_name for part in further) else ""
 
 
 def _names(named: Iterable[tuple[int, str, str]]) -> list[tuple[int, str]]:

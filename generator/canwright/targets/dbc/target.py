@@ -35,9 +35,9 @@ class DbcTarget(Target):
         owners: dict[str, Edition] = {}
         for edition in editions:
             for name in stems(edition):
-                other = owners.setdefault(name.lower(), edition)
-                if other is not edition:
-                    yield edition, f"{other.family} {other.name} would also have the files `{name}-….dbc`"
+                owner = owners.setdefault(name.lower(), edition)
+                if owner is not edition:
+                    yield edition, f"{owner.family} {owner.name} would also have the files `{name}-….dbc`"
                     break
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:

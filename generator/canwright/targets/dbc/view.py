@@ -59,11 +59,11 @@ Named = TypeVar("Named", Signal, Message)
 
 def fitted(views: Iterable[Named]) -> tuple[Named, ...]:
     """The signals of a message, or the messages of a file, with unique names that readers accept."""
-    found: dict[str, Named] = {}
+    by_name: dict[str, Named] = {}
     for view in views:
-        name = fitting(view.name, found)
-        found[name] = view if name == view.name else view._replace(name=name)
-    return tuple(found.values())
+        name = fitting(view.name, by_name)
+        by_name[name] = view if name == view.name else view._replace(name=name)
+    return tuple(by_name.values())
 
 
 class File(NamedTuple):

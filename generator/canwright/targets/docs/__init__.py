@@ -76,7 +76,7 @@ def generate(specifications: Sequence[EditionInput], set_parameters: Assignment)
 def folders(editions: Sequence[Edition]) -> Mapping[Edition, str]:
     """The folder of each edition."""
     families = {edition.family for edition in editions}
-    return {one: one.name if len(families) == 1 else f"{one.family}-{one.name}" for one in editions}
+    return {edition: edition.name if len(families) == 1 else f"{edition.family}-{edition.name}" for edition in editions}
 
 
 def _books(specifications: Sequence[EditionInput], folders: Mapping[Edition, str]) -> Iterator[_Book]:
@@ -100,7 +100,7 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
     listed = [(folder, commons[edition]) for folder, edition in book.listed]
     only_editions = [edition for _, edition in book.listed]
     older = {edition: editions.previous(edition, only_editions) for edition in only_editions}
-    changed = {one: editions.changed_commands(commons[one].since(old)) for one, old in older.items() if old}
+    changed = {edition: editions.changed_commands(commons[edition].since(old)) for edition, old in older.items() if old}
     tables = list(editions.support(book.listed, book.labels, language, changed))
     starts = list(guides.starts(listed))
     about = {
@@ -131,7 +131,7 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
 def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) -> Iterator[Output]:
     edition = common.edition
     pages = Pages(common, book.labels, book.language)
-    old = editions.previous(edition, [other for _, other in book.listed])
+    old = editions.previous(edition, [listed for _, listed in book.listed])
     about = {
         "edition": edition,
         "header": header(edition),
@@ -146,8 +146,8 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
     template = env.get_template("command.md.j2")
     for sheet in common.sheets:
         commands = [form.command for form in sheet.forms]
-        found = old and editions.changed(old, common.since(old), commands, book.language, book.labels, book.wording)
-        page = template.render({**view, **sheet.view, "sheet": sheet, "forms": pages.forms(sheet), "changed": found})
+        changed = old and editions.changed(old, common.since(old), commands, book.language, book.labels, book.wording)
+        page = template.render({**view, **sheet.view, "sheet": sheet, "forms": pages.forms(sheet), "changed": changed})
         yield Output(f"{folder}/{COMMANDS}{sheet.name}.md", page)
     if old is not None:
         changes = editions.changes(old, common.since(old), book.language, book.labels, book.wording)

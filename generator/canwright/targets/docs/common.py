@@ -108,31 +108,31 @@ class Common:
         for previous, group, following in zip((None, *groups), groups, (*groups[1:], None), strict=False):
             first, entry = group[0], group[0].entry
             chosen = [self._examples.select(command) for command in group]
-            exchange = next((one.exchange for one in chosen if one.exchange), None)
-            errata = list(dict.fromkeys(erratum for one in group for erratum in self._errata[one.name]))
-            only = first.only if all(one.only == first.only for one in group) else {}
+            exchange = next((selection.exchange for selection in chosen if selection.exchange), None)
+            errata = list(dict.fromkeys(erratum for command in group for erratum in self._errata[command.name]))
+            only = first.only if all(command.only == first.only for command in group) else {}
             view = {
                 "command": first,
-                "code": ", ".join(dict.fromkeys(code_of(one) for one in group if one.code is not None)),
+                "code": ", ".join(dict.fromkeys(code_of(command) for command in group if command.code is not None)),
                 "manual": markdown(first.manual),
                 "table": self.edition.table(entry.table) if entry else None,
                 "only": only,
                 "mode": self._modes.get(first.mode),
-                "effects": [e for e in first.effects if all(e in one.effects for one in group)],
+                "effects": [e for e in first.effects if all(e in command.effects for command in group)],
                 "previous": previous[0] if previous else None,
                 "following": following[0] if following else None,
                 "errata": errata,
             }
             forms = [
                 Form(
-                    one,
-                    code(index(one.request or one.reply)),
+                    command,
+                    code(index(command.request or command.reply)),
                     [
-                        (Direction.REQUEST, self._side(one, Direction.REQUEST, found.requests)),
-                        (Direction.REPLY, self._side(one, Direction.REPLY, found.replies)),
+                        (Direction.REQUEST, self._side(command, Direction.REQUEST, selection.requests)),
+                        (Direction.REPLY, self._side(command, Direction.REPLY, selection.replies)),
                     ],
                 )
-                for one, found in zip(group, chosen, strict=True)
+                for command, selection in zip(group, chosen, strict=True)
             ]
             yield Sheet(first.spec_name, forms, exchange, list(self._programs(exchange)), view)
 
@@ -166,13 +166,13 @@ class Common:
             not message.keys and self._has_selector_beside(message),
             is_repeated,
             not message.remote and any(picture.drawing.has_free_bits for picture in drawn),
-            [] if is_repeated else [one for one in drawn if one.drawing.has_fields],
+            [] if is_repeated else [picture for picture in drawn if picture.drawing.has_fields],
             [worked(self.edition.name, frame, message) for frame in frames],
         )
 
     def _has_selector_beside(self, message: Message) -> bool:
         same = self.edition.of_rule(message.direction, message.id)
-        return any(other.keys and other.remote == message.remote for other in same)
+        return any(sibling.keys and sibling.remote == message.remote for sibling in same)
 
     def _drawn(self, command: Command, message: Message) -> Iterator[Drawn]:
         variants = [v for v in message.layout.variants if _can_be(command, message.layout, v)]

@@ -78,16 +78,16 @@ class FrontLine(NamedTuple):
 def front(editions: Sequence[tuple[str, Edition]]) -> Iterator[FrontLine]:
     """The rows of the front page. `editions` come with their folders."""
     for folder, edition in editions:
-        family = [other for _, other in editions if other.family == edition.family and other is not edition]
-        codes, others = _codes([edition]), _codes(family)
+        family = [member for _, member in editions if member.family == edition.family and member is not edition]
+        codes, of_family = _codes([edition]), _codes(family)
         yield FrontLine(
             folder,
             edition,
             ", ".join(
                 dict.fromkeys(code(formatting.id_rule(message.id)) for message in edition.messages(Direction.REPLY))
             ),
-            (", ".join(code(f"0x{c:02X}") for c in sorted(codes - others)) or "—") if family else "",
-            previous(edition, [other for _, other in editions]) is not None,
+            (", ".join(code(f"0x{c:02X}") for c in sorted(codes - of_family)) or "—") if family else "",
+            previous(edition, [listed for _, listed in editions]) is not None,
         )
 
 
@@ -97,19 +97,19 @@ def _codes(editions: Iterable[Edition]) -> set[int]:
 
 def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, str], list[tuple[str, Edition]]]:
     """Editions with their folders, by family and by the name of a command they have."""
-    found: dict[tuple[str, str], list[tuple[str, Edition]]] = {}
+    having: dict[tuple[str, str], list[tuple[str, Edition]]] = {}
     for folder, edition in editions:
         for command in edition.commands:
-            listed = found.setdefault((edition.family, command.spec_name), [])
+            listed = having.setdefault((edition.family, command.spec_name), [])
             if (folder, edition) not in listed:
                 listed.append((folder, edition))
-    return found
+    return having
 
 
 def changes(
-    old: Edition, found: Sequence[Change], language: str, labels: Mapping[str, str], wording: Wording
+    old: Edition, differences: Sequence[Change], language: str, labels: Mapping[str, str], wording: Wording
 ) -> Changes:
-    """The page of changes since `old` from the changes `found`, with the `wording` of the language."""
+    """The page of changes since `old` from the changes `differences`, with the `wording` of the language."""
 
     def line(change: Change) -> ChangeLine:
         return _change_line(change, language, labels, wording)
@@ -118,13 +118,13 @@ def changes(
         return change.rule.category is Category.DOC
 
     sections = (
-        (impact, tuple(dict.fromkeys(line(c) for c in found if c.impact is impact and not is_document(c))))
+        (impact, tuple(dict.fromkeys(line(c) for c in differences if c.impact is impact and not is_document(c))))
         for impact in Impact
     )
     return Changes(
         old,
         tuple((impact, lines) for impact, lines in sections if lines),
-        tuple(dict.fromkeys(line(change) for change in found if is_document(change))),
+        tuple(dict.fromkeys(line(change) for change in differences if is_document(change))),
     )
 
 
@@ -143,9 +143,11 @@ def _change_line(change: Change, language: str, labels: Mapping[str, str], wordi
     )
 
 
-def changed_commands(found: Sequence[Change]) -> frozenset[str]:
+def changed_commands(differences: Sequence[Change]) -> frozenset[str]:
     """The names of the commands that changes affect, other than those of texts."""
-    return frozenset(name for change in found if change.rule.category is not Category.DOC for name in change.used_by)
+    return frozenset(
+        name for change in differences if change.rule.category is not Category.DOC for name in change.used_by
+    )
 
 
 class Changed(NamedTuple):
@@ -162,7 +164,7 @@ MAX_CHANGES = 8
 
 def changed(
     old: Edition,
-    found: Sequence[Change],
+    differences: Sequence[Change],
     commands: Sequence[Command],
     language: str,
     labels: Mapping[str, str],
@@ -170,7 +172,7 @@ def changed(
 ) -> Changed:
     """The changes since `old` that affect the forms of a command, those with the worst impact first."""
     names = {command.name for command in commands}
-    own = (c for c in found if names & set(c.used_by) and c.rule.category is not Category.DOC)
+    own = (c for c in differences if names & set(c.used_by) and c.rule.category is not Category.DOC)
     lines = []
     for change in sorted(own, key=lambda c: list(Impact).index(c.impact)):
         line = _change_line(change, language, labels, wording)

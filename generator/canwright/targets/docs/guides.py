@@ -20,8 +20,8 @@ from .links import COMMANDS
 
 def first_sheet(common: Common) -> Sheet | None:
     """The command for the quick start: without effects where there is one, and with most values in its reply."""
-    found = [sheet for sheet in common.sheets if sheet.programs and sheet.forms[0].command.entry is None]
-    return max(found, key=_helpfulness, default=None)
+    candidates = [sheet for sheet in common.sheets if sheet.programs and sheet.forms[0].command.entry is None]
+    return max(candidates, key=_helpfulness, default=None)
 
 
 def _helpfulness(sheet: Sheet) -> tuple[bool, bool, int]:
@@ -59,16 +59,16 @@ class Telling(NamedTuple):
 def telling_frames(listed: Sequence[tuple[str, Common]]) -> Iterator[Telling]:
     """For each edition the first shown reply that no other edition of its family decodes, if there is one."""
     for folder, common in listed:
-        others = [Decoder(one.edition) for _, one in listed if one.edition.family == common.edition.family]
-        others = [decoder for decoder, (_, one) in zip(others, listed, strict=False) if one is not common]
-        for sheet in common.sheets if others else ():
+        decoders = [Decoder(member.edition) for _, member in listed if member.edition.family == common.edition.family]
+        decoders = [decoder for decoder, (_, member) in zip(decoders, listed, strict=False) if member is not common]
+        for sheet in common.sheets if decoders else ():
             frames = [x.golden for form in sheet.forms for d, side in form.sides if side for x in side.examples]
             own = [f for f in frames if f.direction is Direction.REPLY]
-            found = next((f for f in own if all(_is_rejected(decoder, f) for decoder in others)), None)
-            if found:
+            telling = next((f for f in own if all(_is_rejected(decoder, f) for decoder in decoders)), None)
+            if telling:
                 yield Telling(
                     f"[{markdown(common.edition.name)}]({folder}/index.md)",
-                    code(formatting.sent(found)),
+                    code(formatting.sent(telling)),
                     f"[{markdown(sheet.name)}]({folder}/{COMMANDS}{sheet.name}.md)",
                 )
                 break
@@ -91,8 +91,8 @@ class Length(NamedTuple):
 def lengths(editions: Sequence[Edition]) -> Sequence[Length]:
     """The lengths of the frames of some editions."""
     messages = [message for edition in editions for message in edition.all_messages()]
-    found = {Length(m.id.extended, 0 if m.remote else m.dlc, *message_bits(m)) for m in messages}
-    return sorted(found)
+    distinct = {Length(m.id.extended, 0 if m.remote else m.dlc, *message_bits(m)) for m in messages}
+    return sorted(distinct)
 
 
 def load_data(listed: Sequence[tuple[str, Edition]], language: str) -> str:
@@ -147,4 +147,6 @@ def words(edition: Edition, labels: Mapping[str, str]) -> Iterator[Word]:
     for kind, items in kinds:
         for item in items:
             titles: Text = item.title
-            yield Word(code(item.name), labels[f"item_{kind}"], [markdown(titles[one]) for one in edition.languages])
+            yield Word(
+                code(item.name), labels[f"item_{kind}"], [markdown(titles[language]) for language in edition.languages]
+            )

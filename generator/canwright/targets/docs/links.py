@@ -44,11 +44,11 @@ def explorer_link(edition: str, frame: GoldenFrame, message: Message) -> str:
 
 def pages_of(edition: Edition, names: Sequence[str]) -> Mapping[str, str]:
     """Titles and pages of commands by name; a command with a table is one item where all its entries are listed."""
-    found: dict[str, str] = {}
+    pages: dict[str, str] = {}
     listed = set(names)
     for command in (edition.command(name) for name in names):
-        if command.entry is None or listed.issuperset(one.name for one in edition.forms(command.spec_name)):
-            found[command.spec_name] = f"{command.spec_name}.md"
+        if command.entry is None or listed.issuperset(form.name for form in edition.forms(command.spec_name)):
+            pages[command.spec_name] = f"{command.spec_name}.md"
         else:
-            found[command.name] = command_page(command)
-    return found
+            pages[command.name] = command_page(command)
+    return pages

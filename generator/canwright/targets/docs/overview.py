@@ -41,7 +41,7 @@ def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, An
     groups = edition.groups
     return {
         "lines": [_line(edition, forms, labels, language) for forms in groups.values()],
-        "entries": [found for t in edition.tables if (found := _entries(t, groups, labels, language)).rows],
+        "entries": [table for t in edition.tables if (table := _entries(t, groups, labels, language)).rows],
     }
 
 

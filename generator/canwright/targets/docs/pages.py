@@ -152,17 +152,17 @@ class Pages:
 
     def reply_ids(self, address: Address) -> Sequence[str]:
         """The ids of the replies to requests on an address, which can be those of another address."""
-        commands = [one for one in self._common.edition.commands if one.address == address.name]
-        found = [one.reply.id for one in commands if one.reply] if commands else [address.reply]
-        return list(dict.fromkeys(code(formatting.id_rule(rule)) for rule in found))
+        commands = [command for command in self._common.edition.commands if command.address == address.name]
+        rules = [command.reply.id for command in commands if command.reply] if commands else [address.reply]
+        return list(dict.fromkeys(code(formatting.id_rule(rule)) for rule in rules))
 
     def commands_with(self, effect: Effect) -> str:
         """Links to the commands that have an effect, from a page of the edition."""
-        return self._links([one.name for one in self._common.edition.commands if effect in one.effects])
+        return self._links([command.name for command in self._common.edition.commands if effect in command.effects])
 
     def links(self, groups: Sequence[str]) -> str:
         """Links to commands by the names of their groups, from a page of the edition."""
-        return self._links([one.name for group in groups for one in self._common.edition.groups[group]])
+        return self._links([command.name for group in groups for command in self._common.edition.groups[group]])
 
     def _links(self, names: Sequence[str]) -> str:
         links = pages_of(self._common.edition, names).items()

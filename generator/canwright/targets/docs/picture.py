@@ -172,16 +172,16 @@ def _node(rule: IdRule, nodes: range) -> Segment:
 
 def _places(space: Space, segments: Sequence[Segment], name: str, style: str, parts: int) -> Iterator[_Run]:
     """The runs of segments; if there are several, each label states its raw bits."""
-    found = []
+    runs = []
     for s in segments:
         bit, end = s.low, s.low + s.width
         while bit < end:
             width = min(end, bit // 8 * 8 + 8) - bit
             byte = parts - 1 - bit // 8 if space is Space.ID else parts + s.byte
-            found.append((byte, bit % 8, width, s.raw_low + bit - s.low))
+            runs.append((byte, bit % 8, width, s.raw_low + bit - s.low))
             bit += width
-    for byte, low, width, raw_low in found:
-        part = "" if len(found) == 1 else f" [{raw_low + width - 1}:{raw_low}]"
+    for byte, low, width, raw_low in runs:
+        part = "" if len(runs) == 1 else f" [{raw_low + width - 1}:{raw_low}]"
         yield _Run(byte, low, width, name, name + part, style, raw_low)
 
 

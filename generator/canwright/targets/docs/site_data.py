@@ -122,28 +122,28 @@ def _messages(commands: Iterable[Command]) -> Iterator[tuple[Command, Message]]:
 
 def _ids(edition: Edition) -> Iterator[Record]:
     """The rules between nodes and ids: a search computes the node of an id."""
-    found: dict[IdRule, Record] = {}
+    by_rule: dict[IdRule, Record] = {}
     for address in edition.addresses:
         for direction in Direction:
             rule = address.rule(direction)
             nodes = rule.nodes if rule.nodes is not None else range(1)
             numbers = {"base": rule.base, "step": rule.node_step, "first": nodes.start, "last": nodes.stop - 1}
             item = {"kind": "id", "name": formatting.id_rule(rule), "title": dict(address.title), "ids": numbers}
-            found.setdefault(rule, {**item, "directions": [], "pages": ["bus"]})["directions"].append(direction.value)
-    yield from found.values()
+            by_rule.setdefault(rule, {**item, "directions": [], "pages": ["bus"]})["directions"].append(direction.value)
+    yield from by_rule.values()
 
 
 def _fields(edition: Edition) -> Iterator[Record]:
     """Fields that differ in name, title or unit, with the pages of all commands that have them; requests first."""
-    found: dict[tuple[object, ...], tuple[Field, dict[str, None]]] = {}
+    by_key: dict[tuple[object, ...], tuple[Field, dict[str, None]]] = {}
     for direction in Direction:
         for command in edition.commands:
             message = command.message(direction)
             for field in message.layout.fields if message is not None else ():
                 unit = field.type.unit
                 key = (field.name, *field.title.items(), unit.name if unit else "")
-                found.setdefault(key, (field, {}))[1][page_of(command)] = None
-    for field, pages in found.values():
+                by_key.setdefault(key, (field, {}))[1][page_of(command)] = None
+    for field, pages in by_key.values():
         unit = field.type.unit
         units = [unit.symbol, unit.name, *unit.title.values()] if unit else []
         yield {"kind": "field", "name": field.name, "title": dict(field.title), "units": units, "pages": list(pages)}

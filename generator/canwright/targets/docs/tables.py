@@ -172,10 +172,10 @@ def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
     """The exact resolution, with the offset."""
     if not type_.is_number:
         return ""
-    found = formatting.scale(type_, among, labels["offset"])
+    scales = formatting.scale(type_, among, labels["offset"])
     return "<br>".join(
         (f"{names}: " if names else "") + (labels["not_given"] if text == "not given" else code(text))
-        for names, text in found
+        for names, text in scales
     )
 
 
@@ -196,12 +196,12 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     if by is not None:
         names = linear.cases if linear.parameter else limits.cases
         pairs = [(name, {by: name}) for name in names if not among or name in among]
-    found = []
+    ranges = []
     for name, assignment in pairs:
         span, scale_ = limits.at(assignment), linear.at(assignment)
         if span is not None and scale_ is not None and type_.is_number:
-            found.append((name, formatting.span(formatting.in_unit(span, scale_)) + unit))
-    return cases(found)
+            ranges.append((name, formatting.span(formatting.in_unit(span, scale_)) + unit))
+    return cases(ranges)
 
 
 def _id_with_code(message: Message) -> IdRule | None:
@@ -251,13 +251,13 @@ def _sharers(edition: Edition, layout: Layout, command: Command, labels: Labels)
     names: dict[str, None] = {}
     codes: set[int] = set()
     for message in edition.of_layout(layout):
-        other = edition.command(message.command)
-        if other is command or message.direction is Direction.REQUEST:
+        sharer = edition.command(message.command)
+        if sharer is command or message.direction is Direction.REQUEST:
             continue
-        if other.code is None or other.entry:
-            names[other.name] = None
+        if sharer.code is None or sharer.entry:
+            names[sharer.name] = None
         else:
-            codes.add(other.code)
+            codes.add(sharer.code)
     runs = [run.partition("..") for run in formatting.numbers(sorted(codes)).split(", ")] if codes else []
     listed = [labels["through"].join(code(f"0x{int(end):02X}") for end in (low, high) if end) for low, _, high in runs]
     shown = (*listed, *map(code, names))

@@ -19,13 +19,13 @@ _EXACT = 10**15
 """Excel keeps 15 digits of a number."""
 
 
-def csv_text(found: Sequence[Row], headings: Mapping[str, str]) -> bytes:
+def csv_text(rows: Sequence[Row], headings: Mapping[str, str]) -> bytes:
     """CSV in UTF-8 with the mark by which spreadsheets recognise it; no cell is a formula."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\r\n")
     writer.writerow([headings[name] for name in Row._fields])
     writer.writerows(
-        [_decimal(cell) if isinstance(cell, Fraction) else _harmless(cell) for cell in row] for row in found
+        [_decimal(cell) if isinstance(cell, Fraction) else _harmless(cell) for cell in row] for row in rows
     )
     return stream.getvalue().encode("utf-8-sig")
 
@@ -40,7 +40,7 @@ def _harmless(cell: str) -> str:
     return f"'{cell}" if cell.startswith(_FORMULA) else cell
 
 
-def excel(found: Sequence[Row], headings: Mapping[str, str], title: str, sheet_name: str) -> bytes:
+def excel(rows: Sequence[Row], headings: Mapping[str, str], title: str, sheet_name: str) -> bytes:
     """An Excel file with the title above the rows, a filter and a fixed heading; equal rows make an equal file.
 
     Raises ImportError.
@@ -56,16 +56,16 @@ def excel(found: Sequence[Row], headings: Mapping[str, str], title: str, sheet_n
     sheet.write_string(0, 0, title, book.add_format({"bold": True, "font_size": 14}))
     for column, name in enumerate(Row._fields):
         sheet.write_string(1, column, headings[name], head)
-        longest = max((len(_shown(row[column])) for row in found), default=0)
+        longest = max((len(_shown(row[column])) for row in rows), default=0)
         sheet.set_column(column, column, min(36, max(6, longest, len(headings[name]))))
-    for at, row in enumerate(found, 2):
+    for at, row in enumerate(rows, 2):
         for column, cell in enumerate(row):
             if isinstance(cell, Fraction) and abs(cell) < _EXACT:
                 sheet.write_number(at, column, float(cell), body)
             else:
                 sheet.write_string(at, column, _shown(cell), body)
     sheet.freeze_panes(2, 1)
-    sheet.autofilter(1, 0, len(found) + 1, len(Row._fields) - 1)
+    sheet.autofilter(1, 0, len(rows) + 1, len(Row._fields) - 1)
     sheet.set_landscape()
     sheet.set_paper(9)
     sheet.fit_to_pages(1, 0)

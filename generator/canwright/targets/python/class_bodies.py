@@ -69,15 +69,15 @@ class ClassBodies:
         varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(layout)]
         fields = tuple(
             field_view(
-                field=one,
+                field=field_,
                 place=place,
-                only=self._set(layout, one) if varies and one.only else "",
-                type_=self.types[one.type.name],
+                only=self._set(layout, field_) if varies and field_.only else "",
+                type_=self.types[field_.type.name],
                 manual_of_layout=layout.manual,
                 nodes=nodes,
                 imports=self.imports,
             )
-            for one, place in stored.items()
+            for field_, place in stored.items()
         )
         raws = {view.place: self.imports.use("Any") if view.only else view.raw_python for view in fields}
         to_raws = code.tuple_of((view.to_raw for view in fields), "self._raws = ")
@@ -95,21 +95,21 @@ class ClassBodies:
             variants=tuple(_names(variant, stored) for variant in layout.variants),
             variant_of=tuple(
                 (key, i)
-                for i, one in enumerate(layout.variants)
-                for key in variant_values(layout, one, self.parameters)
+                for i, variant in enumerate(layout.variants)
+                for key in variant_values(layout, variant, self.parameters)
             ),
             constants=tuple(constant_checks((f for f in layout.fields if not f.only), dlc, self.imports)),
             reads=reads[:1] if len(set(reads)) == 1 else reads,
             to_raws=to_raws,
             has_node=has_node,
             depends=code.tuple_of(depends, "DEPENDS = ") if depends else None,
-            is_always_valid=all(one.type.accepts_every_raw for one in stored),
+            is_always_valid=all(field_.type.accepts_every_raw for field_ in stored),
         )
 
-    def _set(self, layout: Layout, one: Field) -> str:
+    def _set(self, layout: Layout, field_: Field) -> str:
         """The name of the set of parameter values under which a field exists."""
         parameter = self.parameters[layout.parameter or ""]
-        values = tuple(types.parameter_key(parameter, value) for value in one.only)
+        values = tuple(types.parameter_key(parameter, value) for value in field_.only)
         return self.sets.setdefault(values, f"_ONLY_{len(self.sets) + 1}")
 
     def _read(self, variant: Variant, stored: Mapping[Field, int], dlc: int) -> ReadView:
@@ -117,10 +117,10 @@ class ClassBodies:
         ordered = sorted((position for _, position in own), key=lambda position: position.first_byte)
         pattern = bits.struct_format(ordered, dlc) or ""
         reads: dict[int, list[str]] = {}
-        for one, position in own:
+        for field_, position in own:
             read = f"found[{ordered.index(position)}]" if pattern else bits.read(position, dlc)
-            reads.setdefault(stored[one], []).append(read)
-        arrays = {stored[one] for one, _ in own if one.is_array}
+            reads.setdefault(stored[field_], []).append(read)
+        arrays = {stored[field_] for field_, _ in own if field_.is_array}
         raws = [
             code.tuple_of(reads[place]) if place in arrays else reads.get(place, ["None"])[0]
             for place in range(max(stored.values(), default=-1) + 1)

@@ -120,4 +120,4 @@ def _manual(section: str) -> str:
 
 
 def _joined(*sentences: str) -> str:
-    return " ".join(one for one in sentences if one)
+    return " ".join(part for part in sentences if part)

@@ -227,32 +227,32 @@ def _differ(edition: Edition, request: Message, reply: Message, node: int) -> bo
     frame = encoder.encode_raws(request, node if request.id.nodes is not None else None, {})
     if isinstance(frame, Rejection) or reply.layout.parameter is not None:
         return False
-    found = Decoder(edition).decode_as(reply, frame, {})
-    if isinstance(found, Rejection):
+    decoded = Decoder(edition).decode_as(reply, frame, {})
+    if isinstance(decoded, Rejection):
         return True
-    fields = [field for field in found.variant.fields if field.role.is_value]
+    fields = [field for field in decoded.variant.fields if field.role.is_value]
     return any(
-        encoder.rejects_raw(field, found.raws[field.name]) or not field.type.is_plausible(found.values[field.name])
+        encoder.rejects_raw(field, decoded.raws[field.name]) or not field.type.is_plausible(decoded.values[field.name])
         for field in fields
     )
 
 
 def arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
     """The values that make the message of a frame; None where a field has no value."""
-    found: list[Argument] = []
+    made: list[Argument] = []
     variant = message.layout.variant(frame.parameters)
     for field in (f for f in (variant.fields if variant else ()) if f.role.is_value):
         view = views[field.type.name]
         value = _value(field, frame.values.get(field.name), view)
         if value is None:
             return None
-        found.append(Argument(text.attribute(field.name), value, view.enum))
-    return found
+        made.append(Argument(text.attribute(field.name), value, view.enum))
+    return made
 
 
 def _value(field: Field, value: Value | None, view: types.TypeView) -> str | None:
     if isinstance(value, list) and not field.type.flags:
-        parts = [_value(field, one, view) for one in value]
+        parts = [_value(field, element, view) for element in value]
         return None if None in parts else f"({', '.join(map(str, parts))},)"
     if isinstance(value, list):
         return " | ".join(f"{view.enum}.{text.member_name(str(name))}" for name in value) or f"{view.enum}(0)"

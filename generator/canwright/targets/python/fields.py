@@ -93,11 +93,11 @@ def constant_checks(fields: Iterable[Field], dlc: int, imports: Imports) -> Iter
 
 def storage(layout: Layout) -> dict[Field, int]:
     """The place of each field among the raw integers of a message; fields that never exist together share places."""
-    found: dict[Field, int] = {}
+    places: dict[Field, int] = {}
     for field in varying(layout.fields):
-        beside = (other for variant in layout.variants if field in variant.fields for other in variant.fields)
-        found[field] = 1 + max((found[other] for other in beside if other in found), default=-1)
-    return found
+        beside = (neighbour for variant in layout.variants if field in variant.fields for neighbour in variant.fields)
+        places[field] = 1 + max((places[neighbour] for neighbour in beside if neighbour in places), default=-1)
+    return places
 
 
 def positions(fields: Iterable[Field], stored: Mapping[Field, int]) -> list[tuple[Field, bits.RawPosition]]:
@@ -105,13 +105,13 @@ def positions(fields: Iterable[Field], stored: Mapping[Field, int]) -> list[tupl
 
     Its target is its raw integer, at the place where it is `stored`, or that of a fixed field.
     """
-    found = []
+    listed = []
     for field in fields:
         for i, element in enumerate(field.elements):
             if isinstance(field.role, FixedRole):
                 target = f"0x{field.role.raw & (1 << field.type.width) - 1:X}"
-                found.append((field, bits.place(target, field, element)._replace(signed=False)))
+                listed.append((field, bits.place(target, field, element)._replace(signed=False)))
             else:
                 target = f"self._raws[{stored[field]}]" + (f"[{i}]" if field.is_array else "")
-                found.append((field, bits.place(target, field, element)))
-    return found
+                listed.append((field, bits.place(target, field, element)))
+    return listed

@@ -87,12 +87,12 @@ def base_classes(edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
 def _bases(groups: Iterable[Group]) -> dict[Group, str]:
     """The base class of each group: the layout's name, with a number where several groups have that layout."""
     of_layout: dict[str, list[Group]] = {}
-    for one in groups:
-        of_layout.setdefault(one[0], []).append(one)
+    for group in groups:
+        of_layout.setdefault(group[0], []).append(group)
     return {
-        one: text.class_name(name) + (str(number) if len(same) > 1 else "")
+        group: text.class_name(name) + (str(number) if len(same) > 1 else "")
         for name, same in of_layout.items()
-        for number, one in enumerate(same, 1)
+        for number, group in enumerate(same, 1)
     }
 
 

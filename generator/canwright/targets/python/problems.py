@@ -68,10 +68,10 @@ def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iter
     every: tuple[str, DocumentPath] = (taken, ())
     owners = dict.fromkeys((*NAMES, *CONSTANTS), every) if taken else {}
     for name, what, path in names:
-        other, at = owners.setdefault(name, (what, path))
-        if other != what:
-            text = f"{what} and {other} would both be `{name}` in Python"
-            yield NameProblem(path, text, "rename one of them", other=(at, other) if at else None)
+        owner, at = owners.setdefault(name, (what, path))
+        if owner != what:
+            text = f"{what} and {owner} would both be `{name}` in Python"
+            yield NameProblem(path, text, "rename one of them", other=(at, owner) if at else None)
 
 
 def _module_names(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:

@@ -45,7 +45,7 @@ class PythonTarget(Target):
             if parameter.is_choice and not parameter.is_numeric:
                 yield at, text.class_name(parameter.name)
                 yield from (((*at, "values", value.name), text.member_name(value.name)) for value in parameter.values)
-        for type_ in (one for one in edition.types if not one.is_number):
+        for type_ in (named for named in edition.types if not named.is_number):
             yield type_.path, text.class_name(type_.name)
             key = "enum" if type_.enum else "flags"
             yield from (((*type_.path, key, m.name), text.member_name(m.name)) for m in (*type_.enum, *type_.flags))
