@@ -29,12 +29,12 @@ def judge(edition: Edition, log: Sequence[LogFrame]) -> list[Any]:
     """The results for the frames of a log."""
     lua, results = decoder(edition), []
     state = lua.module.directions.new(2_000_000)
-    for number, one in enumerate(log):
-        frame = lua.frame(one.frame)
+    for number, entry in enumerate(log):
+        frame = lua.frame(entry.frame)
         _, is_request, is_reply = lua.codec.nodes(lua.edition, frame)
         only = None if is_request and is_reply else "request" if is_request else "reply"
-        assert one.time is not None
-        facts = {"bus": one.bus, "number": number, "sent": "request", "mark": MARKS[one.mark]}
-        facts["time"] = lua.lua.table(one.time // SECOND, one.time % SECOND)
+        assert entry.time is not None
+        facts = {"bus": entry.bus, "number": number, "sent": "request", "mark": MARKS[entry.mark]}
+        facts["time"] = lua.lua.table(entry.time // SECOND, entry.time % SECOND)
         results.append(lua.module.directions.judge(state, lua.edition, only, frame, lua.lua.table_from(facts)))
     return results

@@ -29,8 +29,8 @@ ROUNDS = 20
 
 @pytest.fixture(scope="module", params=[*SPECS, *SMALL], ids=called)
 def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Edition, CAdapter]:
-    one = specification(request.param)
-    return one.edition, CAdapter.create(one, tmp_path_factory.mktemp("codec"))
+    edition_input = specification(request.param)
+    return edition_input.edition, CAdapter.create(edition_input, tmp_path_factory.mktemp("codec"))
 
 
 def test_every_message_there_and_back(made: tuple[Edition, CAdapter]) -> None:
@@ -109,12 +109,12 @@ def test_the_reason_for_a_rejection_is_that_of_the_reference(made: tuple[Edition
                 for field in chance.sample(fields, chance.randint(0, len(fields))):
                     bits = [_any_bits(field.type, chance) for _ in field.elements]
                     raw[field.name] = bits if field.is_array else bits[0]
-                found = target.encode_raw(direction, command.name, node, raw, parameters)
+                encoded = target.encode_raw(direction, command.name, node, raw, parameters)
                 wanted = reference.encode_raw(direction, command.name, node, raw, parameters)
                 if isinstance(wanted, Refused):
                     seen.add(wanted.says)
                     wanted = Refused(wanted.says, None if wanted.says is Refusal.UNKNOWN_NODE else wanted.field)
-                assert found == wanted, (message.name, node, raw, parameters)
+                assert encoded == wanted, (message.name, node, raw, parameters)
     assert Refusal.UNKNOWN_NODE in seen
 
 
@@ -135,12 +135,12 @@ def test_the_check_of_any_frame_is_that_of_the_reference(made: tuple[Edition, CA
                     with pytest.raises(NotAvailable):
                         target.check(direction, frame, parameters)
                     continue
-                found = target.check(direction, frame, parameters)
-                results.add((decoded, found is None))
+                refusal = target.check(direction, frame, parameters)
+                results.add((decoded, refusal is None))
                 if not isinstance(wanted, Refused):
-                    assert found is None, (frame, direction, parameters)
+                    assert refusal is None, (frame, direction, parameters)
                 else:
-                    assert found == (wanted if decoded else Refused(wanted.says)), (frame, direction, parameters)
+                    assert refusal == (wanted if decoded else Refused(wanted.says)), (frame, direction, parameters)
     assert (True, True) in results
 
 
@@ -185,9 +185,9 @@ def _messages(edition: Edition) -> Iterator[tuple[Command, Direction, Message]]:
 
 def _has_command(edition: Edition, direction: Direction, frame: CanFrame, known: Parameters) -> bool:
     """Whether a node with these parameters has the command of a request."""
-    found = Decoder(edition).identify(direction, frame)
-    assert isinstance(found, Identified)
-    return direction is Direction.REPLY or edition.command(found.message.command).available(assignment(known))
+    identified = Decoder(edition).identify(direction, frame)
+    assert isinstance(identified, Identified)
+    return direction is Direction.REPLY or edition.command(identified.message.command).available(assignment(known))
 
 
 def _having(edition: Edition, command: Command) -> Iterator[Parameters]:

@@ -42,9 +42,9 @@ def headers(described_: Sequence[EditionInput]) -> list[str]:
 
 def everything(include: Path, names: Sequence[str]) -> str:
     """A unit that takes the address of every function, so that a compiler makes code of each."""
-    found = [name for header in names for name in functions((include / header).read_text("utf-8"))]
+    function_names = [name for header in names for name in functions((include / header).read_text("utf-8"))]
     lines = [f'#include "{header}"' for header in [*names, *names]]
-    table = [f"    (void (*)(void)){name}," for name in found]
+    table = [f"    (void (*)(void)){name}," for name in function_names]
     lines += ["extern void (*const everything[])(void);", "void (*const everything[])(void) = {", *table, "};"]
     return "\n".join([*lines, ""])
 

@@ -34,11 +34,13 @@ def unit(folder: Path, kinds: Sequence[str]) -> tuple[str, Path]:
     specifications = [specification(spec) for spec in SPECS]
     include = write_files(c.generate(specifications, {}), folder) / "include"
     lines, table = [], []
-    for one in specifications:
-        name = f"{one.edition.family}/{one.edition.identifier}_float.h"
+    for edition_input in specifications:
+        name = f"{edition_input.edition.family}/{edition_input.edition.identifier}_float.h"
         lines.append(f'#include "{name}"')
-        found = functions((include / name).read_text("utf-8"))
-        table += [f"    (void (*)(void)){f}," for f in found if f.endswith(tuple(f"_{kind}" for kind in kinds))]
+        function_names = functions((include / name).read_text("utf-8"))
+        table += [
+            f"    (void (*)(void)){f}," for f in function_names if f.endswith(tuple(f"_{kind}" for kind in kinds))
+        ]
     assert table
     lines += ["extern void (*const all[])(void);", "void (*const all[])(void) = {", *table, "};", ""]
     (folder / "unit.c").write_text("\n".join(lines), "utf-8")

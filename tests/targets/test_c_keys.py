@@ -58,11 +58,11 @@ def second_key(value: int) -> Key:
 def with_second_keys(edition: Edition) -> Edition:
     """The edition with a second key where two commands share a code."""
 
-    def message(one: Message) -> Message:
-        if one.command not in INDEX:
-            return one
-        keys = (*one.keys, second_key(INDEX[one.command]))
-        return dataclasses.replace(one, keys=keys, identifying_codes=(one.keys[0].value,))
+    def message(original: Message) -> Message:
+        if original.command not in INDEX:
+            return original
+        keys = (*original.keys, second_key(INDEX[original.command]))
+        return dataclasses.replace(original, keys=keys, identifying_codes=(original.keys[0].value,))
 
     return with_messages(edition, message)
 
@@ -70,9 +70,9 @@ def with_second_keys(edition: Edition) -> Edition:
 def with_messages(edition: Edition, changed: Callable[[Message], Message]) -> Edition:
     """The edition with other requests and replies."""
 
-    def command(one: Command) -> Command:
-        replies = tuple(dataclasses.replace(reply, message=changed(reply.message)) for reply in one.replies)
-        return dataclasses.replace(one, request=one.request and changed(one.request), replies=replies)
+    def command(original: Command) -> Command:
+        replies = tuple(dataclasses.replace(reply, message=changed(reply.message)) for reply in original.replies)
+        return dataclasses.replace(original, request=original.request and changed(original.request), replies=replies)
 
     return dataclasses.replace(edition, commands=tuple(map(command, edition.commands)))
 
@@ -92,10 +92,12 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> CAdapter:
 def _recoded(edition: Edition) -> Edition:
     """`second` with the code of `first`, which no rule of the language allows without a second key."""
 
-    def message(one: Message) -> Message:
-        if one.command != "second":
-            return one
-        return dataclasses.replace(one, keys=(dataclasses.replace(one.keys[0], value=1),), identifying_codes=(1,))
+    def message(original: Message) -> Message:
+        if original.command != "second":
+            return original
+        return dataclasses.replace(
+            original, keys=(dataclasses.replace(original.keys[0], value=1),), identifying_codes=(1,)
+        )
 
     return with_messages(edition, message)
 

@@ -24,28 +24,30 @@ FLAGS = MINIMAL.replace(
 )
 
 
-def macros(one: EditionInput) -> dict[str, str]:
-    header = next(o.text for o in c.generate([one], {}) if o.path.endswith(f"/{one.edition.identifier}.h"))
+def macros(edition_input: EditionInput) -> dict[str, str]:
+    header = next(
+        o.text for o in c.generate([edition_input], {}) if o.path.endswith(f"/{edition_input.edition.identifier}.h")
+    )
     return dict(re.findall(r'^#define (\w+) +(".*?"|\S+)', header, re.M))
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_macros_have_the_numbers_of_the_spec(spec: Path) -> None:
-    one = specification(spec)
-    edition, found = one.edition, macros(one)
+    edition_input = specification(spec)
+    edition, definitions = edition_input.edition, macros(edition_input)
     names = Names(edition)
-    assert found[names.upper("edition")] == f'"{edition.name}"'
-    assert found[names.upper("spec_hash")] == f'"{edition.hash}"'
-    assert found[names.upper("spec")] == f"0x{edition.hash[:8]}u"
+    assert definitions[names.upper("edition")] == f'"{edition.name}"'
+    assert definitions[names.upper("spec_hash")] == f'"{edition.hash}"'
+    assert definitions[names.upper("spec")] == f"0x{edition.hash[:8]}u"
     within = edition.bus.reply_within_ms
-    assert found.get(names.upper("reply_within_us")) == (None if within is None else f"{within * 1000}u")
+    assert definitions.get(names.upper("reply_within_us")) == (None if within is None else f"{within * 1000}u")
     used = {f.type.name for message in edition.all_messages() for f in message.layout.fields}
     count = 0
     for type_ in (t for t in edition.types if t.name in used):
         stem = names.type_stem(type_)
-        unit = found.get(names.upper(stem, "unit"))
+        unit = definitions.get(names.upper(stem, "unit"))
         assert unit == (f'"{type_.unit.dbc}"' if type_.unit else None)
-        parts = [found.get(names.upper(stem, e)) for e in ("scale_num", "scale_den", "offset_num", "offset_den")]
+        parts = [definitions.get(names.upper(stem, e)) for e in ("scale_num", "scale_den", "offset_num", "offset_den")]
         linear = type_.linear.constant
         if not type_.is_number or linear is None or linear.times or (type_.is_plain and not type_.unit):
             assert parts == [None] * 4

@@ -22,13 +22,13 @@ FUNCTION = re.compile(r"^static inline [\w *]*?\*?(\w+)\(", re.M)
 
 @pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
 def test_every_name_is_known_beforehand(spec: Path) -> None:
-    one = specification(spec)
-    known = {name for name, _, _ in defined(one.edition)}
-    for output in c.generate([one], {}):
+    edition_input = specification(spec)
+    known = {name for name, _, _ in defined(edition_input.edition)}
+    for output in c.generate([edition_input], {}):
         if output.path.startswith("include/") and output.path.endswith(".h") and "canwright" not in output.path:
-            found = {pattern: set(pattern.findall(output.text)) for pattern in (MACRO, TYPE, ENUMERATOR, FUNCTION)}
-            assert all(found.values()) or output.path.endswith(("_float.h", "_print.h", "_selftest.h"))
-            for names in found.values():
+            emitted = {pattern: set(pattern.findall(output.text)) for pattern in (MACRO, TYPE, ENUMERATOR, FUNCTION)}
+            assert all(emitted.values()) or output.path.endswith(("_float.h", "_print.h", "_selftest.h"))
+            for names in emitted.values():
                 assert names <= known, sorted(names - known)
 
 
@@ -62,23 +62,23 @@ CLASHES = {
 
 @pytest.mark.parametrize(("old", "new", "wanted"), CLASHES.values(), ids=CLASHES)
 def test_clashes_within_an_edition(old: str, new: str, wanted: list[str], tmp_path: Path) -> None:
-    found = findings(tmp_path, MINIMAL.replace(old, new))
-    assert [d.message for d in found if d.rule == "name-collision" and " in C" in d.message] == wanted
+    diagnostics = findings(tmp_path, MINIMAL.replace(old, new))
+    assert [d.message for d in diagnostics if d.rule == "name-collision" and " in C" in d.message] == wanted
 
 
 def test_names_that_differ_too_late(tmp_path: Path) -> None:
     """`short_name` is the remedy that changes C alone."""
     long = "x" * 48
-    found = [d for d in findings(tmp_path, MINIMAL.replace("dim:", f"{long}:")) if " in C" in d.message]
+    diagnostics = [d for d in findings(tmp_path, MINIMAL.replace("dim:", f"{long}:")) if " in C" in d.message]
     hint = "use a shorter name, or `short_name` for a command"
-    assert [(d.rule, d.message, d.hint) for d in found] == [
+    assert [(d.rule, d.message, d.hint) for d in diagnostics] == [
         (
             "name-collision",
             f"the first 63 characters of `lamp_v1_{long}_{name}` in C (the {direction} of `{long}`) are those of "
-            f"`lamp_v1_{long}_{other}`",
+            f"`lamp_v1_{long}_{another}`",
             hint,
         )
-        for direction, name, other in (
+        for direction, name, another in (
             ("request", "request_encode", "request_t"),
             ("reply", "reply_encode", "reply_t"),
         )

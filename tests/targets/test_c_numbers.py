@@ -67,8 +67,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Edition, CAdapter]:
     folder = tmp_path_factory.mktemp("numbers")
     file = folder / "spec.yaml"
     file.write_text(spec(), "utf-8")
-    one = specification(file)
-    return one.edition, CAdapter.create(one, folder)
+    edition_input = specification(file)
+    return edition_input.edition, CAdapter.create(edition_input, folder)
 
 
 @pytest.mark.parametrize("name", TYPES)
@@ -168,12 +168,12 @@ def test_single_precision(name: str, size: str, made: tuple[Edition, CAdapter]) 
     for raw in _raws(type_, random.Random(name)):
         value = raw * linear.scale + linear.offset
         error = SINGLE_ERROR * (abs(raw * linear.scale) + abs(linear.offset))
-        found = target.single(name, "to", raw, known)
-        assert isinstance(found, int)
-        assert abs(number_of(found, SINGLE) - value) <= error, (name, raw)
+        single = target.single(name, "to", raw, known)
+        assert isinstance(single, int)
+        assert abs(number_of(single, SINGLE) - value) <= error, (name, raw)
         factor, addend, divisor = linear.as_quotient
         if max(max(map(abs, type_.raw_limits)) * abs(factor) + abs(addend), divisor) <= 1 << 24:
-            assert found == bits_of(value, SINGLE), (name, raw)
+            assert single == bits_of(value, SINGLE), (name, raw)
         for steps in (Fraction(raw), raw + Fraction(1, 2)):
             bits = bits_of(steps * linear.scale + linear.offset, SINGLE)
             number = number_of(bits, SINGLE)
@@ -185,7 +185,7 @@ def test_single_precision(name: str, size: str, made: tuple[Edition, CAdapter]) 
                 assert _within(type_, answer, size) and min(near) <= answer <= max(near), (name, raw)
             else:
                 assert answer == Refused(Refusal.OUT_OF_RANGE)
-                assert not all(_within(type_, one, size) for one in near), (name, raw)
+                assert not all(_within(type_, bound, size) for bound in near), (name, raw)
 
 
 def _headers(edition: Edition) -> list[str]:

@@ -27,22 +27,22 @@ Made = tuple[EditionInput, CAdapter]
 
 @pytest.fixture(scope="module", params=SPECS, ids=called)
 def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Made:
-    one = load(request.param).specification
-    return one, CAdapter.create(one, tmp_path_factory.mktemp("print"))
+    edition_input = load(request.param).specification
+    return edition_input, CAdapter.create(edition_input, tmp_path_factory.mktemp("print"))
 
 
-def frames(one: EditionInput) -> Iterator[tuple[Direction, CanFrame, GoldenFrame | RefusedFrame]]:
-    assert one.frames is not None
-    for golden in (*one.frames.frames, *one.frames.refused):
+def frames(edition_input: EditionInput) -> Iterator[tuple[Direction, CanFrame, GoldenFrame | RefusedFrame]]:
+    assert edition_input.frames is not None
+    for golden in (*edition_input.frames.frames, *edition_input.frames.refused):
         if isinstance(golden, (GoldenFrame, RefusedFrame)):
             direction = golden.direction if isinstance(golden, GoldenFrame) else golden.decode
             yield direction, CanFrame(golden.id, golden.data, golden.extended, golden.remote), golden
 
 
 def test_golden_frames_as_text(made: Made) -> None:
-    one, target = made
-    decoder = Decoder(one.edition)
-    for direction, frame, golden in frames(one):
+    edition_input, target = made
+    decoder = Decoder(edition_input.edition)
+    for direction, frame, golden in frames(edition_input):
         known = golden.parameters
         length, text = target.text(direction, frame, known)
         assert length == len(text) and text.isascii()
@@ -92,30 +92,32 @@ def check_field(printed: dict[str, str], field: Field, decoded: Decoded, encoder
 
 
 def test_a_short_buffer_cuts_the_end(made: Made) -> None:
-    one, target = made
-    direction, frame, golden = next(frames(one))
+    edition_input, target = made
+    direction, frame, golden = next(frames(edition_input))
     length, text = target.text(direction, frame, golden.parameters)
     for size in range(1, length + 3):
         assert target.text(direction, frame, golden.parameters, size) == (length, text[: size - 1].strip())
     assert target.text(direction, frame, golden.parameters, 0) == (length, "")
 
 
-def _macros(one: EditionInput) -> dict[str, int]:
-    header = next(o.text for o in c.generate([one], {}) if o.path.endswith(f"/{one.edition.identifier}.h"))
-    prefix = f"{one.edition.family}_{one.edition.identifier}_".upper()
-    found = re.findall(rf"#define {prefix}(\w+_FILTER_(?:ID|MASK)) +0x(\w+)u", header)
-    return {name: int(number, 16) for name, number in found}
+def _macros(edition_input: EditionInput) -> dict[str, int]:
+    header = next(
+        o.text for o in c.generate([edition_input], {}) if o.path.endswith(f"/{edition_input.edition.identifier}.h")
+    )
+    prefix = f"{edition_input.edition.family}_{edition_input.edition.identifier}_".upper()
+    filters = re.findall(rf"#define {prefix}(\w+_FILTER_(?:ID|MASK)) +0x(\w+)u", header)
+    return {name: int(number, 16) for name, number in filters}
 
 
 def test_filters_accept_golden_frames_and_no_other_node(made: Made) -> None:
-    one, target = made
-    macros, decoder = _macros(one), Decoder(one.edition)
-    for direction, frame, golden in frames(one):
-        found = decoder.decode(direction, frame, assignment(golden.parameters))
-        if isinstance(found, Rejection):
+    edition_input, target = made
+    macros, decoder = _macros(edition_input), Decoder(edition_input.edition)
+    for direction, frame, golden in frames(edition_input):
+        decoded = decoder.decode(direction, frame, assignment(golden.parameters))
+        if isinstance(decoded, Rejection):
             continue
         id_ = frame.id | EXTENDED * frame.extended | REMOTE * frame.remote
-        address, nodes = found.message.address, found.message.id.nodes
+        address, nodes = decoded.message.address, decoded.message.id.nodes
         stem = f"{address}_{direction.value}_filter".upper()
         assert not (id_ ^ macros[f"{stem}_ID"]) & macros[f"{stem}_MASK"], golden
         if nodes is None:
@@ -123,17 +125,17 @@ def test_filters_accept_golden_frames_and_no_other_node(made: Made) -> None:
         for node in nodes[:40]:
             filter_ = target.filter(address, direction, node)
             assert not isinstance(filter_, Refused)
-            assert (not (id_ ^ filter_[0]) & filter_[1]) == (node == found.node), (golden, node)
+            assert (not (id_ ^ filter_[0]) & filter_[1]) == (node == decoded.node), (golden, node)
         assert target.filter(address, direction, nodes[-1] + 1) == Refused(Refusal.UNKNOWN_NODE)
 
 
 def test_filters_compare_every_bit_that_is_the_same_in_all_ids(made: Made) -> None:
     """No bit can be added to a mask: frames of every message are built here, with all values of fields in the id."""
-    one, _ = made
-    macros = _macros(one)
+    edition_input, _ = made
+    macros = _macros(edition_input)
     for direction in Direction:
         ids: dict[str, set[int]] = {}
-        for message in one.edition.messages(direction):
+        for message in edition_input.edition.messages(direction):
             free = [
                 s.low + bit
                 for f in message.layout.fields
@@ -157,11 +159,11 @@ def test_filters_compare_every_bit_that_is_the_same_in_all_ids(made: Made) -> No
                 for k in keyed:
                     start = message.id.base + node * message.id.node_step | k | flags
                     ids.setdefault(message.address, set()).update([start, *(start | 1 << bit for bit in free)])
-        for address, found in ids.items():
+        for address, address_ids in ids.items():
             stem = f"{address}_{direction.value}_filter".upper()
-            first = next(iter(found))
+            first = next(iter(address_ids))
             differing = 0
-            for id_ in found:
+            for id_ in address_ids:
                 differing |= id_ ^ first
             width = 0x1FFFFFFF if first & EXTENDED else 0x7FF
             assert macros[f"{stem}_MASK"] == (0xC0000000 | width) & ~differing, (address, direction)

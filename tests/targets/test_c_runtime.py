@@ -63,9 +63,9 @@ def test_each_header_compiles_alone(file: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("file", [*SHARED, *SHARED_CXX])
 def test_the_source_is_copied_below_a_header_line(file: str, tmp_path: Path) -> None:
-    one = specification(MAIN)
-    copied = write([one], tmp_path) / "include" / one.edition.family / file
-    assert copied.read_bytes() == f"/* {header(one.edition)} */\n".encode() + (RUNTIME / file).read_bytes()
+    edition_input = specification(MAIN)
+    copied = write([edition_input], tmp_path) / "include" / edition_input.edition.family / file
+    assert copied.read_bytes() == f"/* {header(edition_input.edition)} */\n".encode() + (RUNTIME / file).read_bytes()
 
 
 def test_every_source_file_is_copied() -> None:

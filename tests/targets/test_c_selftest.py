@@ -63,9 +63,9 @@ def test_a_broken_header_fails(step: str, pattern: str, replacement: str, tmp_pa
     header.write_text(
         text.replace("    bool answers = false;\n", "    bool answers = false; (void)answers;\n"), "utf-8"
     )
-    found = result(source)
-    assert found.failures and found.first
-    assert found.step == STEPS[step]
+    outcome = result(source)
+    assert outcome.failures and outcome.first
+    assert outcome.step == STEPS[step]
 
 
 UNIT = """\
@@ -111,6 +111,6 @@ def test_a_missing_tool_is_named_with_its_package(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize("name", ["s390x", "powerpc", "arm", "avr"])
 def test_on_another_machine(name: str, tmp_path: Path) -> None:
     machine = next(machine for machine in MACHINES if machine.name == name)
-    found = run(machine, write(specification(MAIN), tmp_path))
-    assert found.cases > 400
-    assert found.failures == 0
+    outcome = run(machine, write(specification(MAIN), tmp_path))
+    assert outcome.cases > 400
+    assert outcome.failures == 0

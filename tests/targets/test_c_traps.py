@@ -140,33 +140,33 @@ def rejected(compiler: Compiler, standard: str, unit: Path, warning: str) -> lis
     """The lines that a warning is about, in the order of the source."""
     with pytest.raises(AssertionError) as raised:
         compiled(compiler, standard, unit)
-    found = re.findall(rf"unit\.c:(\d+):\d+: error:.*{warning}", str(raised.value))
+    line_numbers = re.findall(rf"unit\.c:(\d+):\d+: error:.*{warning}", str(raised.value))
     lines = unit.read_text("utf-8").splitlines()
-    return [lines[number - 1].strip() for number in sorted({int(number) for number in found})]
+    return [lines[number - 1].strip() for number in sorted({int(number) for number in line_numbers})]
 
 
 def test_every_function_is_marked() -> None:
     """Also in headers of other specs: the marks are in the templates, and the specs below use every branch."""
     texts = [(RUNTIME / name).read_text("utf-8") for name in ("canwright.h", "canwright_float.h")]
     texts += [o.text for spec in SPECS for o in c.generate([specification(spec)], {}) if o.path.endswith(".h")]
-    found = {"checked": 0, "not null": 0}
+    counts = {"checked": 0, "not null": 0}
     for text in texts:
         pattern = r"^(.*)\nstatic inline ([^()]*?)(\w+)\(([^)]*)\)"
         for before, result, name, arguments in re.findall(pattern, text, re.M):
             marks = before.split()
             assert ("CANWRIGHT_CHECKED" in marks) == ("status_t" in result or name == "canwright_share64"), name
             assert ("CANWRIGHT_NONNULL" in marks) == ("*" in arguments), name
-            found["checked"] += "CANWRIGHT_CHECKED" in marks
-            found["not null"] += "CANWRIGHT_NONNULL" in marks
-    assert min(found.values()) > 100
+            counts["checked"] += "CANWRIGHT_CHECKED" in marks
+            counts["not null"] += "CANWRIGHT_NONNULL" in marks
+    assert min(counts.values()) > 100
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_no_function_of_a_type_has_the_name_of_a_field_of_another(spec: Path) -> None:
-    one = specification(spec)
-    names = Names(one.edition)
-    text = "".join(o.text for o in c.generate([one], {}) if o.path.endswith(".h"))
-    for layout in layouts(one.edition):
+    edition_input = specification(spec)
+    names = Names(edition_input.edition)
+    text = "".join(o.text for o in c.generate([edition_input], {}) if o.path.endswith(".h"))
+    for layout in layouts(edition_input.edition):
         for field in (f for f in layout.fields if f.role.is_value and names.type_stem(f.type) != f.name):
             for ending in TYPE_ENDINGS:
                 assert f" {names.lower(field.name)}{ending}(" not in text, (layout.name, field.name)
@@ -177,8 +177,8 @@ def test_a_field_with_the_name_of_another_type_renames_the_type(tmp_path: Path) 
     text = MINIMAL.replace("level: {at: 2, type: level}", fields).replace(
         "  level: {raw", "  level_u16_2: {raw: u8}\n  level: {raw"
     )
-    one = edition(tmp_path, text.replace("reply: echo", "reply: {size: {at: 3, type: level_u16_2}}"))
-    stems = {type_.name: Names(one).type_stem(type_) for type_ in one.types}
+    lamp = edition(tmp_path, text.replace("reply: echo", "reply: {size: {at: 3, type: level_u16_2}}"))
+    stems = {type_.name: Names(lamp).type_stem(type_) for type_ in lamp.types}
     assert stems == {"level_u16_2": "level_u16_2", "level": "level_u16_3", "u8": "u8"}
 
 

@@ -129,7 +129,7 @@ def _reference(path: Path) -> list[tuple[object, ...]]:
 
 def _in_microseconds(frames: Sequence[tuple[Any, ...]]) -> list[tuple[object, ...]]:
     """Frames with rounded times: python-can has them as floats."""
-    return [(round(time / 1000), *others) for time, *others in frames]
+    return [(round(time / 1000), *rest) for time, *rest in frames]
 
 
 @pytest.mark.parametrize("ending", ["\n", "\r\n"])
@@ -224,8 +224,8 @@ def _decoded(package: Package, batches: Sequence[pa.RecordBatch], table: str) ->
     import pyarrow as pa
 
     decoder = package.edition.decoder(PARAMETERS)
-    found = list(package.arrow.decode_batches(batches, decoder, table))
-    return pa.Table.from_batches(found, package.arrow.schema(decoder, table))
+    decoded = list(package.arrow.decode_batches(batches, decoder, table))
+    return pa.Table.from_batches(decoded, package.arrow.schema(decoder, table))
 
 
 @pytest.mark.interop("pyarrow")
@@ -270,8 +270,8 @@ def test_longer_frames_than_the_edition_has(package: Package) -> None:
     for read in (frames, package.arrow.frames_of(batch)):
         assert [row.tobytes()[:length] for row, length in zip(read.data, read.length, strict=True)] == data
         wanted = package.edition.decoder(PARAMETERS).decode(package.runtime.frames([0x141], data[:1], 0)).message[0]
-        found = package.edition.decoder(PARAMETERS).decode(read)
-        assert list(found.message) == [wanted, package.runtime.Refusal.WRONG_LENGTH, wanted]
+        decoded = package.edition.decoder(PARAMETERS).decode(read)
+        assert list(decoded.message) == [wanted, package.runtime.Refusal.WRONG_LENGTH, wanted]
 
 
 @pytest.mark.interop("pyarrow")
@@ -386,11 +386,11 @@ def test_the_example_of_spark(package: Package, tmp_path: Path, monkeypatch: pyt
     names["decoder"] = edition_.decoder(PARAMETERS)
     try:
         exec(next(snippet for snippet in SNIPPETS if "spark" in snippet), names)
-        found = names["decoded"].collect()
+        rows = names["decoded"].collect()
     finally:
         session.stop()
     expected = _decoded(package, [package.input()], "motion_feedback").to_pylist()
-    assert [row.asDict() for row in found] == expected
+    assert [row.asDict() for row in rows] == expected
 
 
 def test_hostile_texts_stay_texts(tmp_path: Path) -> None:
@@ -398,19 +398,21 @@ def test_hostile_texts_stay_texts(tmp_path: Path) -> None:
     for output in target.generate([filled(lambda: hostile, tmp_path)], {}):
         if output.path.endswith("/v1.py"):
             tree = ast.parse(output.text)
-            assert all(isinstance(one, ast.Expr | ast.ImportFrom | ast.Assign | ast.AnnAssign) for one in tree.body)
+            assert all(
+                isinstance(statement, ast.Expr | ast.ImportFrom | ast.Assign | ast.AnnAssign) for statement in tree.body
+            )
             assert "{{7*7}}" in output.text
 
 
 def test_names_that_are_taken_differ(tmp_path: Path) -> None:
     fields = "{level: {at: 2, type: level}, time: {at: 4, raw: u8}, level_raws: {at: 5, raw: u8}}"
-    other = edition(tmp_path, MINIMAL.replace("{level: {at: 2, type: level}}", fields))
-    (layout,) = tables_of(other)
+    lamp = edition(tmp_path, MINIMAL.replace("{level: {at: 2, type: level}}", fields))
+    (layout,) = tables_of(lamp)
     assert list(columns_of(layout).values()) == [
         ("level", "level_raw"),
         ("time_", "time_raw"),
         ("level_raws", "level_raws_raw"),
     ]
-    assert not list(TARGET.problems(other))
+    assert not list(TARGET.problems(lamp))
     with pytest.raises(SpecError, match="already contains a module `logs`"):
         edition(tmp_path, MINIMAL.replace("edition: v1", "edition: logs"))

@@ -118,8 +118,10 @@ def test_comments_in_chinese_are_utf_8_and_change_nothing_else() -> None:
     main = specification(MAIN)
     chinese = {o.path: o.text for o in dbc.generate([main], {"series": "MG"}, Options({COMMENTS: "zh"}))}
     for path, text in files(MAIN, series="MG").items():
-        other = chinese[path.replace(".dbc", "-zh.dbc")].replace('-zh";', '";')
-        assert [x for x in other.splitlines() if x[:3] != "CM_"] == [x for x in text.splitlines() if x[:3] != "CM_"]
+        translated = chinese[path.replace(".dbc", "-zh.dbc")].replace('-zh";', '";')
+        assert [x for x in translated.splitlines() if x[:3] != "CM_"] == [
+            x for x in text.splitlines() if x[:3] != "CM_"
+        ]
     text = chinese["mwd_motor-v2.35-MG-command-zh.dbc"]
     assert f'CM_ "mwd_motor v2.35，规格哈希 {main.edition.hash[:12]}。由 canwright 生成，请勿修改。参数：MG。' in text
     assert 'CM_ SG_ 321 cA1_iq "转矩闭环控制：转矩电流控制值。电机会转动。手册 2.5。";' in text
@@ -435,17 +437,19 @@ def standard_input(monkeypatch: pytest.MonkeyPatch, lines: Sequence[str]) -> Non
 
 def golden_of(spec: Path, file: str) -> list[GoldenFrame]:
     """The golden frames of the directions of a file that no DBC has to leave out, for the parameters in its name."""
-    one = specification(spec)
-    assert one.frames
+    edition_input = specification(spec)
+    assert edition_input.frames
     kinds = {Direction.REPLY} if file.endswith("reply.dbc") else {*Direction}
-    messages = {m.name for m in one.edition.all_messages() if not obstacle(m)}
+    messages = {m.name for m in edition_input.edition.all_messages() if not obstacle(m)}
     known = {
         p.name: v.name
-        for p in one.edition.parameters
+        for p in edition_input.edition.parameters
         for v in p.values
         if v.name in file.removesuffix(".dbc").split("-")
     }
-    of_command = ((f, one.edition.command(f.command)) for f in one.frames.frames if f.direction in kinds)
+    of_command = (
+        (f, edition_input.edition.command(f.command)) for f in edition_input.frames.frames if f.direction in kinds
+    )
     described = ((f, c.message(f.direction)) for f, c in of_command if c.available(known) and not f.decode_only)
     return [f for f, m in described if m and m.name in messages]
 

@@ -64,26 +64,35 @@ def test_cantools_and_canmatrix_agree_on_every_signal(spec: Path) -> None:
             assert set(frame.transmitters) == set(message.senders)
             assert {s.name for s in message.signals} == {s.name for s in frame.signals}
             for signal in message.signals:
-                other = frame.signal_by_name(signal.name)
+                matrix_signal = frame.signal_by_name(signal.name)
                 mux = signal.multiplexer_ids[0] if signal.multiplexer_ids else None
-                start = other.get_startbit(bit_numbering=1)
+                start = matrix_signal.get_startbit(bit_numbering=1)
                 assert start == signal.start, f"{path} {signal.name}"
-                assert (other.size, other.is_little_endian, other.is_float) == (
+                assert (matrix_signal.size, matrix_signal.is_little_endian, matrix_signal.is_float) == (
                     signal.length,
                     signal.byte_order == "little_endian",
                     signal.conversion.is_float,
                 )
-                assert other.is_signed == signal.is_signed
-                assert (float(other.factor), float(other.offset)) == (signal.conversion.scale, signal.conversion.offset)
-                assert (other.is_multiplexer, None if other.is_multiplexer else other.mux_val) == (
+                assert matrix_signal.is_signed == signal.is_signed
+                assert (float(matrix_signal.factor), float(matrix_signal.offset)) == (
+                    signal.conversion.scale,
+                    signal.conversion.offset,
+                )
+                assert (
+                    matrix_signal.is_multiplexer,
+                    None if matrix_signal.is_multiplexer else matrix_signal.mux_val,
+                ) == (
                     signal.is_multiplexer,
                     mux,
                 )
-                assert (other.unit or None, set(other.receivers)) == (signal.unit, set(signal.receivers))
-                assert {int(k): str(v) for k, v in other.values.items()} == {
+                assert (matrix_signal.unit or None, set(matrix_signal.receivers)) == (
+                    signal.unit,
+                    set(signal.receivers),
+                )
+                assert {int(k): str(v) for k, v in matrix_signal.values.items()} == {
                     int(k): str(v) for k, v in (signal.choices or {}).items()
                 }
-                assert (other.comment or None) == signal.comment
+                assert (matrix_signal.comment or None) == signal.comment
 
 
 @functools.cache
@@ -199,15 +208,15 @@ def with_second_selector(at: int, constant: int | None = None) -> EditionInput:
 
 def moved(layout: Layout, constant: int | None) -> Layout:
     """The layout with its first field out of the second selector's way, and a constant in byte 1."""
-    first, *others = layout.fields
+    first, *rest = layout.fields
     away = dataclasses.replace(first, elements=(Element(None, (Segment(4, 0, 8, 0), Segment(5, 0, 8, 8))),))
     byte = (Element(None, (Segment(1, 0, 8, 0),)),)
     fixed = (
         ()
         if constant is None
-        else (dataclasses.replace(others[-1], name="fixed", elements=byte, role=ConstantRole(constant)),)
+        else (dataclasses.replace(rest[-1], name="fixed", elements=byte, role=ConstantRole(constant)),)
     )
-    fields = (*fixed, away, *others)
+    fields = (*fixed, away, *rest)
     return dataclasses.replace(layout, fields=fields, variants=(Variant(values=(), fields=fields),))
 
 
@@ -234,7 +243,7 @@ def test_no_comment_says_a_thing_twice(spec: Path) -> None:
     for text in files(spec).values():
         for comment in re.findall(r'^CM_ SG_ .*?"(.*)";$', text, re.MULTILINE):
             words = comment.split(". ")[0].rstrip(".").lower().split(": ")
-            assert not any(one == other for one, other in itertools.pairwise(words)), comment
+            assert not any(first == second for first, second in itertools.pairwise(words)), comment
 
 
 def test_a_constant_between_selectors_is_read_with_them() -> None:
@@ -278,7 +287,9 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
     gains, level = (gains + rest).splitlines(keepends=True)
     text = head + (level + gains if longer_first else gains + level)
     texts = {o.path: o.text for o in dbc.generate([EditionInput(edition(tmp_path, text), None)], {})}
-    plain, one, two = (loaded(texts[f"lamp-v1-command{which}.dbc"]) for which in ("", "-settings", "-settings-level"))
+    plain, settings, settings_and_level = (
+        loaded(texts[f"lamp-v1-command{which}.dbc"]) for which in ("", "-settings", "-settings-level")
+    )
     short, long = bytes.fromhex("42 A0 07 00 09 00 00 00"), bytes.fromhex("42 05 0A 00 03 00 00 00")
     name = "write_setting_gains"
     assert plain.decode_message(0x101, short) == {
@@ -291,8 +302,8 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
         "c42_index": "write_setting_level",
         "c42_data": 0x0000_0003_000A,
     }
-    assert one.decode_message(0x101, short) == {"c_code_index": name, "c42_A0_kp": 7, "c42_A0_ki": 9}
-    read = two.decode_message(0x101, long)
+    assert settings.decode_message(0x101, short) == {"c_code_index": name, "c42_A0_kp": 7, "c42_A0_ki": 9}
+    read = settings_and_level.decode_message(0x101, long)
     assert read == {"c_code_index_index_2": "write_setting_level", "c42_05_0A_level": pytest.approx(0.3)}
 
 

@@ -52,12 +52,12 @@ def test_every_link_leads_somewhere(pages: dict[str, str]) -> None:
                 assert re.match(
                     r"frame=[0-9A-F]+%23[0-9A-F]*&edition=v2.35&direction=(request|reply)&command=\w+", anchor
                 )
-            found = posixpath.normpath(posixpath.join(posixpath.dirname(path), file))
-            if found.startswith("../"):
-                assert (ROOT / "generated/docs" / found).exists(), f"{path}: {link}"
+            linked = posixpath.normpath(posixpath.join(posixpath.dirname(path), file))
+            if linked.startswith("../"):
+                assert (ROOT / "generated/docs" / linked).exists(), f"{path}: {link}"
                 continue
-            assert found in pages, f"{path}: {link}"
-            assert not anchor or anchor in anchors[found], f"{path}: {link}"
+            assert linked in pages, f"{path}: {link}"
+            assert not anchor or anchor in anchors[linked], f"{path}: {link}"
 
 
 def test_links_to_the_explorer_are_golden_frames_with_their_parameters(pages: dict[str, str]) -> None:
@@ -75,7 +75,7 @@ def test_links_to_the_explorer_are_golden_frames_with_their_parameters(pages: di
             assert not {name for name, _ in given} & {name for name, _ in parameters}
             linked.add((frame[1], direction[1], *given))
     assert linked <= golden
-    assert any(len(one) > 2 for one in linked)
+    assert any(len(link) > 2 for link in linked)
 
 
 def test_pictures_are_drawings_that_show_every_field(pages: dict[str, str]) -> None:
@@ -98,7 +98,7 @@ def test_the_calculator_needs_no_network_and_agrees_with_the_lengths(pages: dict
     page = pages["en/bus-load-calculator.html"]
     assert not re.search(r"https?:|src=|@import", page)
     data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
-    command = next(one for one in data[0]["commands"] if one["name"] == "broadcast_torque")
+    command = next(entry for entry in data[0]["commands"] if entry["name"] == "broadcast_torque")
     assert (command["request"], command["reply"], command["replies"]) == ([111, 135], [111, 135], 4)
     assert (data[0]["replyMs"], data[0]["nodes"], data[0]["rates"][0]) == (0.25, 32, 1000)
     assert "| 11-bit id | 8 | 111 | 135 |" in pages["en/bus-load.md"]
@@ -120,8 +120,8 @@ console.log(JSON.stringify(loads.map(({ load, cycleMs, maximumHz }) => [load, cy
 
 def test_loads_are_those_of_the_formulas() -> None:
     """4 nodes at 100 Hz and 1 Mbit/s: 4 x 270 bits, 5 x 135 bits, and 4 x 52 bits more than the first."""
-    found = json.loads(run(LOADS, cwd=ROOT / "generator/canwright/targets/docs/runtime"))
-    assert found == [
+    loads = json.loads(run(LOADS, cwd=ROOT / "generator/canwright/targets/docs/runtime"))
+    assert loads == [
         [pytest.approx(10.8), pytest.approx(2.08), 481],
         [pytest.approx(6.75), pytest.approx(0.925), 1081],
         [pytest.approx(12.88), pytest.approx(2.288), 437],
@@ -308,15 +308,15 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
 
 def test_a_frame_is_written_as_can_utils_take_it() -> None:
     """They recognise a 29-bit id by its eight digits."""
-    found: dict[tuple[str, str], str] = {}
+    page_of_frame: dict[tuple[str, str], str] = {}
     for name in ("cells", "blower"):
         for page in docs.generate([specification(ROOT / f"tests/specs/{name}/v1.yaml")], {}):
-            found |= dict.fromkeys(
+            page_of_frame |= dict.fromkeys(
                 re.findall(r"^\| \[`([0-9A-F]+)#([0-9A-F]*|R)`\]", page.text, re.MULTILINE), page.path
             )
-    assert {len(id_) for id_, _ in found} == {3, 8}
-    assert ("0D05FF41", "64FFFE0000000000") in found
-    assert any(data == "R" for _, data in found)
+    assert {len(id_) for id_, _ in page_of_frame} == {3, 8}
+    assert ("0D05FF41", "64FFFE0000000000") in page_of_frame
+    assert any(data == "R" for _, data in page_of_frame)
 
 
 SENTENCES = """\

@@ -33,13 +33,18 @@ def _text_keys() -> set[str]:
     schema = json_schema(EditionSpec)
     concepts = [schema, *schema["$defs"].values()]
     text = _choices(schema["properties"]["about"])
-    found = {key for concept in concepts for key, one in concept.get("properties", {}).items() if _choices(one) == text}
-    return found | {"notes"}
+    keys = {
+        key
+        for concept in concepts
+        for key, definition in concept.get("properties", {}).items()
+        if _choices(definition) == text
+    }
+    return keys | {"notes"}
 
 
 def _choices(schema: dict[str, Any]) -> list[Any]:
     """What a key can hold, a text in one language or in several apart; nothing where it is left out."""
-    parts = [choice for kind in ("anyOf", "oneOf") for one in schema.get(kind, ()) for choice in _choices(one)]
+    parts = [choice for kind in ("anyOf", "oneOf") for option in schema.get(kind, ()) for choice in _choices(option)]
     return parts or [{k: v for k, v in schema.items() if k not in ("description", "title", "default")}] * (
         schema.get("type") != "null"
     )
@@ -48,12 +53,12 @@ def _choices(schema: dict[str, Any]) -> list[Any]:
 def _texts(part: Any, language: str, keys: set[str], path: str = "") -> Iterator[tuple[str, str]]:
     if isinstance(part, dict):
         for key, inner in part.items():
-            for i, one in enumerate(inner if key == "notes" and isinstance(inner, list) else [inner]):
+            for i, element in enumerate(inner if key == "notes" and isinstance(inner, list) else [inner]):
                 at = f"{path}.{key}" if key != "notes" else f"{path}.{key}.{i}"
-                if key in keys and (isinstance(one, str) or (isinstance(one, dict) and language in one)):
-                    yield at, one if isinstance(one, str) else one[language]
+                if key in keys and (isinstance(element, str) or (isinstance(element, dict) and language in element)):
+                    yield at, element if isinstance(element, str) else element[language]
                 else:
-                    yield from _texts(one, language, keys, at)
+                    yield from _texts(element, language, keys, at)
     elif isinstance(part, list):
         for i, inner in enumerate(part):
             yield from _texts(inner, language, keys, f"{path}.{i}")
@@ -94,10 +99,10 @@ def test_every_text_there_can_be_is_on_a_page(tmp_path: Path) -> None:
 def _without_sections(data: Any, top: bool = True) -> Any:
     """A spec without the sections of its manual, which have the key of its title."""
     if isinstance(data, list):
-        return [_without_sections(one, False) for one in data]
+        return [_without_sections(element, False) for element in data]
     if not isinstance(data, dict):
         return data
-    return {key: _without_sections(one, False) for key, one in data.items() if top or key != "manual"}
+    return {key: _without_sections(value, False) for key, value in data.items() if top or key != "manual"}
 
 
 def _said(facts: Sequence[SentenceArgument]) -> Iterator[str]:
@@ -111,8 +116,8 @@ def _said(facts: Sequence[SentenceArgument]) -> Iterator[str]:
 def test_other_languages_have_every_word_of_a_sentence() -> None:
     languages = yaml.safe_load((ROOT / "templates/docs/changes.yaml").read_text("utf-8"))
     written = [path.read_text("utf-8") for path in (ROOT / "generator/canwright/compare").glob("*.py")]
-    found = [re.findall(r'Keyword\("([^"]+)"(?:\)| if [^\n]* else "([^"]+)"\))', text) for text in written]
-    words = {word for pairs in found for pair in pairs for word in pair if word}
+    matches = [re.findall(r'Keyword\("([^"]+)"(?:\)| if [^\n]* else "([^"]+)"\))', text) for text in written]
+    words = {word for pairs in matches for pair in pairs for word in pair if word}
     assert {"remote frame", "data frame"} <= words
     for folder in CHANGE_EXAMPLES.iterdir():
         old, new = (specification(folder / f"{name}.yaml").edition for name in ("previous", "current"))
@@ -159,8 +164,8 @@ def test_notes_of_shown_golden_frames_are_in_every_language() -> None:
     for spec in spec_files(ROOT / "spec"):
         edition, frames = specification(spec)
         examples = Examples(edition, frames)
-        for found in map(examples.select, edition.commands):
-            for frame in (*found.requests, *found.replies):
+        for selected in map(examples.select, edition.commands):
+            for frame in (*selected.requests, *selected.replies):
                 if frame.note:
                     shown += 1
                     assert set(frame.note) == set(edition.languages)
@@ -172,7 +177,7 @@ def _translate(part: Any, keys: set[str]) -> None:
     if isinstance(part, dict):
         for key, inner in part.items():
             if key == "notes":
-                part[key] = [{"en": one, "zh": "文字"} if isinstance(one, str) else one for one in inner]
+                part[key] = [{"en": note, "zh": "文字"} if isinstance(note, str) else note for note in inner]
             elif key in keys and isinstance(inner, (str, dict)) and (key != "manual" or "family" in part):
                 text = inner if isinstance(inner, str) else inner["en"]
                 part[key] = {"en": text, "zh": f"文字 {len(text)}"}

@@ -41,26 +41,26 @@ def specifications() -> list[EditionInput]:
 def programs(specifications: list[EditionInput]) -> Mapping[tuple[str, str], str]:
     """The programs by page and language."""
     pages = {output.path: output.text for output in docs.generate(specifications, {}) if "/commands/" in output.path}
-    found = {}
+    by_page = {}
     for path, text in pages.items():
         for language, program in re.findall(r"^```(c|python)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
-            found[path, language] = program
-    return found
+            by_page[path, language] = program
+    return by_page
 
 
 @pytest.fixture(scope="module")
 def expected(specifications: list[EditionInput]) -> Mapping[str, Expected]:
     """What the programs of each English page show."""
-    folders = docs.folders([one.edition for one in specifications])
-    found = {}
-    for one in specifications:
-        examples = Examples(one.edition, one.frames)
-        for command in one.edition.commands:
+    folders = docs.folders([edition_input.edition for edition_input in specifications])
+    by_page = {}
+    for edition_input in specifications:
+        examples = Examples(edition_input.edition, edition_input.frames)
+        for command in edition_input.edition.commands:
             exchange = examples.select(command).exchange
-            path = f"en/{folders[one.edition]}/commands/{command.spec_name}.md"
-            if exchange and path not in found:
-                found[path] = Expected(exchange.request, exchange.reply)
-    return found
+            path = f"en/{folders[edition_input.edition]}/commands/{command.spec_name}.md"
+            if exchange and path not in by_page:
+                by_page[path] = Expected(exchange.request, exchange.reply)
+    return by_page
 
 
 def _written(outputs: Iterator[Output], folder: Path) -> None:
@@ -72,9 +72,9 @@ def _written(outputs: Iterator[Output], folder: Path) -> None:
 
 def _shows(line: str, frame: GoldenFrame) -> bool:
     """Whether a line of text has the node and the values of a frame."""
-    found = dict(re.findall(r"(\w+)=(-?[0-9.]+)(?=[ ,)]|$)", line))
-    numbers = {name: value for name, value in frame.values.items() if isinstance(value, Fraction) and name in found}
-    return all(math.isclose(float(found[name]), value, rel_tol=2e-3, abs_tol=6e-3) for name, value in numbers.items())
+    shown = dict(re.findall(r"(\w+)=(-?[0-9.]+)(?=[ ,)]|$)", line))
+    numbers = {name: value for name, value in frame.values.items() if isinstance(value, Fraction) and name in shown}
+    return all(math.isclose(float(shown[name]), value, rel_tol=2e-3, abs_tol=6e-3) for name, value in numbers.items())
 
 
 def test_every_command_with_golden_frames_has_programs(

@@ -46,12 +46,12 @@ def _row(page: str, field: str) -> str:
 
 
 def test_a_scale_is_told_for_the_values_that_have_the_command(pages: dict[str, str]) -> None:
-    both, one, other = (_row(pages[f"commands/{name}.md"], "level") for name in ("both", "one", "other"))
+    both, only_a, only_b = (_row(pages[f"commands/{name}.md"], "level") for name in ("both", "one", "other"))
     assert "A: `1/10 A`<br>B: `1/100 A`" in both
-    assert "A: `1/10 A`" in one
-    assert "B: `1/100 A`" in other
-    assert "`1/100 A`" not in one
-    assert "`1/10 A`" not in other
+    assert "A: `1/10 A`" in only_a
+    assert "B: `1/100 A`" in only_b
+    assert "`1/100 A`" not in only_a
+    assert "`1/10 A`" not in only_b
 
 
 def test_a_section_is_told_where_it_is_not_that_of_the_command(pages: dict[str, str]) -> None:

@@ -111,7 +111,7 @@ def test_sections_of_the_manual_are_shown_where_they_differ(pages: dict[str, str
 
 
 def test_errata_reach_the_commands_that_meet_them(pages: dict[str, str]) -> None:
-    found = {
+    errata = {
         Path(path).stem: [
             line.split("]")[0].removeprefix("- [") for line in text.splitlines() if "../errata.md" in line
         ]
@@ -119,7 +119,7 @@ def test_errata_reach_the_commands_that_meet_them(pages: dict[str, str]) -> None
         if path.startswith("commands/")
     }
     of_setting = ["of_table", "of_index", "of_gains", "of_level"]
-    assert found == {
+    assert errata == {
         "read_setting": of_setting,
         "write_setting": of_setting,
         "dim": ["of_dim"],

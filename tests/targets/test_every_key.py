@@ -108,7 +108,7 @@ Files = Mapping[str, str]
 def _keys(concept: type[EditionSpec] | type[GoldenFramesSpec]) -> set[str]:
     schema = json_schema(concept)
     concepts = {schema["title"]: schema, **schema["$defs"]}
-    return {f"{name}.{key}" for name, one in concepts.items() for key in one.get("properties", {})}
+    return {f"{name}.{key}" for name, definition in concepts.items() for key in definition.get("properties", {})}
 
 
 def _output(folder: Path, of_edition: Mapping[str, Any], of_frames: Mapping[str, Any], *, golden: bool) -> Files:
@@ -137,8 +137,8 @@ def _output(folder: Path, of_edition: Mapping[str, Any], of_frames: Mapping[str,
         return {"check": str(error)}
     edition = replace(loaded.specification.edition, hash="0" * 64)
     files = generate([loaded.specification._replace(edition=edition)], default_targets(), {}).files
-    found = {"check": "\n".join(map(str, loaded.warnings))} if golden else {}
-    return found | {path: content.decode("utf-8") for path, content in files.items()}
+    outputs = {"check": "\n".join(map(str, loaded.warnings))} if golden else {}
+    return outputs | {path: content.decode("utf-8") for path, content in files.items()}
 
 
 def _set(data: Any, path: str, value: object) -> None:

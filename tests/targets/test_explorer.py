@@ -56,8 +56,8 @@ def interpret(folder: Path, questions: Sequence[Mapping[str, Any]]) -> list[Any]
     """The answers of the scripts in a folder."""
     (folder / "questions.json").write_text(json.dumps(questions), "utf-8")
     script = Path(__file__).parent / "explorer.cjs"
-    found: list[Any] = json.loads(run(script, folder / FOLDER, folder / "questions.json"), object_hook=_bigint)
-    return found
+    answers: list[Any] = json.loads(run(script, folder / FOLDER, folder / "questions.json"), object_hook=_bigint)
+    return answers
 
 
 def _question(frame: GoldenFrame) -> dict[str, Any]:
@@ -75,10 +75,14 @@ def test_golden_frames_and_their_code(spec: Path, tmp_path: Path) -> None:
     for frame, answer in zip(frames, interpret(folder, list(map(_question, frames))), strict=True):
         line = formatting.sent(frame)
         assert answer["frame"] == line
-        same = [one for one in answer["found"] if one["direction"] == frame.direction.value]
+        same = [candidate for candidate in answer["found"] if candidate["direction"] == frame.direction.value]
         message = item.edition.command(frame.command).message(frame.direction)
         assert message is not None
-        fitting = [one for one in same if one["command"] == message.command and one["raw"] == dict(frame.raw)]
+        fitting = [
+            candidate
+            for candidate in same
+            if candidate["command"] == message.command and candidate["raw"] == dict(frame.raw)
+        ]
         assert fitting, (line, same)
         assert fitting[0]["cansend"] == f"cansend can0 {line}"
         if not fitting[0]["deviation"] and not fitting[0]["obstacle"] and not frame.decode_only:
@@ -100,8 +104,11 @@ def test_no_value_depends_on_a_parameter_that_is_not_given(spec: Path, tmp_path:
     for frame, answers in ((f, a) for f, *both in zip(frames, given, alone, strict=True) for a in both):
         message = item.edition.command(frame.command).message(frame.direction)
         assert message is not None
-        raw, found = dict(frame.raw), [(one["direction"], one["command"], one["raw"]) for one in answers["found"]]
-        shown = answers["found"][found.index((message.direction.value, message.command, raw))]["fields"]
+        raw, candidates = (
+            dict(frame.raw),
+            [(candidate["direction"], candidate["command"], candidate["raw"]) for candidate in answers["found"]],
+        )
+        shown = answers["found"][candidates.index((message.direction.value, message.command, raw))]["fields"]
         assert all(field["reason"] or field["missing"] == [] for field in shown)
         for field in (field for field in shown if field["name"] in frame.values):
             results = [
@@ -121,9 +128,16 @@ def _same_value(wanted: Value, result: Mapping[str, Any], frame: GoldenFrame) ->
     else:
         listed = wanted if isinstance(wanted, list) else [wanted]
         named = wanted == [] or isinstance(listed[0], str)  # bits without a name are in no golden value
-        shown = [one for one in value if not named or isinstance(one, str)] if isinstance(value, list) else [value]
+        shown = (
+            [element for element in value if not named or isinstance(element, str)]
+            if isinstance(value, list)
+            else [value]
+        )
         pairs = zip(listed, shown, strict=True)
-        assert all(each in (one, float(one) if isinstance(one, Fraction) else one) for one, each in pairs), frame
+        assert all(
+            each in (expected, float(expected) if isinstance(expected, Fraction) else expected)
+            for expected, each in pairs
+        ), frame
 
 
 def test_programs_with_arrays_of_named_values(tmp_path: Path) -> None:
@@ -153,8 +167,8 @@ def test_a_case_outside_the_range_of_its_raw_integers_is_marked(tmp_path: Path) 
     lines = [f"100#{data}00000000" for data in ("FF3F013F", "00400140", "00800101")]
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in lines])
     cases = [
-        [[(case["value"], case["isOutside"]) for case in field["cases"]] for field in one["found"][0]["fields"]]
-        for one in answers
+        [[(case["value"], case["isOutside"]) for case in field["cases"]] for field in answer["found"][0]["fields"]]
+        for answer in answers
     ]
     assert [angle for angle, _ in cases] == [
         [(16383 * 360 / 16384, False), (16383 * 360 / 32768, False)],
@@ -180,9 +194,13 @@ def test_a_value_is_not_encoded_without_its_parameter(tmp_path: Path) -> None:
         {"line": power, "parameters": {"series": "MG"}},
     ])  # fmt: skip
     first = [answer["found"][0] for answer in answers]
-    assert [one.get("entered") for one in first[:3]] == ["missing_parameter", "141#A1329B00F4010080", "no_scale"]
-    assert {one.get("entered_raw") for one in first[:3]} == {"141#A1323601F4010080"}
-    assert [one["obstacle"] for one in first] == ["needs", "", "", "", "absent"]
+    assert [candidate.get("entered") for candidate in first[:3]] == [
+        "missing_parameter",
+        "141#A1329B00F4010080",
+        "no_scale",
+    ]
+    assert {candidate.get("entered_raw") for candidate in first[:3]} == {"141#A1323601F4010080"}
+    assert [candidate["obstacle"] for candidate in first] == ["needs", "", "", "", "absent"]
     assert first[0]["fields"][1]["cases"] == [
         {"values": ["MF"], "value": 155 * 16.5 / 2048, "reason": None, "isOutside": False},
         {"values": ["MH"], "value": None, "reason": "no_scale", "isOutside": False},
@@ -267,8 +285,8 @@ LINES = {
 def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
     folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in LINES])
-    found = [one and (one["frame"], one["sent"], one["time"]) for one in answers]
-    assert dict(zip(LINES, found, strict=True)) == LINES
+    parsed = [answer and (answer["frame"], answer["sent"], answer["time"]) for answer in answers]
+    assert dict(zip(LINES, parsed, strict=True)) == LINES
 
 
 def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
@@ -278,13 +296,17 @@ def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
     lines += ["(1.0) can0 141#8000000000000000 R", "(1.0) can0 141#8000000000000000 T"]
     parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}, {}, {}]
     answers = interpret(folder, [{"line": a, "parameters": b} for a, b in zip(lines, parameters, strict=True)])
-    firsts = [(one["found"][0]["direction"], one["found"][0]["command"]) for one in answers]
+    firsts = [(answer["found"][0]["direction"], answer["found"][0]["command"]) for answer in answers]
     status = ("reply", "read_status_2")
     marked = [("reply", "motor_off"), ("request", "motor_off")]
     assert firsts == [("request", "read_status_2"), status, ("reply", "set_torque"), status, *marked]
-    assert {one["edition"] for one in answers[0]["found"]} == {specification(spec).edition.name for spec in SPECS[:4]}
-    assert [one["series"] for one in answers[1]["found"]][:2] == [["MS"], ["MF", "MH", "MG"]]
-    assert {tuple(one["series"] or ()) for one in answers[3]["found"] if one["direction"] == "reply"} == {("MS",)}
+    assert {candidate["edition"] for candidate in answers[0]["found"]} == {
+        specification(spec).edition.name for spec in SPECS[:4]
+    }
+    assert [candidate["series"] for candidate in answers[1]["found"]][:2] == [["MS"], ["MF", "MH", "MG"]]
+    assert {
+        tuple(candidate["series"] or ()) for candidate in answers[3]["found"] if candidate["direction"] == "reply"
+    } == {("MS",)}
 
 
 def test_both_languages_have_the_same_labels() -> None:

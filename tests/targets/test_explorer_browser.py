@@ -117,12 +117,12 @@ def test_golden_frames_in_both_directions(page_of_motors: Path, opened: Open) ->
         [formatting.sent(f), name, f.direction.value, f.command, {n: str(v) for n, v in f.parameters.items()}]
         for name, f in golden
     ]
-    found = page.evaluate(REPLAY, questions)
-    for (_, frame), question, answer in zip(golden, questions, found, strict=True):
-        raw = {name: [str(one) for one in (r if isinstance(r, list) else [r])] for name, r in frame.raw.items()}
+    answers = page.evaluate(REPLAY, questions)
+    for (_, frame), question, answer in zip(golden, questions, answers, strict=True):
+        raw = {name: [str(element) for element in (r if isinstance(r, list) else [r])] for name, r in frame.raw.items()}
         assert answer and answer["raw"] == raw, question
         assert frame.decode_only or answer["written"] == question[0], (question, answer)
-    assert len(found) > 2000
+    assert len(answers) > 2000
 
 
 def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open) -> None:
@@ -303,8 +303,8 @@ def test_it_is_accessible_and_fits_a_phone(language: str, scheme: Any, page_of_m
     assert page.evaluate("document.documentElement.scrollWidth") == 390
     assert page.evaluate("document.documentElement.lang") == {"en": "en", "zh": "zh-Hans"}[language]
     page.locator("#fields button").first.click()
-    found = accessibility_violations(page, {"preload": False})
-    assert [(one["id"], [node["html"] for node in one["nodes"]][:3]) for one in found] == []
+    violations = accessibility_violations(page, {"preload": False})
+    assert [(violation["id"], [node["html"] for node in violation["nodes"]][:3]) for violation in violations] == []
     page.emulate_media(media="print")
     assert page.locator("#bits-table").is_visible() and not page.locator("#frame").is_visible()
 
@@ -331,4 +331,8 @@ def test_hostile_texts_are_shown_as_text(opened: Open, tmp_path: Path) -> None:
         assert page.locator("#chosen").is_visible()
         assert page.locator("script").count() == scripts and page.locator("img, style, svg").count() == 0
     titles = page.locator("#message option").all_inner_texts()
-    assert len(titles) == len(messages) and len(set(titles)) > len(titles) - 3 and all("<" in one for one in titles[1:])
+    assert (
+        len(titles) == len(messages)
+        and len(set(titles)) > len(titles) - 3
+        and all("<" in title for title in titles[1:])
+    )

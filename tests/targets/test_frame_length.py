@@ -28,8 +28,8 @@ def test_limit_of_a_language() -> None:
 
 
 def test_no_other_limit() -> None:
-    found = {str(file.relative_to(ROOT)): LENGTH.findall(file.read_text("utf-8")) for file in SOURCES}
-    assert {file: texts for file, texts in found.items() if texts} == {}
+    limits = {str(file.relative_to(ROOT)): LENGTH.findall(file.read_text("utf-8")) for file in SOURCES}
+    assert {file: texts for file, texts in limits.items() if texts} == {}
 
 
 LONG = """\

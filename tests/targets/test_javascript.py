@@ -72,7 +72,7 @@ def test_numbers_are_exact() -> None:
         for bits in (4, 53, 64, 200, 1080)
         for _ in range(60)
     ]
-    cases += [(((1 << 53) + 1 << 100) + one, 1 << 100) for one in (-1, 0, 1)]  # near a tie
+    cases += [(((1 << 53) + 1 << 100) + step, 1 << 100) for step in (-1, 0, 1)]  # near a tie
     cases += [((1 << 54) + 1, 1), ((1 << 54) + 3, 2), (1, 1 << 1075), (3, 1 << 1075), (1 << 1024, 1), (5, 1 << 1074)]
     wanted = []
     for n, d in cases:
@@ -99,9 +99,9 @@ def test_numbers_are_exact() -> None:
         run(program, *arguments), parse_int=float
     )
     assert quotients == wanted
-    assert [Fraction(int(n), int(d)) for n, d in ratios] == [Fraction(one) for one in doubles]
+    assert [Fraction(int(n), int(d)) for n, d in ratios] == [Fraction(double) for double in doubles]
     notations = [Fraction(text) for text in ("3/10", "-25/2", "1e-7", "2000", "1/3", "33/4096", "7")]
-    assert rationals == [[str(one.numerator), str(one.denominator)] for one in notations]
+    assert rationals == [[str(fraction.numerator), str(fraction.denominator)] for fraction in notations]
     assert rounded == [1, 2, -1, -3, 0, 2**51]
     assert nearest == [1, -2, -3, 2]
     assert whole == [[-4, -3], [3, 4], [-2, -2]]
@@ -229,7 +229,7 @@ def test_bigints_are_rounded_to_floats_once(tmp_path: Path) -> None:
         const bits = (level) => lamp.encodeRequest("dim", {{ values: {{ level }} }}).raw.level;
         console.log([{", ".join(f"{value}n" for value in values)}].map(bits).join());"""
     exact = (struct.unpack("<I", struct.pack("<f", float(n << 40)))[0] for n in (1 << 24, 1 << 24, (1 << 24) + 2))
-    assert [int(one) for one in run(program).split(",")] == [*exact, 0xDF800001]
+    assert [int(text) for text in run(program).split(",")] == [*exact, 0xDF800001]
 
 
 def test_wrong_arguments_are_errors_and_messages_are_immutable(tmp_path: Path) -> None:
@@ -315,17 +315,17 @@ def test_candidates_are_those_of_the_reference(name: str, tmp_path: Path) -> Non
     spec = next(spec for spec in SPECS if called(spec) == name)
     item, chance = specification(spec), random.Random(1)
     adapter, wanted = JavaScriptAdapter.create(item, tmp_path), Candidates(item.edition)
-    messages, found = item.edition.all_messages(), 0
+    messages, ambiguous = item.edition.all_messages(), 0
     assert item.frames is not None
-    frames = [CanFrame(one.id, one.data, one.extended, one.remote) for one in item.frames.frames]
+    frames = [CanFrame(golden.id, golden.data, golden.extended, golden.remote) for golden in item.frames.frames]
     random_frames = [random_frame(chance.choice(messages), chance.choice(messages), chance) for _ in range(50)]
     for frame in (*chance.sample(frames, min(len(frames), 100)), *random_frames):
         answer = adapter.ask("candidates", frame=_frame(frame))
-        assert [(one["direction"], one["command"]) for one in answer] == [
+        assert [(candidate["direction"], candidate["command"]) for candidate in answer] == [
             (message.direction.value, message.command) for message in wanted.of(frame)
         ]
-        found += len(answer) > 1
-    assert found
+        ambiguous += len(answer) > 1
+    assert ambiguous
 
 
 def _frame(frame: CanFrame) -> dict[str, object]:
@@ -342,8 +342,8 @@ def test_texts_are_literals() -> None:
 
 
 def test_reserved_names_of_packages(tmp_path: Path) -> None:
-    found = findings(tmp_path, MINIMAL.replace("family: lamp\n", "family: stream\n"))
-    assert [finding.message for finding in found] == [
+    diagnostics = findings(tmp_path, MINIMAL.replace("family: lamp\n", "family: stream\n"))
+    assert [finding.message for finding in diagnostics] == [
         "the npm package cannot have the name `stream`, which Node uses itself"
     ]
 

@@ -60,8 +60,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     folder = tmp_path_factory.mktemp("multiples")
     file = folder / "spec.yaml"
     file.write_text(spec(), "utf-8")
-    one = specification(file)
-    return one, CAdapter.create(one, folder), PythonAdapter.create(one, folder)
+    edition_input = specification(file)
+    return edition_input, CAdapter.create(edition_input, folder), PythonAdapter.create(edition_input, folder)
 
 
 def known(size: str, number: str) -> dict[str, int | str]:
@@ -70,9 +70,9 @@ def known(size: str, number: str) -> dict[str, int | str]:
 
 def line(edition: Edition, name: str, parameters: Mapping[str, int | str | Fraction]) -> tuple[Type, Linear]:
     type_ = next(t for t in edition.types if t.name == name)
-    found = linear_of(type_, {key: str(value) for key, value in parameters.items()})
-    assert found is not None
-    return type_, found
+    linear = linear_of(type_, {key: str(value) for key, value in parameters.items()})
+    assert linear is not None
+    return type_, linear
 
 
 def raws(type_: Type, chance: random.Random) -> list[int]:
@@ -89,10 +89,10 @@ def nearest(exact: Fraction) -> int:
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("name", TYPES)
 def test_a_value_is_rounded_once(name: str, number: str, made: Made) -> None:
-    one, in_c, in_python = made
+    edition_input, in_c, in_python = made
     for size in SIZES:
         parameters = known(size, number)
-        type_, linear = line(one.edition, name, parameters)
+        type_, linear = line(edition_input.edition, name, parameters)
         for raw in raws(type_, random.Random(name + number)):
             data = (raw & ((1 << type_.width) - 1)).to_bytes(8, "little")
             frame = CanFrame(0x100 + list(TYPES).index(name), data)
@@ -109,11 +109,11 @@ def test_a_value_is_rounded_once(name: str, number: str, made: Made) -> None:
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("name", TYPES)
 def test_a_value_goes_to_the_same_raw_integer(name: str, number: str, made: Made) -> None:
-    one, in_c, in_python = made
+    edition_input, in_c, in_python = made
     chance = random.Random(name + number)
     for size in SIZES:
         parameters = known(size, number)
-        type_, linear = line(one.edition, name, parameters)
+        type_, linear = line(edition_input.edition, name, parameters)
         limits = type_.raw_range.at({"size": size})
         low, high = (limits.low.constant, limits.high.constant) if limits else type_.raw_limits
         for raw in [*raws(type_, chance), low - 1, high + 1]:
@@ -143,10 +143,10 @@ def test_the_middle_goes_away_from_zero(number: str, made: Made) -> None:
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("name", [name for name in TYPES if name != "longest"])
 def test_thousandths(name: str, number: str, made: Made) -> None:
-    one, in_c, _ = made
+    edition_input, in_c, _ = made
     for size in SIZES:
         parameters = known(size, number)
-        type_, linear = line(one.edition, name, parameters)
+        type_, linear = line(edition_input.edition, name, parameters)
         limits = type_.raw_range.at({"size": size})
         low, high = (limits.low.constant, limits.high.constant) if limits else type_.raw_limits
         for raw in raws(type_, random.Random(name + number)):

@@ -96,15 +96,15 @@ def test_type_checkers_find_a_missing_case_and_nothing_else(command: tuple[str, 
         "        value: float = current\n"
     )
     replies = [m for m in specification(SPEC).edition.messages(Direction.REPLY) if m.identifying_codes or not m.keys]
-    others = [class_name(m.name) for m in replies if m.layout.name != "motion_feedback"]
-    for name, cases in (("complete", others), ("incomplete", others[1:])):
-        listed = " | ".join(f"v2_35.{one}()" for one in cases)
+    names = [class_name(m.name) for m in replies if m.layout.name != "motion_feedback"]
+    for name, cases in (("complete", names), ("incomplete", names[1:])):
+        listed = " | ".join(f"v2_35.{reply}()" for reply in cases)
         (tmp_path / f"{name}.py").write_text(MATCH.replace("CASES", f"case {listed}: return 0"))
     (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
     result = subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, capture_output=True, text=True, check=False)
     errors = [line for line in result.stdout.splitlines() if " error: " in line]
     assert len(errors) == 1, result.stdout + result.stderr
-    assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and others[0] in result.stdout
+    assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and names[0] in result.stdout
 
 
 def test_a_constructor_says_field_value_and_range(v2_35: ModuleType) -> None:
@@ -169,7 +169,7 @@ def test_equal_messages_have_equal_values_and_limits(v2_35: ModuleType) -> None:
     series = v2_35.Series
     make = partial(v2_35.SetTorqueRequest.from_raw, node=1, iq=155)
     known = [v2_35.Parameters(series=series.MG), v2_35.Parameters(series=series.MF), v2_35.UNKNOWN]
-    messages = [make(parameters=one) for one in known]
+    messages = [make(parameters=parameters) for parameters in known]
     assert len(set(messages)) == 3 and messages[0] != messages[1] != messages[2] != messages[0]
     same = make(parameters=v2_35.Parameters(series=series.MG, encoder_bits=18))
     assert same == messages[0] and hash(same) == hash(messages[0])
@@ -195,8 +195,8 @@ def test_a_pattern_by_position_matches_whatever_the_parameters_are(v2_35: Module
     match v2_35.decode_reply(0x141, bytes.fromhex("A1190000F4010040"), known):
         case v2_35.MotionFeedback(temperature, speed, encoder):
             assert (temperature, speed, encoder) == (25, 500, 90)
-        case other:
-            raise AssertionError(other)
+        case unmatched:
+            raise AssertionError(unmatched)
 
 
 def test_flags_without_a_name_are_kept_and_shown(v2_35: ModuleType) -> None:
@@ -224,9 +224,9 @@ def test_texts_stay_texts(tmp_path: Path, text: str) -> None:
     quoted = "'" + text.replace("'", "''") + "'"
     spec = tmp_path / "spec.yaml"
     trees: list[str] = []
-    for one in ("plain", quoted):
-        about = f"    title: {one}\n    about: {one}\n    notes: [{one}]\n"
-        spec.write_text(f"title: {one}\nabout: {one}\n" + MINIMAL.replace('    manual: "1"\n', about), "utf-8")
+    for written in ("plain", quoted):
+        about = f"    title: {written}\n    about: {written}\n    notes: [{written}]\n"
+        spec.write_text(f"title: {written}\nabout: {written}\n" + MINIMAL.replace('    manual: "1"\n', about), "utf-8")
         folder = write(tmp_path / str(len(trees)), spec)
         trees.append(_without_strings(ast.parse((folder / "lamp/v1.py").read_text("utf-8"))))
     assert trees[0] == trees[1]

@@ -62,17 +62,17 @@ def compare(module: ModuleType, edition: Edition, frames: Iterable[CanFrame]) ->
     for frame in frames:
         flags = {"extended": frame.extended, "remote": frame.remote}
         for direction, decode in ((Direction.REQUEST, module.decode_request), (Direction.REPLY, module.decode_reply)):
-            found = outcome(decode, frame.id, frame.data, **flags)
-            assert found == outcome(plain_decode, module, direction, frame), (direction, frame)
+            actual = outcome(decode, frame.id, frame.data, **flags)
+            assert actual == outcome(plain_decode, module, direction, frame), (direction, frame)
             reference = decoder.identify(direction, frame)
             if isinstance(reference, Rejection):
-                assert found[:1] == (reference.reason.value,), (direction, frame)
-            elif found[0] not in ("wrong_constant", "missing_parameter"):
-                assert found[:2] == (class_name(reference.message.name), node_of(reference.message, frame)), (
+                assert actual[:1] == (reference.reason.value,), (direction, frame)
+            elif actual[0] not in ("wrong_constant", "missing_parameter"):
+                assert actual[:2] == (class_name(reference.message.name), node_of(reference.message, frame)), (
                     direction,
                     frame,
                 )
-            seen[str(found[0])] += 1
+            seen[str(actual[0])] += 1
     assert "unknown_id" in seen and any(name[0].isupper() for name in seen)
 
 
@@ -156,9 +156,9 @@ BUFFERS = [
 def test_any_bytes_like_data(data: Any, v2_36: ModuleType) -> None:
     request, reply = (0x141, b"\x9a" + bytes(7)), (0x181, data)
     wanted = v2_36.decode_reply(0x181, DATA)
-    for found in (v2_36.decode_reply(*reply), v2_36.decode_answer(v2_36.ReadStatus1Request, *reply)):
-        assert (found, hash(found), found.encode()) == (wanted, hash(wanted), wanted.encode())
-        assert [type(raw) for raw in found.raw().values()] == [type(raw) for raw in wanted.raw().values()]
+    for message in (v2_36.decode_reply(*reply), v2_36.decode_answer(v2_36.ReadStatus1Request, *reply)):
+        assert (message, hash(message), message.encode()) == (wanted, hash(wanted), wanted.encode())
+        assert [type(raw) for raw in message.raw().values()] == [type(raw) for raw in wanted.raw().values()]
     v2_36.check_reply(*request, *reply)
     v2_36.check_reply(request[0], memoryview(request[1]), *reply)
 

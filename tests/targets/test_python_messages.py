@@ -79,10 +79,10 @@ def _outcome(
         return error.refusal.value, error.field
 
 
-def _expected(found: CanFrame | Rejection) -> tuple[int, bytes] | tuple[str, str | None]:
-    if isinstance(found, Rejection):
-        return found.reason.value, attribute(found.field) if found.field else None
-    return found.id, found.data
+def _expected(encoded: CanFrame | Rejection) -> tuple[int, bytes] | tuple[str, str | None]:
+    if isinstance(encoded, Rejection):
+        return encoded.reason.value, attribute(encoded.field) if encoded.field else None
+    return encoded.id, encoded.data
 
 
 def _decoded(package: Package) -> Iterator[tuple[Decoded, Any, Encoder]]:
@@ -91,11 +91,11 @@ def _decoded(package: Package) -> Iterator[tuple[Decoded, Any, Encoder]]:
     for i, frame in enumerate(random_frames(package.edition, FRAMES)):
         assignment, parameters = package.assignments[i // 7 % len(package.assignments)]
         for direction in Direction:
-            found = decoder.decode(direction, frame, assignment)
-            if isinstance(found, Decoded):
+            reference = decoder.decode(direction, frame, assignment)
+            if isinstance(reference, Decoded):
                 decode = getattr(package.module, f"decode_{direction.value}")
                 decoded = decode(frame.id, frame.data, parameters, extended=frame.extended, remote=frame.remote)
-                yield found, decoded, encoders.for_parameters(assignment)
+                yield reference, decoded, encoders.for_parameters(assignment)
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
@@ -104,10 +104,10 @@ def test_a_decoded_frame_is_encoded_or_refused_as_its_raw_integers_are(
 ) -> None:
     ours = package(spec)
     outcomes = set()
-    for found, decoded, encoder in _decoded(ours):
-        assert (type(decoded), decoded.raw()) == (ours.cls(found.message), _attributes(found.raws))
-        expected = _expected(encoder.encode_raws(found.message, found.node, found.raws))
-        node = {} if found.node is None else {"node": found.node}
+    for reference, decoded, encoder in _decoded(ours):
+        assert (type(decoded), decoded.raw()) == (ours.cls(reference.message), _attributes(reference.raws))
+        expected = _expected(encoder.encode_raws(reference.message, reference.node, reference.raws))
+        node = {} if reference.node is None else {"node": reference.node}
         given = {"parameters": decoded.parameters, **node, **decoded.raw()}
         assert _outcome(ours.module, copy.copy, decoded) == expected
         assert _outcome(ours.module, type(decoded).from_raw, **given) == expected
@@ -119,9 +119,9 @@ def test_a_decoded_frame_is_encoded_or_refused_as_its_raw_integers_are(
 @pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_a_decoded_frame_is_written_back_and_copied(spec: Path, package: Callable[[Path], Package]) -> None:
     ours = package(spec)
-    for found, decoded, _ in _decoded(ours):
+    for reference, decoded, _ in _decoded(ours):
         data = decoded.encode_unchecked()
-        again = decoded.unpack(found.node, decoded.can_id, data, decoded.parameters)
+        again = decoded.unpack(reference.node, decoded.can_id, data, decoded.parameters)
         assert (again, again.encode_unchecked(), again.can_id) == (decoded, data, decoded.can_id)
         assert decoded.values().keys() == decoded.raw().keys() == set(decoded.fields())
         assert copy.copy(decoded) == copy.deepcopy(decoded) == decoded

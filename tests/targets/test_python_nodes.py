@@ -25,13 +25,13 @@ NAMES = ("v2_35", "v2_35_2024_02", "v2_36_2025_03", "nodes", "python_can", "_cod
 @pytest.fixture(scope="module")
 def package() -> Iterator[dict[str, ModuleType]]:
     """The committed package, all editions in one process, whatever other tests have imported under its name."""
-    others = {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] == "mwd_motor"}
+    imported = {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] == "mwd_motor"}
     sys.path.insert(0, str(ROOT / "generated/python"))
     yield {name: import_module(f"mwd_motor.{name}") for name in NAMES}
     sys.path.remove(str(ROOT / "generated/python"))
     for name in [name for name in sys.modules if name.split(".")[0] == "mwd_motor"]:
         del sys.modules[name]
-    sys.modules.update(others)
+    sys.modules.update(imported)
 
 
 @pytest.fixture(scope="module")
@@ -67,9 +67,9 @@ def test_three_editions_on_one_bus(nodes: Any, package: dict[str, ModuleType]) -
 
 def test_a_request_is_read_by_the_edition_of_its_node(nodes: Any) -> None:
     # 0x95 clears the angle in one edition, sets it in the next, and sets the zero in the last
-    found = [nodes.decode_request(0x140 + n, bytes.fromhex("95 00 00 00 10 27 00 00")) for n in (1, 2, 3)]
-    assert [type(m).__name__ for m in found] == ["ClearAngleRequest", "SetAngleRequest", "SetZeroRamRequest"]
-    assert found[1].angle == 100.0
+    requests = [nodes.decode_request(0x140 + n, bytes.fromhex("95 00 00 00 10 27 00 00")) for n in (1, 2, 3)]
+    assert [type(m).__name__ for m in requests] == ["ClearAngleRequest", "SetAngleRequest", "SetZeroRamRequest"]
+    assert requests[1].angle == 100.0
 
 
 def test_a_message_of_another_edition_is_refused(nodes: Any, package: dict[str, ModuleType]) -> None:
@@ -122,11 +122,11 @@ def test_a_request_to_nodes_of_two_editions_is_refused(package: dict[str, Module
     data = b"\x9a" + bytes(7)
     for order in ((first, second, third), (third, second, first)):
         bus = package["nodes"].Nodes(order)
-        assert bus.nodes_of("request", 0x141) == tuple(one for one in order if one is not second)
+        assert bus.nodes_of("request", 0x141) == tuple(node for node in order if node is not second)
         with pytest.raises(codec.CodecError, match=r"^0x141 is a request of Node.* and of Node.*; decode it") as caught:
             bus.decode_request(0x141, data)
         assert caught.value.refusal is codec.Refusal.UNKNOWN_NODE
-        assert [one.decode_request(0x141, data).node for one in bus.nodes_of("request", 0x141)] == [1, 1]
+        assert [node.decode_request(0x141, data).node for node in bus.nodes_of("request", 0x141)] == [1, 1]
         assert type(bus.decode_request(0x142, data)) is middle.ReadStatus1Request
 
 
@@ -340,8 +340,8 @@ def test_nothing_is_learnt_from_a_silent_bus(package: dict[str, ModuleType]) -> 
     old, own_frames = package["v2_35"], package["python_can"].OwnFrames
     probe = old.ReadStatus1Request(node=1)
     decode = partial(old.decode_answer, probe)
-    other = can.Message(arbitration_id=0x141, data=b"other", is_extended_id=False)
-    for answer in ([], [other], [can.Message(arbitration_id=0x141, data=STATUS.data, is_error_frame=True)]):
+    unrelated = can.Message(arbitration_id=0x141, data=b"other", is_extended_id=False)
+    for answer in ([], [unrelated], [can.Message(arbitration_id=0x141, data=STATUS.data, is_error_frame=True)]):
         with pytest.raises(TimeoutError, match=r"^no reply to ReadStatus1Request\(node=1\)$"):
             own_frames.learn(Line(False, partial(_always, answer)), probe, decode, 0.01)
     assert own_frames.learn(Line(True, lambda frame: []), probe, decode, 0.01).are_returned

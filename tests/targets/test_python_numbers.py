@@ -145,8 +145,8 @@ commands: {{dim: {{code: 1, request: {{it: {{at: 1, type: it}}}}, reply: none}}}
 
 @pytest.mark.parametrize(("width", "scale", "offset"), [(56, "0.01", "0"), (56, "1/3", "-7/9"), (24, "33/2048", "0.1")])
 def test_the_reference_converts_in_the_same_way(width: int, scale: str, offset: str, tmp_path: Path) -> None:
-    found = edition(tmp_path, SPEC.format(kind=f"i{width}", scale=scale, offset=offset))
-    (message,) = found.messages(Direction.REQUEST)
+    loaded_edition = edition(tmp_path, SPEC.format(kind=f"i{width}", scale=scale, offset=offset))
+    (message,) = loaded_edition.messages(Direction.REQUEST)
     (field,) = message.layout.fields
     line: Any = field.type.linear.constant
     ours = Number(*field.type.raw_limits, scale=(line.scale.numerator, line.scale.denominator, line.offset))
@@ -166,8 +166,8 @@ def test_the_reference_converts_in_the_same_way(width: int, scale: str, offset: 
 
 
 def test_an_exact_number_is_rounded_once(tmp_path: Path) -> None:
-    found = edition(tmp_path, SPEC.format(kind="f32", scale="0.5", offset="-40"))
-    (message,) = found.messages(Direction.REQUEST)
+    loaded_edition = edition(tmp_path, SPEC.format(kind="f32", scale="0.5", offset="-40"))
+    (message,) = loaded_edition.messages(Direction.REQUEST)
     (field,) = message.layout.fields
     ours, encoder = Float(32, scale=(1, 2, -40)), Encoder({})
 

@@ -68,7 +68,7 @@ def answers(item: EditionInput, x: Example) -> dict[Frame, list[Frame]]:
         for frame in item.frames.frames
         if class_name(f"{frame.command}_request") == x.request and frame.direction is Direction.REQUEST
     ]
-    found = {(one.id, one.data): [(int(x.reply_id, 16), bytes.fromhex(x.data))] for one in sent}
+    replies = {(frame.id, frame.data): [(int(x.reply_id, 16), bytes.fromhex(x.data))] for frame in sent}
     for command in item.edition.commands:
         if class_name(f"{command.name}_request") == x.probe.partition("(")[0]:
             assert command.request is not None and command.reply is not None
@@ -77,8 +77,8 @@ def answers(item: EditionInput, x: Example) -> dict[Frame, list[Frame]]:
                 next(f.data for f in item.frames.frames if command.name == f.command and f.direction.value == kind)
                 for kind in KINDS
             ]
-            found[ids[0], data[0]] = [(ids[1], data[1])]
-    return found
+            replies[ids[0], data[0]] = [(ids[1], data[1])]
+    return replies
 
 
 KINDS = ("request", "reply")
@@ -97,9 +97,9 @@ def test_all_programs(spec: Path, returned: bool, tmp_path: Path) -> None:
     x = example([item])
     assert item.frames is not None and isinstance(x, Example)
     requests = [frame for frame in item.frames.frames if frame.direction is Direction.REQUEST]
-    shown = [re.sub(r"^TIMEOUT = .*", PATIENT, one, flags=re.M) for one in programs(folder)]
+    shown = [re.sub(r"^TIMEOUT = .*", PATIENT, program, flags=re.M) for program in programs(folder)]
     if returned and x.shares_ids and not x.probe:
-        shown = [one.replace("are_returned=False", "are_returned=True") for one in shown]
+        shown = [program.replace("are_returned=False", "are_returned=True") for program in shown]
     done = run(folder, started(returned, answers(item, x)), *shown)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
@@ -119,7 +119,7 @@ def test_a_silent_node_ends_the_control_loop(returned: bool, tmp_path: Path) -> 
     folder, item = write(tmp_path, SPEC), specification(SPEC)
     x = example([item])
     assert isinstance(x, Example)
-    silent = {sent: found for sent, found in answers(item, x).items() if found[0][1] != bytes.fromhex(x.data)}
+    silent = {sent: replies for sent, replies in answers(item, x).items() if replies[0][1] != bytes.fromhex(x.data)}
     done = run(folder, started(returned, silent), *programs(folder))
     assert done.returncode == 1 and done.stdout.count("no reply to SetPowerRequest(node=1, power=200)") == 3
     assert done.stderr.endswith("TimeoutError: no reply to SetPowerRequest(node=1, power=200)\n")

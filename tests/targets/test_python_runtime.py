@@ -195,15 +195,15 @@ def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
 
 
 def test_the_runtime_depends_on_the_standard_library_only() -> None:
-    others = {"python_can.py": {"can"}}
+    third_party = {"python_can.py": {"can"}}
     for name in SHARED:
         tree = ast.parse((RUNTIME / name).read_text("utf-8"))
-        tree.body = [one for one in tree.body if not ast.unparse(one).startswith("if TYPE_CHECKING:")]
+        tree.body = [statement for statement in tree.body if not ast.unparse(statement).startswith("if TYPE_CHECKING:")]
         imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
         absolute = {a.name for node in imports if isinstance(node, ast.Import) for a in node.names}
         absolute |= {str(node.module) for node in imports if isinstance(node, ast.ImportFrom) and not node.level}
         relative = {f"{node.module}.py" for node in imports if isinstance(node, ast.ImportFrom) and node.level == 1}
-        assert {module.split(".")[0] for module in absolute} - sys.stdlib_module_names == others.get(name, set())
+        assert {module.split(".")[0] for module in absolute} - sys.stdlib_module_names == third_party.get(name, set())
         assert relative <= set(SHARED)
         assert all(node.level <= 1 for node in imports if isinstance(node, ast.ImportFrom))
 
@@ -278,8 +278,8 @@ def test_a_float_counts_as_rounded_below_2_to_the_51_and_as_exact_from_there() -
     """The offset is no float, so a quotient of floats is 1 more than the exact one."""
     offset = 2**60 + 1
     number = Number(0, 2**62, scale=(1, 1, offset))
-    for raw, found in ((2**50, 2**50), (2**51, 2**51 - 1), (2**52, 2**52 - 1)):
-        assert number.raw(float(2**60 + raw), UNKNOWN, "it") == found
+    for raw, nearest_raw in ((2**50, 2**50), (2**51, 2**51 - 1), (2**52, 2**52 - 1)):
+        assert number.raw(float(2**60 + raw), UNKNOWN, "it") == nearest_raw
         assert number.raw(2**60 + raw, UNKNOWN, "it") == raw - 1
 
 
@@ -430,7 +430,7 @@ def test_a_fraction_becomes_the_nearest_float_of_either_size() -> None:
         assert double.raw(value, UNKNOWN, "it") == int.from_bytes(pack("<d", float(value)), "little")
         raw = single.raw(value, UNKNOWN, "it")
         neighbours = [Fraction(single.value(raw + step, UNKNOWN, "it")) for step in (0, 1, -1) if raw + step >= 0]
-        assert min(neighbours, key=lambda one: abs(one - value)) == neighbours[0]
+        assert min(neighbours, key=lambda neighbour: abs(neighbour - value)) == neighbours[0]
         odd = to_odd(value)
         assert Fraction(odd) == value or pack("<d", odd)[0] & 1
         assert abs(Fraction(odd) - value) < math.ulp(odd)
@@ -782,7 +782,7 @@ def speaking(name: str) -> Any:
 
 
 def test_a_bus_finds_the_node_of_a_frame() -> None:
-    edition, other = speaking("v1"), speaking("v2")
+    edition, newer_edition = speaking("v1"), speaking("v2")
     first = Node(edition, 1, Parameters(size=3))
     bus = Nodes([first, Node(edition, 2)])
     assert first.make(DimRequest, level=1) == DimRequest(node=1, level=1)
@@ -795,7 +795,7 @@ def test_a_bus_finds_the_node_of_a_frame() -> None:
     assert first.decode_request(0x101, b"\x10\x01\x00") == DimRequest(node=1, level=0.1)
     with pytest.raises(ValueError, match="both reply with the id 0x201"):
         Nodes([first, Node(edition, 1)])
-    mixed = Nodes([first, Node(other, 5)])
+    mixed = Nodes([first, Node(newer_edition, 5)])
     said = rejected(Refusal.UNKNOWN_NODE, mixed.decode_request, 0x80, b"\x01")
     assert said == "0x80 is a request of Node(v1, 1) and of Node(v2, 5); decode it with one of these nodes"
     edition.ids_of = lambda direction, node: ((0x200 + node, 0x0F, False, False),)
@@ -819,5 +819,5 @@ def test_messages_of_python_can() -> None:
             "is_extended_id": False,
             kind: True,
         }
-        other = can.Message(**fields)
-        rejected(Refusal.UNKNOWN_ID, from_message, other, DISPATCHER.requests.decode)
+        message = can.Message(**fields)
+        rejected(Refusal.UNKNOWN_ID, from_message, message, DISPATCHER.requests.decode)

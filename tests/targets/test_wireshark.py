@@ -30,7 +30,7 @@ BARS = {Loss(0.01): 0.1, Loss(0.1, has_retries=True): 0.3}
 def wrong(spec: str, log: Sequence[Sent]) -> float:
     """The share of wrong directions in percent."""
     judged = judge(_edition(spec), [sent.recorded for sent in log])
-    count: int = sum(one.direction != sent.direction.value for one, sent in zip(judged, log, strict=True))
+    count: int = sum(result.direction != sent.direction.value for result, sent in zip(judged, log, strict=True))
     return 100 * count / len(log)
 
 
@@ -57,20 +57,20 @@ def test_directions_with_marks_once_both_have_been_seen() -> None:
         Traffic(_edition(spec), "mixed", 1, loss=Loss(0.1, has_retries=True, not_recorded=0.1)).frames(500)
     )
     judged = judge(_edition(spec), [sent.recorded for sent in log])
-    marked = [(one, sent) for one, sent in zip(judged, log, strict=True) if one.rule == "mark"]
+    marked = [(result, sent) for result, sent in zip(judged, log, strict=True) if result.rule == "mark"]
     assert len(marked) > len(log) - 10
-    assert all(one.direction == sent.direction.value for one, sent in marked)
+    assert all(result.direction == sent.direction.value for result, sent in marked)
 
 
 def test_requests_and_latencies_are_those_of_the_recordings() -> None:
     spec = "spec/mwd_motor/v2.35.yaml"
     log = [sent.recorded for sent in Traffic(_edition(spec), "mixed", 2).frames(300)]
-    wanted = [(one.request, one.latency, one.node) for one in Directions({}, _edition(spec)).classify(log)]
-    found = [
-        (one.exchange and one.exchange.number, one.latency and int(one.latency), one.node)
-        for one in judge(_edition(spec), log)
+    wanted = [(result.request, result.latency, result.node) for result in Directions({}, _edition(spec)).classify(log)]
+    actual = [
+        (result.exchange and result.exchange.number, result.latency and int(result.latency), result.node)
+        for result in judge(_edition(spec), log)
     ]
-    assert found == wanted
+    assert actual == wanted
     assert sum(request is not None for request, _, _ in wanted) > 200
 
 
@@ -89,8 +89,8 @@ def test_the_node_in_the_data() -> None:
         for i, (can_id, data, *_) in enumerate(NODES_IN_DATA)
     ]
     judged = judge(_edition("tests/specs/valve/v1.yaml"), log)
-    found = [(one.node, one.exchange and one.exchange.number) for one in judged]
-    assert found == [(node, request) for *_, node, request in NODES_IN_DATA]
+    actual = [(result.node, result.exchange and result.exchange.number) for result in judged]
+    assert actual == [(node, request) for *_, node, request in NODES_IN_DATA]
 
 
 def _edition(spec: str) -> Edition:

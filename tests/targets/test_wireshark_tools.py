@@ -51,88 +51,92 @@ class Replay:
         """Every golden frame and every rejected one, with the direction in the capture."""
         entries: list[GoldenFrame | RefusedFrame] = [
             *self.frames.frames,
-            *(one for one in self.frames.refused if isinstance(one, RefusedFrame)),
+            *(frame for frame in self.frames.refused if isinstance(frame, RefusedFrame)),
         ]
 
-        def under(one: GoldenFrame | RefusedFrame) -> str:
-            return str(sorted(one.parameters.items()))
+        def under(frame: GoldenFrame | RefusedFrame) -> str:
+            return str(sorted(frame.parameters.items()))
 
         for _, group in itertools.groupby(sorted(entries, key=under), under):
             same = list(group)
             captured = [
-                Captured(START + number * SECOND, _can(one), _direction(one)) for number, one in enumerate(same)
+                Captured(START + number * SECOND, _can(frame), _direction(frame)) for number, frame in enumerate(same)
             ]
             settings = {preference(name): str(value) for name, value in same[0].parameters.items()}
-            for one, found in zip(same, self._dissect(captured, {"marks": "always", **settings}), strict=True):
-                wrong = self._refused(one, found) if isinstance(one, RefusedFrame) else self._decoded(one, found)
-                self._count(one, wrong)
+            for frame, dissected in zip(same, self._dissect(captured, {"marks": "always", **settings}), strict=True):
+                wrong = (
+                    self._refused(frame, dissected)
+                    if isinstance(frame, RefusedFrame)
+                    else self._decoded(frame, dissected)
+                )
+                self._count(frame, wrong)
 
     def exchanges(self) -> None:
         """Every pair of frames of the golden file: the second is the reply to the first, or is not."""
-        pairs = [(one.request, one.reply) for one in self.frames.exchanges]
+        pairs = [(exchange.request, exchange.reply) for exchange in self.frames.exchanges]
         captured = [
-            Captured(START + number * SECOND + late * 100_000, _can(one), direction)
+            Captured(START + number * SECOND + late * 100_000, _can(frame), direction)
             for number, pair in enumerate(pairs)
-            for late, (one, direction) in enumerate(zip(pair, Direction, strict=True))
+            for late, (frame, direction) in enumerate(zip(pair, Direction, strict=True))
         ]
-        found = self._dissect(captured, {"marks": "always"})
-        for number, one in enumerate(self.frames.exchanges):
-            reply = found[2 * number + 1]
+        dissected = self._dissect(captured, {"marks": "always"})
+        for number, exchange in enumerate(self.frames.exchanges):
+            reply = dissected[2 * number + 1]
             request = reply.one(self._name("request_in")) if reply else None
-            wanted = str(2 * number + 1) if one.says is None else None
-            self._count(one, "" if request == wanted else f"request {request}, not {wanted}")
+            wanted = str(2 * number + 1) if exchange.says is None else None
+            self._count(exchange, "" if request == wanted else f"request {request}, not {wanted}")
 
     def _dissect(self, captured: list[Captured], settings: Mapping[str, str]) -> list[Dissected | None]:
         return dissect(self._folder, [self._script], self.edition.family, captured, settings)
 
-    def _count(self, one: GoldenFrame | RefusedFrame | Exchange, wrong: str) -> None:
+    def _count(self, golden: GoldenFrame | RefusedFrame | Exchange, wrong: str) -> None:
         if wrong:
-            self.failures.append(f"{one}: {wrong}")
+            self.failures.append(f"{golden}: {wrong}")
         else:
             self.passed += 1
 
     def _name(self, name: str) -> str:
         return f"{self.edition.family}.{name}"
 
-    def _refused(self, one: RefusedFrame, found: Dissected | None) -> str:
-        reason = "unknown_id" if found is None else found.one(self._name("rejected"))
-        return "" if reason == one.says.value else f"{reason}, not {one.says.value}"
+    def _refused(self, frame: RefusedFrame, dissected: Dissected | None) -> str:
+        reason = "unknown_id" if dissected is None else dissected.one(self._name("rejected"))
+        return "" if reason == frame.says.value else f"{reason}, not {frame.says.value}"
 
-    def _decoded(self, one: GoldenFrame, found: Dissected | None) -> str:
-        wanted = self._decoder.identify(one.direction, _can(one))
+    def _decoded(self, frame: GoldenFrame, dissected: Dissected | None) -> str:
+        wanted = self._decoder.identify(frame.direction, _can(frame))
         assert isinstance(wanted, Identified)
-        if found is None:
+        if dissected is None:
             return "not dissected"
         facts = {
             "rejected": None,
-            "direction": one.direction.value,
+            "direction": frame.direction.value,
             "command": wanted.message.command,
-            "node": None if one.node is None else str(one.node),
+            "node": None if frame.node is None else str(frame.node),
             "edition": self.edition.name,
         }
         for name, value in facts.items():
-            if found.one(self._name(name)) != value:
-                return f"{name} {found.one(self._name(name))}, not {value}"
+            if dissected.one(self._name(name)) != value:
+                return f"{name} {dissected.one(self._name(name))}, not {value}"
         for field in wanted.message.layout.fields:
-            if field.name in one.raw:
-                raw = one.raw[field.name]
+            if field.name in frame.raw:
+                raw = frame.raw[field.name]
                 raws = raw if isinstance(raw, list) else [raw]
                 name = self._name(self._filters[field.name])
-                shown = found.all(f"{name}.raw") or found.all(name)
+                shown = dissected.all(f"{name}.raw") or dissected.all(name)
                 if [int(text) for text in shown] != raws:
                     return f"{field.name}: raw {shown}, not {raws}"
                 for flag in field.type.flags:
-                    bits = found.all(f"{name}.{flag_filter(flag.name)}")
+                    bits = dissected.all(f"{name}.{flag_filter(flag.name)}")
                     if [int(bit) for bit in bits] != [raw_ >> flag.value & 1 for raw_ in raws]:
                         return f"{flag.name}: {bits}"
-            if field.name in one.values and not field.type.flags:
-                wrong = self._value(found, name, one.values[field.name])
+            if field.name in frame.values and not field.type.flags:
+                wrong = self._value(dissected, name, frame.values[field.name])
                 if wrong:
                     return f"{field.name}: {wrong}"
         return ""
 
-    def _value(self, found: Dissected, name: str, value: ExactValue) -> str:
-        shown, texts = found.all(name), found.texts(name)
+    def _value(self, dissected: Dissected, name: str, value: ExactValue) -> str:
+        shown, texts = dissected.all(name), dissected.texts(name)
         if value == "none":
             return "" if not shown or texts[0].split(": ")[1].startswith("unknown") else f"{shown}, not none"
         if isinstance(value, str):
@@ -140,18 +144,19 @@ class Replay:
         wanted = value if isinstance(value, list) else [value]
         numbers = [float(text) for text in shown]
         if len(numbers) == len(wanted) and all(
-            math.isclose(float(one), number, rel_tol=1e-14) for one, number in zip(wanted, numbers, strict=True)
+            math.isclose(float(expected), number, rel_tol=1e-14)
+            for expected, number in zip(wanted, numbers, strict=True)
         ):
             return ""
-        return f"{numbers}, not {[float(one) for one in wanted]}"
+        return f"{numbers}, not {[float(expected) for expected in wanted]}"
 
 
-def _can(one: GoldenFrame | RefusedFrame | CheckedFrame) -> CanFrame:
-    return CanFrame(one.id, one.data, one.extended, one.remote)
+def _can(frame: GoldenFrame | RefusedFrame | CheckedFrame) -> CanFrame:
+    return CanFrame(frame.id, frame.data, frame.extended, frame.remote)
 
 
-def _direction(one: GoldenFrame | RefusedFrame) -> Direction:
-    return one.direction if isinstance(one, GoldenFrame) else one.decode
+def _direction(frame: GoldenFrame | RefusedFrame) -> Direction:
+    return frame.direction if isinstance(frame, GoldenFrame) else frame.decode
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
@@ -179,7 +184,7 @@ def test_editions_and_parameters_of_nodes(tmp_path: Path) -> None:
 
     def found(preferences: Mapping[str, str], name: str) -> list[str | None]:
         dissected = dissect(tmp_path, [script], "mwd_motor", captured, {"marks": "always", **preferences})
-        return [one.one(f"mwd_motor.{name}") if one else None for one in dissected]
+        return [frame.one(f"mwd_motor.{name}") if frame else None for frame in dissected]
 
     nodes = {"nodes": "1: v2.35; 2: v2.35-2024-02"}
     assert found(nodes, "voltage") == ["48.7", "48.72", None]
@@ -194,8 +199,8 @@ def test_a_family_with_the_name_of_a_protocol_of_wireshark(tmp_path: Path) -> No
     (tmp_path / "ip.yaml").write_text(MINIMAL.replace("family: lamp", "family: ip"), "utf-8")
     script = _script(tmp_path, generate([specification(tmp_path / "ip.yaml")], {}))
     captured = [Captured(START, CanFrame(0x102, bytes.fromhex("10 00 01 00 00 00 00 00")))]
-    [found] = dissect(tmp_path, [script], "ip_can", captured, {})
-    assert found is not None and found.one("ip_can.command") == "dim"
+    [dissected] = dissect(tmp_path, [script], "ip_can", captured, {})
+    assert dissected is not None and dissected.one("ip_can.command") == "dim"
 
 
 GENERATED = ROOT / "generated/wireshark"
@@ -205,7 +210,7 @@ EXCHANGE = [CanFrame(0x141, bytes.fromhex("A10000009B000000")), CanFrame(0x141, 
 def test_the_command_of_the_guide(tmp_path: Path) -> None:
     shutil.copy(GENERATED / "mwd_motor.lua", tmp_path)
     file = tmp_path / "bus.pcapng"
-    file.write_bytes(capture(Captured(START + i * 200_000, one) for i, one in enumerate(EXCHANGE)))
+    file.write_bytes(capture(Captured(START + i * 200_000, frame) for i, frame in enumerate(EXCHANGE)))
     guide = (GENERATED / "README.md").read_text("utf-8")
     (line,) = (line for line in guide.splitlines() if line.startswith("tshark -X"))
     _, *options = shlex.split(line.replace("mwd_motor.lua", str(tmp_path / "mwd_motor.lua")))
@@ -220,9 +225,9 @@ def test_blf_gives_the_directions(tmp_path: Path) -> None:
     file = tmp_path / "bus.blf"
     with can.BLFWriter(file) as writer:
         for number, is_rx in enumerate((False, True, True)):
-            one = EXCHANGE[0]
+            frame = EXCHANGE[0]
             writer.on_message_received(
-                can.Message(1000 + number, one.id, is_extended_id=False, data=one.data, is_rx=is_rx)
+                can.Message(1000 + number, frame.id, is_extended_id=False, data=frame.data, is_rx=is_rx)
             )
     shown = [part for name in ("rule", "direction") for part in ("-e", f"mwd_motor.{name}")]
     settings = ("-o", "mwd_motor.edition:v2.35", "-T", "fields", *shown)

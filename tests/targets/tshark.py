@@ -36,7 +36,7 @@ class Dissected:
 
     def all(self, name: str) -> list[str]:
         """The values of all fields of this name."""
-        return [show for one, show, _ in self.fields if one == name]
+        return [show for field_name, show, _ in self.fields if field_name == name]
 
     def one(self, name: str) -> str | None:
         """The value of a field; None without it."""
@@ -44,7 +44,7 @@ class Dissected:
 
     def texts(self, name: str) -> list[str]:
         """The texts of all fields of this name."""
-        return [text for one, _, text in self.fields if one == name]
+        return [text for field_name, _, text in self.fields if field_name == name]
 
 
 def _block(kind: int, body: bytes) -> bytes:
@@ -56,15 +56,15 @@ def capture(frames: Iterable[Captured]) -> bytes:
     """A pcapng file with times in ns."""
     section = struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1)
     resolution = struct.pack("<HHB3xHH", 9, 1, 9, 0, 0)
-    found = [_block(0x0A0D0D0A, section), _block(1, struct.pack("<HHI", SOCKETCAN, 0, 0) + resolution)]
-    for one in frames:
-        frame = one.frame
+    blocks = [_block(0x0A0D0D0A, section), _block(1, struct.pack("<HHI", SOCKETCAN, 0, 0) + resolution)]
+    for captured in frames:
+        frame = captured.frame
         id_ = frame.id | frame.extended << 31 | frame.remote << 30
         packet = struct.pack(">IB3x", id_, len(frame.data)) + frame.data
-        head = struct.pack("<IIIII", 0, one.time >> 32, one.time & 0xFFFFFFFF, len(packet), len(packet))
-        flags = struct.pack("<HHIHH", 2, 4, FLAGS[one.direction], 0, 0)
-        found.append(_block(6, head + packet + bytes(-len(packet) % 4) + flags))
-    return b"".join(found)
+        head = struct.pack("<IIIII", 0, captured.time >> 32, captured.time & 0xFFFFFFFF, len(packet), len(packet))
+        flags = struct.pack("<HHIHH", 2, 4, FLAGS[captured.direction], 0, 0)
+        blocks.append(_block(6, head + packet + bytes(-len(packet) % 4) + flags))
+    return b"".join(blocks)
 
 
 def dissect(
@@ -87,5 +87,5 @@ def _dissected(packet: ElementTree.Element, family: str) -> Dissected | None:
 
 
 def _fields(element: ElementTree.Element) -> Iterator[tuple[str, str, str]]:
-    for one in element.iter("field"):
-        yield one.get("name", ""), one.get("show", ""), one.get("showname", "")
+    for field_element in element.iter("field"):
+        yield field_element.get("name", ""), field_element.get("show", ""), field_element.get("showname", "")
