@@ -27,6 +27,7 @@ def read(file: Path) -> Any:
     return yaml.load(file.read_text("utf-8"), yaml.BaseLoader)
 
 
+@pytest.mark.interop("check_jsonschema")
 @pytest.mark.parametrize(
     ("schema", "files"),
     [
