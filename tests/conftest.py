@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import gc
 import os
 import sys
 from collections.abc import Iterator
@@ -11,11 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from canwright.__main__ import OBJECTS_BETWEEN_COLLECTIONS
 from canwright.project import loader
 
 from .compilers import PROGRAMS
 from .conformance import summary
 from .conformance.runner import Report
+from .own_targets import hide
 
 ROOT = Path(__file__).parents[1]
 
@@ -47,7 +50,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure() -> None:
-    """Loads each committed spec once in a process, for all modules that are collected: its edition is frozen."""
+    """Hides targets of other packages, collects garbage as the command line does, and loads each committed spec once
+    in a process: its edition is frozen."""
+    hide()
+    gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)
     load = loader.specification
     load_once = functools.cache(load)
     loader.specification = lambda file: (load_once if ROOT in file.parents else load)(file)

@@ -13,6 +13,12 @@ SMALL = spec_files(ROOT / "tests/specs")
 """Small whole specs, which use what those of `spec/` do not."""
 SPECS = [*spec_files(ROOT / "spec"), *SMALL]
 """Every whole spec there is."""
+WITHOUT_SETTINGS_IN_IDS = [
+    file
+    for file in SPECS
+    if all(message.id.parameter is None for message in specification(file).edition.all_messages())
+]
+"""Those whose ids depend on no parameter, so that a log without `--set` can be read."""
 
 
 MINIMAL = """\

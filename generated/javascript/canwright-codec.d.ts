@@ -3,8 +3,8 @@
 /** A frame. `extended` means a 29-bit id, `remote` a frame without data that requests some; both are false if left out. */
 export interface Frame {
   readonly id: number;
-  /** The data bytes: an array, a `Uint8Array` or a `Buffer`. */
-  readonly data?: ArrayLike<number>;
+  /** The data bytes: an array, a `Uint8Array`, a `Buffer`, an `ArrayBuffer` or a `DataView`. */
+  readonly data?: ArrayLike<number> | ArrayBuffer | DataView;
   readonly extended?: boolean;
   readonly remote?: boolean;
 }
@@ -28,9 +28,17 @@ export type Refusal =
   | "not_finite"
   | "unknown_node"
   | "not_answer"
-  | "not_available";
+  | "not_available"
+  | "wrong_checksum"
+  | "no_value";
 
-/** A frame or a value is rejected. */
+/** A frame or a value is rejected. The error of a received frame has no `stack`. */
+/** The value of a counter in the next frame; `counter` is the first and the last value, as `MESSAGES` has them. */
+export function nextCount(counter: readonly [number, number], value: number): number;
+
+/** So many increments lead from one value to another; 0 if they are equal, or if one of them is outside of the range. */
+export function countSteps(counter: readonly [number, number], previous: number, value: number): number;
+
 export class CodecError extends Error {
   readonly name: "CodecError";
   readonly refusal: Refusal;
@@ -51,6 +59,9 @@ type Part<Fields, Name extends "raw" | "value"> = { readonly [F in keyof Fields]
 type GivenRaw<Fields> = { readonly [F in keyof Fields]: NonNullable<Fields[F]> extends FieldOf<infer Raw, any, any> ? (Raw extends readonly unknown[] ? readonly (number | bigint)[] : number | bigint) : never };
 type GivenValue<Fields> = { readonly [F in keyof Fields]: NonNullable<Fields[F]> extends FieldOf<any, any, infer Given> ? Given : never };
 
+/** The value of a field in one frame, of an array that of an element. */
+export type Joined<Field> = NonNullable<Field> extends FieldOf<any, infer Value, any> ? (Value extends readonly (infer Element)[] ? Element : Value) : never;
+
 /** A field of a message. */
 export interface FieldResult {
   readonly name: string;
@@ -59,6 +70,8 @@ export interface FieldResult {
   readonly unit: string | null;
   /** Why there is no value; null with a value. */
   readonly reason: Refusal | null;
+  /** The name of the specification for no value of a number, such as `not_available`, or null; of an array, those of all elements. */
+  readonly noValue: string | null | readonly (string | null)[];
 }
 
 /** One frame with its meaning; immutable. `values` are in units, and null where a raw integer has no value. */
@@ -79,11 +92,9 @@ export interface Message<D extends Direction, C, Fields, Parameters> {
 }
 
 /** The content of a message: either values in units or raw integers, of all its fields; neither without fields. */
-export type Content<Fields, Parameters> = {
-  /** The node; left out if the id contains none. */
-  readonly node?: number;
+export type Content<Fields, Parameters, HasNode extends boolean> = {
   readonly parameters?: Parameters;
-} & (
+} & (HasNode extends true ? { readonly node: number } : { /** Ignored: the id contains no node. */ readonly node?: number }) & (
   | { readonly values: GivenValue<Fields>; readonly raw?: undefined }
   | { readonly raw: GivenRaw<Fields>; readonly values?: undefined }
   | (keyof Fields extends never ? { readonly values?: undefined; readonly raw?: undefined } : never)
@@ -129,6 +140,12 @@ export interface FieldDescription {
   readonly fixed: number | bigint | null;
   /** Whether a receiver rejects any other raw integer. */
   readonly isConstant: boolean;
+  /** The parameter that is the raw integer of such a field; null if `fixed` is. */
+  readonly parameter: string | null;
+  /** Whether the sender computes the field from other bytes; such a field is in no message. */
+  readonly isChecksum: boolean;
+  /** First and last value of a counter, which the sender increments with each frame; null for another field. */
+  readonly counter: readonly [number, number] | null;
   readonly type: {
     readonly width: number;
     readonly encoding: "unsigned" | "signed" | "float";
@@ -137,6 +154,8 @@ export interface FieldDescription {
     readonly flags: readonly (readonly [bit: number, name: string])[] | null;
     readonly linear: Dependent<Linear> | undefined;
     readonly range: Dependent<readonly [low: Bound, high: Bound]> | undefined;
+    /** The raw integers of a number that have no value, each with its name; null without any. An encoder writes the last one. */
+    readonly noValues: readonly (readonly [first: number | bigint, last: number | bigint, name: string])[] | null;
   };
 }
 
@@ -144,14 +163,24 @@ export interface FieldDescription {
 export interface MessageDescription {
   readonly direction: Direction;
   readonly command: string;
-  /** The id is base + node * step, with the bits of keys and fields. */
+  /** The id is base + node * step, with the bits of keys and fields; plus idParameter * idParameterStep, if there is one. */
   readonly base: number;
   readonly step: number;
+  readonly idParameter?: string;
+  readonly idParameterStep?: number;
   /** First and last node; null for a fixed id. */
   readonly nodes: readonly [number, number] | null;
   readonly extended: boolean;
   readonly remote: boolean;
   readonly length: number;
+  /** When it is sent, if the manual states more than that a reply answers its request. */
+  readonly sent?: readonly ("cyclic" | "on_change" | "on_request" | "event")[];
+  /** The nominal period of a cyclic frame. */
+  readonly everyMs?: number;
+  /** The silence that the receiver treats as a failure. */
+  readonly timeoutMs?: number;
+  /** The field with the number of the frame, the first and the last number, if there are several frames. */
+  readonly frames?: { readonly field: string; readonly first: number; readonly last: number };
   /** Bits with their accepted values; the first value is sent. */
   readonly keys: readonly { readonly segments: readonly Segment[]; readonly values: readonly (number | bigint)[] }[];
   /** The position of its layout in the module of texts. */
@@ -166,4 +195,6 @@ export interface ParameterDescription {
   readonly values?: readonly string[];
   readonly minimum?: Rational;
   readonly maximum?: Rational;
+  /** Whether it is a whole number, as those in ids and constants are. */
+  readonly whole?: boolean;
 }

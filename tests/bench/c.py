@@ -1,9 +1,13 @@
-"""Compares generated C with C written by hand: instructions on this machine, flash on a Cortex-M0.
+"""Compares generated C with C written by hand: instructions on this machine, flash on a Cortex-M0 and on a Cortex-M4F.
 
     python -m tests.bench.c
 
-Instructions are those of GCC -O2, counted by valgrind. Flash is that of GCC -Os; figures of clang, which comes from
-PyPI with zig, have no bar. On Debian: apt-get install gcc gcc-arm-none-eabi valgrind
+Instructions are those of GCC -O2: executed ones are counted by valgrind, those of a decoder in its code. Flash is that of
+-Os with GCC and with clang, which comes from PyPI with zig. On Debian: apt-get install gcc gcc-arm-none-eabi valgrind
+
+The programs by hand check what the generated ones check, and set the same bytes; the first comment of each lists it. The
+firmware by hand has a function for each message that returns why a frame is rejected, as generated code does. One `switch`
+without reasons, which checks the node once for three requests, is smaller than any such functions: the notes state its size.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from canwright.project.loader import specification
-from canwright.targets import c
+from canwright.targets.c.target import CTarget
 
 from ..compilers import CORTEX_M0, WARNINGS, ZIG
 from ..conformance.adapter import write_files
@@ -33,8 +37,29 @@ FUNCTIONS = (
     "decode the multi-turn angle",
     "decode status 1",
     "torque current to milliamperes",
+    "decode status 3",
 )
-ARM_GCC = ("-mcpu=cortex-m0", "-mthumb", "-ffreestanding")
+DECODERS = {3: 1.0, 4: 1.15, 5: 1.15, 7: 1.15}
+"""The functions whose instructions on this machine are counted, and their bars."""
+MIXES = {"raw integers": ("c_mix.c", 1.05), "values": ("c_replies.c", 1.15)}
+"""What a host makes of the replies of one control cycle: its program, and the bar of executed instructions."""
+RECEIVERS = {
+    "functions of messages": ((), 1.05),
+    "identify_reply and _unpack": (("-DIDENTIFY",), 1.05),
+    "decode_reply": (("-DANY_REPLY",), 1.33),
+}
+"""The ways to receive replies in the firmware, with the bars of flash for each compiler and processor."""
+FLASH_BAR = 1.05
+"""Of all functions together, each beside the same function by hand."""
+ARM: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "Cortex-M0": (("-mcpu=cortex-m0",), CORTEX_M0),
+    "Cortex-M4F": (
+        ("-mcpu=cortex-m4", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"),
+        ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4", "-ffreestanding"),
+    ),
+}
+"""The flags of GCC and of clang for each processor."""
+ARM_GCC = ("-mthumb", "-ffreestanding")
 PROGRAM_BITS = 1
 ALLOCATED = 2
 
@@ -44,24 +69,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as name:
-        folder = write_files(c.generate([specification(SPEC)], {}), Path(name))
-        return report([*_instructions(folder), *_firmware(folder), *_functions(folder)])
+        folder = write_files(CTarget().generate([specification(SPEC)], {}), Path(name))
+        return report(
+            [*_instructions(folder), *_decoders(folder), *_firmware(folder), *_functions(folder), *_values(folder)]
+        )
 
 
 def _instructions(folder: Path) -> Iterator[Measure]:
-    """Instructions to receive the replies of one control cycle and to convert their fields to values."""
-    generated, by_hand = (_executed(folder, *defines) for defines in ((), ("-DBY_HAND",)))
-    yield Measure(
-        "instructions, replies of all kinds to values, relative to by hand",
-        generated / by_hand,
-        at_most=1.05,
-        note=f"{generated} / {by_hand} a cycle",
-    )
+    """Instructions to receive the replies of one control cycle through `decode_reply`."""
+    for title, (source, bar) in MIXES.items():
+        generated, by_hand = (_executed(folder, source, *defines) for defines in ((), ("-DBY_HAND",)))
+        yield _relative(f"instructions, replies of all kinds to {title}", generated, by_hand, "a cycle", bar)
 
 
-def _executed(folder: Path, *defines: str) -> int:
+def _executed(folder: Path, source: str, *defines: str) -> int:
     program, counts = folder / "replies", folder / "counts"
-    run(tool("gcc"), "-std=c99", "-O2", *defines, f"-I{folder / 'include'}", HERE / "c_replies.c", "-o", program)
+    run(tool("gcc"), "-std=c99", "-O2", *defines, f"-I{folder / 'include'}", HERE / source, "-o", program)
     cycles = int(run(program))
     run(
         tool("valgrind"),
@@ -75,32 +98,71 @@ def _executed(folder: Path, *defines: str) -> int:
     return int(total[1]) // cycles
 
 
+def _decoders(folder: Path) -> Iterator[Measure]:
+    """Instructions in the code of each decoder, with all that it calls inlined."""
+    for number, bar in DECODERS.items():
+        count, by_hand = (_counted(folder, f"-DCASE={number}", *defines) for defines in ((), ("-DBY_HAND",)))
+        yield _relative(f"instructions, {FUNCTIONS[number]}", count, by_hand, "instructions", bar)
+
+
+def _counted(folder: Path, *defines: str) -> int:
+    unit = folder / "unit.o"
+    include = f"-I{folder / 'include'}"
+    run(tool("gcc"), "-std=c99", "-O2", *defines, include, "-c", HERE / "c_functions.c", "-o", unit)
+    code = run(tool("objdump"), "-d", "--no-show-raw-insn", unit)
+    return len(re.findall(r"^ +[0-9a-f]+:\t(?!nop|data16|cs )", code, re.M))
+
+
+def _relative(title: str, generated: int, by_hand: int, unit: str, bar: float | None) -> Measure:
+    note = f"{generated} / {by_hand} {unit}"
+    return Measure(f"{title}, relative to by hand", generated / by_hand, at_most=bar, note=note)
+
+
 def _firmware(folder: Path) -> Iterator[Measure]:
-    """Flash of a firmware that receives three kinds of replies through the decoder of any reply, or of each message."""
-    for compiler, bar in (("gcc", 1.2), ("clang", None)):
-        any_, each = (_flash(folder, compiler, "c_firmware.c", *d) for d in (("-DANY_REPLY",), ()))
-        yield Measure(
-            f"flash with {compiler}, decode_reply relative to functions of messages",
-            any_ / each,
-            at_most=bar,
-            note=f"{any_} / {each} bytes",
-        )
+    """Flash of a firmware that receives three kinds of replies."""
+    for processor in ARM:
+        for compiler in ("gcc", "clang"):
+            by_hand, one_switch = (
+                _flash(folder, processor, compiler, "c_firmware.c", define)
+                for define in ("-DBY_HAND", "-DBY_HAND_SWITCH")
+            )
+            for title, (defines, bar) in RECEIVERS.items():
+                size = _flash(folder, processor, compiler, "c_firmware.c", *defines)
+                title = f"flash of a firmware, {processor}, {compiler}, {title}"
+                yield _relative(title, size, by_hand, f"bytes; {one_switch} in one switch", bar)
 
 
 def _functions(folder: Path) -> Iterator[Measure]:
     for number, title in enumerate(FUNCTIONS):
-        generated, by_hand = (
-            _flash(folder, "clang", "c_functions.c", f"-DCASE={number}", *d) for d in ((), ("-DBY_HAND",))
-        )
-        yield Measure(
-            f"flash with clang, {title}, relative to by hand",
-            generated / by_hand,
-            note=f"{generated} / {by_hand} bytes",
-        )
+        for compiler in ("gcc", "clang"):
+            size, by_hand = (
+                _flash(folder, "Cortex-M0", compiler, "c_functions.c", f"-DCASE={number}", *defines)
+                for defines in ((), ("-DBY_HAND",))
+            )
+            bar = FLASH_BAR if number == 0 else None
+            yield _relative(f"flash with {compiler}, {title}", size, by_hand, "bytes", bar)
 
 
-def _flash(folder: Path, compiler: str, source: str, *defines: str) -> int:
-    """Bytes of flash on a Cortex-M0 with -Os."""
+def _values(folder: Path) -> Iterator[Measure]:
+    """Flash of a program for values in floating point, with the functions of the compiler's library that it calls."""
+    for value, bar in (("float", 1.05), ("double", 1.1)):
+        size, by_hand = (_linked(folder, f"-DVALUE={value}", *defines) for defines in ((), ("-DBY_HAND",)))
+        yield _relative(f"flash of replies to {value}, Cortex-M4F, gcc", size, by_hand, "bytes", bar)
+
+
+def _linked(folder: Path, *defines: str) -> int:
+    program = folder / "values.elf"
+    flags = ("-Os", *ARM["Cortex-M4F"][0], *ARM_GCC, "-nostdlib", "-Wl,-e,receive_cycle", "-Wl,--gc-sections")
+    include = f"-I{folder / 'include'}"
+    run(
+        *(tool("arm-none-eabi-gcc"), "-std=c99", *flags, *defines, include),
+        *(HERE / "c_replies.c", "-lgcc", "-o", program),
+    )
+    return flash(program.read_bytes())
+
+
+def _flash(folder: Path, processor: str, compiler: str, source: str, *defines: str) -> int:
+    """Bytes of flash with -Os."""
     unit = folder / "unit.o"
     flags: tuple[str | Path, ...] = (
         *WARNINGS,
@@ -112,10 +174,11 @@ def _flash(folder: Path, compiler: str, source: str, *defines: str) -> int:
         "-o",
         unit,
     )
+    gcc, clang = ARM[processor]
     if compiler == "gcc":
-        run(tool("arm-none-eabi-gcc"), "-std=c99", *ARM_GCC, *flags)
+        run(tool("arm-none-eabi-gcc"), "-std=c99", *gcc, *ARM_GCC, *flags)
     else:
-        ZIG.run("c99", *CORTEX_M0, *flags)
+        ZIG.run("c99", *clang, *flags, "-fno-sanitize=all")  # its trap, which is for tests, is code
     return flash(unit.read_bytes())
 
 

@@ -1,6 +1,6 @@
 /*
- * One function at a time, as generated or as written by hand with the same checks; `CASE` tells which, and 0 is all.
- * The hand-written ones are what the generated ones are measured against.
+ * One function at a time, as generated or as written by hand; `CASE` names it, and 0 is all. By hand, the checks are the
+ * same: id, length and code, the parameters that a field or a scale depends on, and the range of what is sent; every byte of a frame is set.
  */
 #include <mwd_motor/v2_35.h>
 
@@ -48,6 +48,14 @@ canwright_status_t decode_status_1(P(status_1_t) * message, uint32_t *node, cons
 }
 #endif
 
+#if WANTED(7)
+canwright_status_t decode_status_3(
+    P(read_status_3_reply_t) * message, uint32_t *node, const canwright_frame_t *frame)
+{
+    return P(read_status_3_reply_decode)(message, node, frame);
+}
+#endif
+
 #if WANTED(6)
 canwright_status_t milliamperes(int32_t *milli, int16_t raw, const P(parameters_t) * parameters)
 {
@@ -86,6 +94,13 @@ struct status {
     uint8_t errors;
 };
 
+struct phases {
+    int8_t temperature;
+    int16_t a;
+    int16_t b;
+    int16_t c;
+};
+
 struct known {
     enum series series;
 };
@@ -106,6 +121,9 @@ int encode_set_torque(
     }
     frame->id = 0x140 + node;
     frame->dlc = 8;
+    frame->reserved[0] = 0;
+    frame->reserved[1] = 0;
+    frame->reserved[2] = 0;
     frame->data[0] = 0xA1;
     frame->data[1] = 0;
     frame->data[2] = 0;
@@ -127,6 +145,9 @@ int encode_set_speed(canwright_frame_t *frame, uint32_t node, const struct speed
     }
     frame->id = 0x140 + node;
     frame->dlc = 8;
+    frame->reserved[0] = 0;
+    frame->reserved[1] = 0;
+    frame->reserved[2] = 0;
     frame->data[0] = 0xA2;
     frame->data[1] = 0;
     frame->data[2] = 0;
@@ -139,7 +160,7 @@ int encode_set_speed(canwright_frame_t *frame, uint32_t node, const struct speed
 }
 #endif
 
-#if WANTED(3) || WANTED(4) || WANTED(5)
+#if WANTED(3) || WANTED(4) || WANTED(5) || WANTED(7)
 static inline int opened(uint32_t *node, const canwright_frame_t *frame, uint8_t code)
 {
     *node = frame->id - 0x140;
@@ -205,27 +226,44 @@ int decode_status_1(struct status *message, uint32_t *node, const canwright_fram
 }
 #endif
 
+#if WANTED(7)
+int decode_status_3(struct phases *message, uint32_t *node, const canwright_frame_t *frame)
+{
+    const int status = opened(node, frame, 0x9D);
+    if (status != OK) {
+        return status;
+    }
+    message->temperature = (int8_t)frame->data[1];
+    message->a = (int16_t)(frame->data[2] | frame->data[3] << 8);
+    message->b = (int16_t)(frame->data[4] | frame->data[5] << 8);
+    message->c = (int16_t)(frame->data[6] | frame->data[7] << 8);
+    return OK;
+}
+#endif
+
 #if WANTED(6)
+/* Not `product / divisor`: a Cortex-M0 calls a function for it, whose flash is not counted. */
+static inline int32_t rounded(int32_t product, int shift)
+{
+    const int32_t half = 1 << (shift - 1);
+    return product < 0 ? -((half - product) >> shift) : (product + half) >> shift;
+}
+
 int milliamperes(int32_t *milli, int16_t raw, const struct known *known)
 {
-    int32_t product = raw * 4125;
-    int32_t half;
     switch (known->series) {
     case MF:
-        half = 256;
-        break;
+        *milli = rounded(raw * 4125, 9);
+        return OK;
     case MG:
-        half = 128;
-        break;
+        *milli = rounded(raw * 4125, 8);
+        return OK;
     case MS:
     case MH:
         return NO_SCALE;
     default:
         return MISSING_PARAMETER;
     }
-    product += product < 0 ? -half : half;
-    *milli = product / (half * 2);
-    return OK;
 }
 #endif
 

@@ -1,35 +1,16 @@
 /*
- * A host that receives the replies of one control cycle and uses their values in units. The decoder is generated, or,
- * with BY_HAND, written for this motor, with the same checks and the same values.
+ * A host that receives the replies of one control cycle and uses their values in units, of type VALUE. The decoder is
+ * generated, or, with BY_HAND, written for this motor, with the same checks and the same values. Freestanding, there is
+ * no program around it.
  */
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
 #include <mwd_motor/v2_35.h>
 #include <mwd_motor/v2_35_float.h>
 
-#define FRAMES 12u
-#define CYCLES 1000u
-
-/* The frames of one control cycle of an MG motor. */
-static const struct {
-    uint32_t id;
-    uint8_t data[8];
-} CYCLE[FRAMES] = {
-    {0x141u, {0xA1, 0x32, 0x9B, 0x00, 0xF4, 0x01, 0x00, 0x80}},
-    {0x142u, {0x92, 0xB0, 0x3C, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}},
-    {0x143u, {0x9A, 0x32, 0x00, 0xE7, 0x01, 0x00, 0x00, 0x08}},
-    {0x141u, {0x9C, 0x1E, 0x65, 0xFF, 0x0C, 0xFE, 0x34, 0x12}},
-    {0x144u, {0xA4, 0x21, 0x10, 0x02, 0xC8, 0x00, 0xFF, 0xFF}},
-    {0x141u, {0x94, 0x00, 0x00, 0x00, 0x50, 0x46, 0x00, 0x00}},
-    {0x142u, {0x90, 0x00, 0x10, 0x20, 0x00, 0x30, 0x00, 0x10}},
-    {0x143u, {0x9D, 0x28, 0x40, 0x00, 0xC0, 0xFF, 0x80, 0x01}},
-    {0x145u, {0x88, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00}},
-    {0x141u, {0x30, 0x00, 0x64, 0x32, 0x28, 0x0E, 0x1E, 0x1E}},
-    {0x142u, {0xA2, 0x2C, 0xCE, 0xFF, 0x18, 0xFC, 0x00, 0x40}},
-    {0x141u, {0x33, 0x00, 0x00, 0x00, 0x10, 0x27, 0x00, 0x00}},
-};
+#ifndef VALUE
+#define VALUE double
+#endif
+#define JOINED(a, b) a##b
+#define TO(type, value) JOINED(type##_to_, value)
 
 #ifndef BY_HAND
 
@@ -46,13 +27,14 @@ static motor_t motor_of(int count)
 }
 
 #define CALL(name) mwd_motor_v2_35_##name
+#define TO_VALUE(name) TO(mwd_motor_v2_35_##name, VALUE)
 #define COMMAND(name) MWD_MOTOR_V2_35_COMMAND_##name
 
-static int receive(double *sum, const canwright_frame_t *frame, const motor_t *motor)
+static inline int receive(VALUE *sum, const canwright_frame_t *frame, const motor_t *motor)
 {
     CALL(any_reply_t) reply;
-    double iq = 0.0;
-    double encoder = 0.0;
+    VALUE iq = 0.0;
+    VALUE encoder = 0.0;
     canwright_status_t status = CALL(decode_reply)(&reply, frame, motor);
     if (status != CANWRIGHT_OK) {
         return (int)status;
@@ -67,44 +49,44 @@ static int receive(double *sum, const canwright_frame_t *frame, const motor_t *m
     case COMMAND(MOVE_BY_ANGLE):
     case COMMAND(MOVE_BY_ANGLE_AT_SPEED):
     case COMMAND(READ_STATUS_2):
-        status = CALL(torque_current_to_double)(&iq, reply.as.read_status_2.iq, motor);
+        status = TO_VALUE(torque_current)(&iq, reply.as.read_status_2.iq, motor);
         if (status == CANWRIGHT_OK) {
-            status = CALL(encoder_position_to_double)(&encoder, reply.as.read_status_2.encoder, motor);
+            status = TO_VALUE(encoder_position)(&encoder, reply.as.read_status_2.encoder, motor);
         }
-        *sum += CALL(temperature_to_double)(reply.as.read_status_2.temperature) + iq +
-            CALL(speed_i16_to_double)(reply.as.read_status_2.speed) + encoder;
+        *sum += TO_VALUE(temperature)(reply.as.read_status_2.temperature) + iq +
+            TO_VALUE(speed_i16)(reply.as.read_status_2.speed) + encoder;
         break;
     case COMMAND(READ_MULTI_TURN_ANGLE):
-        *sum += CALL(multi_turn_angle_to_double)(reply.as.read_multi_turn_angle.angle);
+        *sum += TO_VALUE(multi_turn_angle)(reply.as.read_multi_turn_angle.angle);
         break;
     case COMMAND(READ_SINGLE_TURN_ANGLE):
-        *sum += CALL(single_turn_angle_to_double)(reply.as.read_single_turn_angle.angle);
+        *sum += TO_VALUE(single_turn_angle)(reply.as.read_single_turn_angle.angle);
         break;
     case COMMAND(READ_STATUS_1):
     case COMMAND(CLEAR_ERRORS):
-        *sum += CALL(temperature_to_double)(reply.as.read_status_1.temperature) +
-            CALL(voltage_to_double)(reply.as.read_status_1.voltage) + (double)reply.as.read_status_1.errors;
+        *sum += TO_VALUE(temperature)(reply.as.read_status_1.temperature) +
+            TO_VALUE(voltage)(reply.as.read_status_1.voltage) + (VALUE)reply.as.read_status_1.errors;
         break;
     case COMMAND(READ_STATUS_3):
-        *sum += CALL(temperature_to_double)(reply.as.read_status_3.temperature) +
-            CALL(phase_current_to_double)(reply.as.read_status_3.phase_a) +
-            CALL(phase_current_to_double)(reply.as.read_status_3.phase_b) +
-            CALL(phase_current_to_double)(reply.as.read_status_3.phase_c);
+        *sum += TO_VALUE(temperature)(reply.as.read_status_3.temperature) +
+            TO_VALUE(phase_current)(reply.as.read_status_3.phase_a) +
+            TO_VALUE(phase_current)(reply.as.read_status_3.phase_b) +
+            TO_VALUE(phase_current)(reply.as.read_status_3.phase_c);
         break;
     case COMMAND(READ_ENCODER):
-        status = CALL(encoder_position_to_double)(&encoder, reply.as.read_encoder.encoder, motor);
+        status = TO_VALUE(encoder_position)(&encoder, reply.as.read_encoder.encoder, motor);
         *sum += encoder;
         break;
     case COMMAND(READ_ACCELERATION):
-        *sum += CALL(acceleration_to_double)(reply.as.read_acceleration.acceleration);
+        *sum += TO_VALUE(acceleration)(reply.as.read_acceleration.acceleration);
         break;
     case COMMAND(READ_PID):
-        *sum += (double)reply.as.read_pid.angle_kp + (double)reply.as.read_pid.angle_ki;
+        *sum += (VALUE)reply.as.read_pid.angle_kp + (VALUE)reply.as.read_pid.angle_ki;
         break;
     default:
         break;
     }
-    *sum += (double)reply.node;
+    *sum += (VALUE)reply.node;
     return (int)status;
 }
 
@@ -130,24 +112,24 @@ typedef struct {
     uint32_t node;
     union {
         struct {
-            double temperature, power, iq, speed, encoder;
+            VALUE temperature, power, iq, speed, encoder;
         } feedback;
         struct {
-            double temperature, voltage;
+            VALUE temperature, voltage;
             uint8_t errors;
         } status_1;
         struct {
-            double temperature, phase[3];
+            VALUE temperature, phase[3];
         } status_3;
         struct {
             uint8_t angle_kp, angle_ki, speed_kp, speed_ki, iq_kp, iq_ki;
         } pid;
         struct {
-            double encoder, measured, offset;
+            VALUE encoder, measured, offset;
         } encoder;
-        double angle;
-        double acceleration;
-        double encoder_offset;
+        VALUE angle;
+        VALUE acceleration;
+        VALUE encoder_offset;
     } as;
 } reply_t;
 
@@ -160,14 +142,21 @@ static inline uint32_t u32(const uint8_t *data)
 {
     return (uint32_t)data[0] | (uint32_t)data[1] << 8 | (uint32_t)data[2] << 16 | (uint32_t)data[3] << 24;
 }
-static inline int amperes(double *value, int16_t raw, const motor_t *motor)
+
+static inline int64_t i56(const uint8_t *data)
+{
+    const uint32_t high = u16(data + 4) | (uint32_t)(int8_t)data[6] << 16;
+    return (int64_t)((uint64_t)high << 32 | u32(data));
+}
+
+static inline int amperes(VALUE *value, int16_t raw, const motor_t *motor)
 {
     switch (motor->series) {
     case MF:
-        *value = raw * 33 / 4096.0;
+        *value = raw * 33 / (VALUE)4096.0;
         return OK;
     case MG:
-        *value = raw * 33 / 2048.0;
+        *value = raw * 33 / (VALUE)2048.0;
         return OK;
     case MS:
     case MH:
@@ -177,33 +166,22 @@ static inline int amperes(double *value, int16_t raw, const motor_t *motor)
     }
 }
 
-static inline int degrees(double *value, uint16_t raw, const motor_t *motor)
+static inline int degrees(VALUE *value, uint16_t raw, const motor_t *motor)
 {
     switch (motor->encoder_bits) {
     case 14:
-        *value = raw * (45.0 / 2048.0);
+        *value = raw * ((VALUE)45.0 / (VALUE)2048.0);
         return OK;
     case 15:
-        *value = raw * (45.0 / 4096.0);
+        *value = raw * ((VALUE)45.0 / (VALUE)4096.0);
         return OK;
     case 18:
-        *value = raw * (45.0 / 8192.0);
+        *value = raw * ((VALUE)45.0 / (VALUE)8192.0);
         return OK;
     default:
         return MISSING_PARAMETER;
     }
 }
-
-/* The hundredth part of up to 56 bits, rounded once. */
-static inline double hundredth(int64_t raw)
-{
-    const int64_t exact = INT64_C(1) << 53;
-    if (raw >= -exact && raw <= exact) {
-        return (double)raw / 100.0;
-    }
-    return (double)(raw / 100) + (double)(raw % 100) / 100.0;
-}
-
 
 static inline int decode(reply_t *reply, const canwright_frame_t *frame, const motor_t *motor)
 {
@@ -272,30 +250,29 @@ static inline int decode(reply_t *reply, const canwright_frame_t *frame, const m
     case 0x19:
         return degrees(&reply->as.encoder_offset, u16(data + 6), motor);
     case 0x92:
-        reply->as.angle = hundredth(
-            (int64_t)((uint64_t)u32(data + 1) << 8 | (uint64_t)u16(data + 5) << 40 | (uint64_t)data[7] << 56) >> 8);
+        reply->as.angle = (VALUE)i56(data + 1) / (VALUE)100.0;
         return OK;
     case 0x94:
-        reply->as.angle = u32(data + 4) / 100.0;
+        reply->as.angle = u32(data + 4) / (VALUE)100.0;
         return OK;
     case 0x9A:
     case 0x9B:
         reply->as.status_1.temperature = (int8_t)data[1];
-        reply->as.status_1.voltage = u16(data + 3) / 10.0;
+        reply->as.status_1.voltage = u16(data + 3) / (VALUE)10.0;
         reply->as.status_1.errors = data[7];
         return OK;
     case 0x9D:
         reply->as.status_3.temperature = (int8_t)data[1];
-        reply->as.status_3.phase[0] = (int16_t)u16(data + 2) / 64.0;
-        reply->as.status_3.phase[1] = (int16_t)u16(data + 4) / 64.0;
-        reply->as.status_3.phase[2] = (int16_t)u16(data + 6) / 64.0;
+        reply->as.status_3.phase[0] = (int16_t)u16(data + 2) / (VALUE)64.0;
+        reply->as.status_3.phase[1] = (int16_t)u16(data + 4) / (VALUE)64.0;
+        reply->as.status_3.phase[2] = (int16_t)u16(data + 6) / (VALUE)64.0;
         return OK;
     default:
         return UNKNOWN_CODE;
     }
 }
 
-static int receive(double *sum, const canwright_frame_t *frame, const motor_t *motor)
+static inline int receive(VALUE *sum, const canwright_frame_t *frame, const motor_t *motor)
 {
     reply_t reply;
     int status = decode(&reply, frame, motor);
@@ -345,34 +322,4 @@ static int receive(double *sum, const canwright_frame_t *frame, const motor_t *m
 
 #endif
 
-__attribute__((noinline)) int receive_cycle(double *sum, const canwright_frame_t *frames, const motor_t *motor)
-{
-    int failures = 0;
-    unsigned i;
-    for (i = 0u; i < FRAMES; i++) {
-        failures += receive(sum, &frames[i], motor) != 0;
-    }
-    return failures;
-}
-
-/* Prints the number of cycles. The motor depends on the arguments, so that a compiler does not know it. */
-int main(int count, char **arguments)
-{
-    const motor_t motor = motor_of(count);
-    canwright_frame_t frames[FRAMES];
-    double sum = 0.0;
-    int failures = 0;
-    unsigned i;
-    (void)arguments;
-    for (i = 0u; i < FRAMES; i++) {
-        frames[i].id = CYCLE[i].id;
-        frames[i].dlc = 8u;
-        memcpy(frames[i].data, CYCLE[i].data, 8u);
-    }
-    for (i = 0u; i < CYCLES; i++) {
-        failures += receive_cycle(&sum, frames, &motor);
-    }
-    printf("%u\n", CYCLES);
-    fprintf(stderr, "%.17g\n", sum);
-    return failures;
-}
+#include "c_cycle.h"

@@ -34,7 +34,7 @@ from canwright.project.loader import specification
 from canwright.recordings.direction_arrays import infer_directions
 from canwright.recordings.frame_classes import frame_classes
 from canwright.semantics.frame import CanFrame
-from canwright.targets import dbc
+from canwright.targets.dbc.target import DbcTarget
 
 from ..spec_texts import ROOT
 from .bars import Measure, report
@@ -200,7 +200,7 @@ def decoded_by_columns(log: Path, *, has_marks: bool = True) -> dict[str, Any]:
 
 def cantools_work(log: Path) -> Work:
     """Decodes the replies of a log with cantools, of all nodes."""
-    texts = {o.path: o.text for o in dbc.generate([specification(SPEC)], PARAMETERS)}
+    texts = {o.path: o.text for o in DbcTarget().generate([specification(SPEC)], PARAMETERS)}
     path = next(p for p in texts if p.startswith("mwd_motor-v2.35-MG") and "reply" in p and "node" not in p)
     database: Any = cantools.database.load_string(texts[path], "dbc", strict=False)
 

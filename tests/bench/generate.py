@@ -152,6 +152,9 @@ def _moved(frame: dict[str, Any], i: int) -> dict[str, Any]:
 
 def measures(runs: Runs) -> Iterator[Measure]:
     yield Measure("canwright --help, ms", runs.seconds("--help") * 1000, at_most=80)
+    for arguments in (["show", "0xA1"], ["editions"]):
+        took = runs.seconds(*arguments, "--spec", str(MAIN)) * 1000
+        yield Measure(f"canwright {' '.join(arguments)}, one edition, ms", took, at_most=250)
     out = str(runs.folder / "all")
     runs.canwright("generate", "--out", out)
     for command in ("generate", "check"):

@@ -4,6 +4,9 @@ cantools decodes with one message for each reply, built from the model: no multi
 the signals of that message. This is its fastest form, and it relies on the caller to choose the message. Encoding is
 strict on both sides: values are in units, and a value out of range is rejected.
 
+What cantools cannot do is compared with `by_hand`: a frozen class with slots for one reply, and functions that check what
+the package checks.
+
 Both sides run in turns of a few milliseconds of process time. A figure is the median of the ratios of two turns.
 """
 
@@ -31,6 +34,7 @@ from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
 
 from ..spec_texts import ROOT
+from . import by_hand
 from .bars import Measure, report
 
 PACKAGE = ROOT / "generated/python"
@@ -45,7 +49,7 @@ Work = Callable[[], object]
 
 def main() -> int:
     sys.path.insert(0, str(PACKAGE))
-    return report([*_compared_with_cantools(), *_within_the_package()])
+    return report([*_compared_with_cantools(), *_compared_with_code_by_hand(), *_within_the_package()])
 
 
 def ratio(first: Work, second: Work) -> float:
@@ -124,6 +128,79 @@ def _encoding(edition: Edition, code: int, ours: Callable[[], bytes], values: Ma
     filled = {signal.name: values.get(signal.name, code if signal.name == SELECTOR else 0) for signal in peer.signals}
     assert ours() == peer.encode(filled, strict=True)
     return ratio(lambda: peer.encode(filled, strict=True), ours)
+
+
+def _compared_with_code_by_hand() -> Iterable[Measure]:
+    v2_35, nodes = (importlib.import_module(f"mwd_motor.{name}") for name in ("v2_35", "nodes"))
+    known = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=18)
+    request = v2_35.SetTorqueRequest(node=1, iq=2.5, parameters=known)
+    reply = bytes.fromhex("A1 32 9B 00 F4 01 00 40")
+    bus = nodes.Nodes([nodes.Node(v2_35, 1, known)])
+
+    def values() -> dict[str, float]:
+        return {"temperature": 50, "iq": 2.5, "speed": 100, "encoder": 90}
+
+    ours = v2_35.SetTorqueReply(node=1, parameters=known, **values())
+    theirs = by_hand.TorqueReply.of(1, **values())
+    assert (ours.encode(), ours.iq) == (theirs.data(), theirs.iq)
+    decoded = v2_35.decode_answer(request, 0x141, reply, known)
+    assert (decoded.iq, decoded.speed) == (by_hand.decode(0x141, reply).iq, by_hand.decode(0x141, reply).speed)
+
+    yield Measure(
+        "`decode_answer` of a request, time relative to `decode_reply`",
+        ratio(
+            lambda: v2_35.decode_answer(request, 0x141, reply, known),
+            lambda: v2_35.decode_reply(0x141, reply, known),
+        ),
+        at_most=2,
+    )
+    refused = {
+        "a foreign id": (0x300, reply),
+        "another code": (0x141, b"\xff" + reply[1:]),
+        "another length": (0x141, reply[:7]),
+    }
+    for name, frame in refused.items():
+        yield Measure(
+            f"refuse {name}, time relative to code by hand",
+            ratio(_refusing(v2_35.decode_reply, *frame), _refusing(by_hand.decode, *frame)),
+            at_most=3,
+        )
+    for name, can_id in (("a foreign id", 0x300), ("another node", 0x142)):
+        yield Measure(
+            f"refuse {name} by `Nodes`, time relative to code by hand",
+            ratio(_refusing(bus.decode_reply, can_id, reply), _refusing(by_hand.decode, 0x300, reply)),
+            at_most=3,
+        )
+    yield Measure(
+        "make a reply from values, time relative to code by hand",
+        ratio(
+            lambda: v2_35.SetTorqueReply(node=1, parameters=known, **values()),
+            lambda: by_hand.TorqueReply.of(1, **values()),
+        ),
+        at_most=3,
+    )
+    node = nodes.Node(v2_35, 1, known)
+    yield Measure(
+        "`Node.make`, time relative to the constructor",
+        ratio(
+            lambda: node.make(v2_35.SetTorqueRequest, iq=2.5),
+            lambda: v2_35.SetTorqueRequest(node=1, iq=2.5, parameters=known),
+        ),
+        at_most=2.2,
+    )
+
+
+def _refusing(decode: Callable[[int, bytes], object], can_id: int, data: bytes) -> Work:
+    """Decodes a frame that is refused, as a program that skips it does."""
+
+    def work() -> None:
+        try:
+            decode(can_id, data)
+        except ValueError:
+            return
+        raise AssertionError(f"0x{can_id:X} was decoded")
+
+    return work
 
 
 def _within_the_package() -> Iterable[Measure]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from canwright.cli import main
@@ -77,3 +78,43 @@ def test_existing_golden_frames_are_not_overwritten(lamp: Path) -> None:
     assert "v2.frames.yaml exists already" in copy("v1", "v2").output
     assert not (lamp / "v2.yaml").exists()
     assert (lamp / "v2.frames.yaml").read_text("utf-8") == "mine"
+
+
+def test_an_edition_of_the_package_is_copied_unchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "package" / "lamp"
+    package.mkdir(parents=True)
+    (package / "v1.yaml").write_text(OLD, "utf-8")
+    (package / "v1.frames.yaml").write_text(FRAMES, "utf-8")
+    for module in ("cli.copy", "cli.common", "project.references"):
+        monkeypatch.setattr(f"canwright.{module}.SPECS", package.parent)
+    home = tmp_path / "home"
+    home.mkdir()
+    monkeypatch.chdir(home)
+    run = CliRunner().invoke
+    assert "lamp" in run(main, ["editions"]).stdout
+    assert "dim" in run(main, ["show", "dim"]).stdout
+    assert run(main, ["diff", "lamp/v1", "v1"]).exit_code == 0
+    assert "--date is for a new edition" in copy("v1", "--date", "2026-01").output
+    result = copy("lamp/v1")
+    assert result.stdout == "wrote spec/lamp/v1.yaml\nwrote spec/lamp/v1.frames.yaml\n", result.output
+    assert Path("spec/lamp/v1.yaml").read_text("utf-8") == OLD
+    assert Path("spec/lamp/v1.frames.yaml").read_text("utf-8") == FRAMES
+    assert "give the name of the new edition" in copy("lamp/v1").output
+    assert copy("lamp/v1", "v2").exit_code == 0, "now it is an edition of spec/"
+    Path("spec").rename("mine")
+    assert copy("lamp/v1", "mine/lamp").exit_code == 2
+    assert copy("lamp/v1", "other/place").stdout.startswith("wrote other/place/v1.yaml\n")
+
+
+def test_nothing_is_written_if_a_write_fails(lamp: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    original = Path.open
+
+    def fails(self: Path, mode: str = "r", **rest: Any) -> Any:
+        if self.name == "v2.frames.yaml" and mode == "x":
+            raise OSError(28, "No space left on device")
+        return original(self, mode, **rest)
+
+    before = sorted(lamp.iterdir())
+    monkeypatch.setattr(Path, "open", fails)
+    assert copy("v1", "v2").exit_code == 2
+    assert sorted(lamp.iterdir()) == before

@@ -196,12 +196,12 @@ def test_run_with_a_changed_input_is_repeated(change: str, project: Path, monkey
 @pytest.mark.parametrize(
     "option", ["--force", "--no-cache", "--set=x=1", "--target=python", "--format=json", "--spec=spec/lamp/v1.yaml"]
 )
-def test_other_options_are_another_run(option: str) -> None:
+def test_a_run_with_other_options_is_not_skipped(option: str) -> None:
     run(*GENERATE)
     assert is_known(*GENERATE) and not is_known(*GENERATE, option)
 
 
-def test_another_folder_is_another_run(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_in_another_folder_is_not_skipped(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run(*GENERATE)
     shutil.copytree(Path.cwd(), project / "copy")
     monkeypatch.chdir(project / "copy")

@@ -27,7 +27,7 @@ def test_every_kind_has_an_example() -> None:
 
 
 @pytest.mark.parametrize("rule", CHANGES)
-def test_what_a_comparison_says(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_text_of_each_finding_of_a_comparison(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(CHANGE_EXAMPLES / rule)
     monkeypatch.setenv("NO_COLOR", "1")
     comparison = Comparison.of(load(Path("previous.yaml")), load(Path("current.yaml")), Policy())

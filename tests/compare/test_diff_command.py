@@ -92,7 +92,7 @@ def test_exit_codes() -> None:
     assert (unknown.exit_code, "breaking, wire, value, api, doc" in unknown.output) == (2, True)
 
 
-def test_what_cannot_be_compared(specs: Path) -> None:
+def test_invalid_and_unrelated_specs_are_not_compared(specs: Path) -> None:
     (specs / "bad.yaml").write_text(OLD.replace("code: 0x10", "code: 0x1000"), "utf-8")
     bad = diff("v1", "bad")
     assert (bad.exit_code, "spec/lamp/bad.yaml:10:11: error" in bad.output) == (2, True)

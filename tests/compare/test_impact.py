@@ -52,7 +52,7 @@ def impacts(folder: Path, text: str, *changes: tuple[str, str]) -> list[str]:
             ],
         ),
         (
-            [(f'{OFF}"2.1"\n    reply: echo', f'{OFF}"2.1"\n    reply: motion_feedback')],
+            [("电机关闭命令\n    reply: echo", "电机关闭命令\n    reply: motion_feedback")],
             ["loud receiving: command motor_off: reply-form-changed"],
         ),
         ([("clears_turns", "forgets_turns")], ["build sending+receiving: effect clears_turns: effect-renamed"]),

@@ -16,7 +16,7 @@ V2_35 = (ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8")
 V2_36 = (ROOT / "spec/mwd_motor/v2.36-2025-03.yaml").read_text("utf-8")
 JOINT = (ROOT / "tests/specs/joint/v1.yaml").read_text("utf-8")
 PUMP = (ROOT / "tests/specs/pump/v1.yaml").read_text("utf-8")
-WINCH = (ROOT / "tests/verification/specs/winch/v1.yaml").read_text("utf-8")
+WINCH = (ROOT / "tests/verification/specs/windlass/v1.yaml").read_text("utf-8")
 MIXER = (ROOT / "tests/specs/mixer/v2-2024-02.yaml").read_text("utf-8")
 
 
@@ -514,3 +514,19 @@ def test_a_float_that_becomes_a_constant_keeps_its_meaning(tmp_path: Path) -> No
 
 
 CONSTANT_LIMIT = "reply: {code: 0x7B, layout: {limit: {at: 4, raw: f32, constant: 1}}}"
+
+
+def test_a_frame_that_is_accepted_shows_what_the_new_node_ignores(tmp_path: Path) -> None:
+    """Most values of a field in the id make the id unknown; the value 0 does not, and is ignored in silence."""
+    old = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4, extended: true}}
+commands:
+  dim: {request: {host: {at: id.16, raw: u4}, group: {at: id.20, raw: u4}}, reply: none}
+"""
+    new = old.replace("request: {host: {at: id.16, raw: u4}, group: {at: id.20, raw: u4}}", "request: {}")
+    (change,) = compare(edition(tmp_path, old), edition(tmp_path, new))
+    assert (change.rule.id, change.impact) == ("request-changed", Impact.SILENT)
+    assert change.witnesses[0].sent.startswith("00000101#")

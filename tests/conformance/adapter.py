@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import ClassVar
 
 from canwright.model.edition import Edition
+from canwright.model.layout import Field
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
+from canwright.model.types import NO_PARAMETERS
 from canwright.semantics.frame import CanFrame as CanFrame
 from canwright.targets.base import EditionInput, Output
 
@@ -103,7 +105,7 @@ class Adapter(ABC):
     ) -> Encoded | Refused: ...
 
     @abstractmethod
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None: ...
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None: ...
 
     def message_of(self, direction: Direction, command: str) -> Message:
         """The request or the reply of a command."""
@@ -147,3 +149,10 @@ def write_files(outputs: Iterable[Output], workdir: Path) -> Path:
 
 
 _COUNT = itertools.count()
+
+
+def joined_value(field: Field, raw: Raw) -> Value:
+    """The value of a field with joined elements, for a target that has only these."""
+    assert field.type.joined is not None and isinstance(raw, list)
+    value = field.type.joined.value(raw)
+    return float(value) if isinstance(value, Fraction) else value

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from canwright.model.layout import MAX_DATA_BYTES
+from canwright.model.metadata import FrameFormat
 
 Data = dict[Any, Any]
 Change = Callable[[Data], None]
@@ -15,11 +15,18 @@ Mutant = tuple[str, Change]
 Path = tuple[str | int, ...]
 
 
+def _states_every_length(data: Data) -> bool:
+    """Whether each request and reply has a length of its own."""
+    halves = [command.get(half, {}) for command in data["commands"].values() for half in ("request", "reply")]
+    return all(isinstance(half, dict) and ("dlc" in half or "of" in half) for half in halves if half != "none")
+
+
 def mutants(data: Data) -> Iterator[Mutant]:
     """Every address, selector, type, field, index, code and reply form of a spec, changed a little."""
     order = data.get("byte_order", "little")
     yield _set(("byte_order",), "little" if order == "big" else "big")
-    yield _set(("bus", "dlc"), 7)
+    if not _states_every_length(data):
+        yield _set(("bus", "dlc"), 7)
     for name, address in data["addresses"].items():
         yield from _address(("addresses", name), address)
     if "selector" in data:
@@ -55,7 +62,8 @@ def _address(path: Path, address: Data) -> Iterator[Mutant]:
         if key not in address:
             continue
         written = str(address[key])
-        moved = f"{written} + 0x400" if "node" in written else f"0x{int(written, 0) ^ 2:X}"
+        is_number = re.fullmatch("[0-9xA-Fa-f]+", written)
+        moved = f"0x{int(written, 0) ^ 2:X}" if is_number else f"{written} + 0x400"
         yield _set((*path, key), moved)
         if "<<" in written:
             yield _set((*path, key), written.replace("<< ", "<< 1"))
@@ -68,6 +76,8 @@ def _address(path: Path, address: Data) -> Iterator[Mutant]:
         low, high = map(int, address["nodes"].split(".."))
         for changed in ((low, high + 1), (low, high - 1), (low + 1, high), *([(low - 1, high)] if low else [])):
             yield _set((*path, "nodes"), f"{changed[0]}..{changed[1]}")
+    if "alternative_replies" in address:
+        yield _drop((*path, "alternative_replies"))
     for key in ("selector", "reply_selector"):
         if key in address:
             yield from _selector((*path, key), address[key])
@@ -76,8 +86,8 @@ def _address(path: Path, address: Data) -> Iterator[Mutant]:
 def _selector(path: Path, selector: Data) -> Iterator[Mutant]:
     for at in _moved(selector["at"]):
         yield _set((*path, "at"), at)
-    width = int(selector["raw"][1:])
-    yield _set((*path, "raw"), f"u{width - 1}")
+    if not str(selector["at"]).startswith("id."):  # in an id, a bit that is not selected by has to be 0 as well
+        yield _set((*path, "raw"), f"u{int(selector['raw'][1:]) - 1}")
 
 
 def _table(path: Path, table: Data) -> Iterator[Mutant]:
@@ -105,17 +115,26 @@ def _code(path: Path, code: int | Data, free: int) -> Iterator[Mutant]:
         yield _set(path, free)
 
 
+MESSAGE_KEYS = {
+    *("layout", "fields", "of", "from_each", "code", "accept", "address", "dlc", "remote"),
+    *("every_ms", "timeout_ms", "sent", "frames"),
+}
+"""The keys of a request or a reply that is more than its fields."""
+
+
 def _command(path: Path, command: Data, free: int) -> Iterator[Mutant]:
     if "code" in command:
         yield from _code((*path, "code"), command["code"], free)
+    for key in ("further_replies", "alternative_replies"):
+        if key in command:
+            yield _drop((*path, key))
     for half in ("request", "reply"):
         written = command.get(half)
         if written == "echo":
             yield _set((*path, half), "none")
         if not isinstance(written, dict):
             continue
-        long = {"layout", "fields", "of", "from_each", "code", "accept", "address", "dlc", "remote"} & set(written)
-        if not long:
+        if not MESSAGE_KEYS & set(written):
             yield from _fields((*path, half), written)
             continue
         for key in ("layout", "fields"):
@@ -127,14 +146,20 @@ def _command(path: Path, command: Data, free: int) -> Iterator[Mutant]:
 def _frame(path: Path, written: Data, free: int) -> Iterator[Mutant]:
     """All of a request or a reply but its fields."""
     if "of" not in written:
-        dlc = written.get("dlc", MAX_DATA_BYTES)
+        lengths = FrameFormat.FD.lengths
+        number = lengths.index(written.get("dlc", FrameFormat.CLASSIC.max_data_bytes))
         if not written.get("remote"):
-            yield _set((*path, "dlc"), dlc + 1 if dlc < MAX_DATA_BYTES else dlc - 1)
+            yield _set(
+                (*path, "dlc"), lengths[number + 1 if number < FrameFormat.CLASSIC.max_data_bytes else number - 1]
+            )
         yield _set((*path, "remote"), not written.get("remote", False))
     if "code" in written:
         yield from _code((*path, "code"), written["code"], free)
     for i in range(len(written.get("accept", ()))):
         yield _set((*path, "accept"), [n for j, n in enumerate(written["accept"]) if j != i])
+    for field, numbers in written.get("frames", {}).items():
+        first, last = map(int, numbers.split(".."))
+        yield _set((*path, "frames", field), f"{first}..{last - 1}")
     if "from_each" in written:
         low, high = written["from_each"].split("..")
         yield _set((*path, "from_each"), f"{low}..{int(high) + 1}")
@@ -152,13 +177,16 @@ def _fields(path: Path, fields: Data) -> Iterator[Mutant]:
         if "holds" in field:
             yield _drop((*at, "holds"))
         if "constant" in field:
-            yield _set((*at, "constant"), field["constant"] ^ 1)
+            constant = field["constant"]
+            yield _set((*at, "constant"), constant ^ 1 if isinstance(constant, int) else 1)
         if "reserved" in field:
             yield _set((*at, "reserved"), field["reserved"] ^ 1)
             yield f"{_dotted(at)} checked", _renamed(at, "reserved", "constant")
         if "array" in field:
             low, high = map(int, field["array"].split(".."))
             yield _set((*at, "array"), f"{low}..{high - 1}")
+        if "checksum" in field:
+            yield from _checksum((*at, "checksum"), field["checksum"])
         if "raw" in field and not {"constant", "reserved"} & set(field):
             yield from _raw((*at, "raw"), field["raw"])
     for first, second in zip(list(fields), list(fields)[1:], strict=False):
@@ -166,8 +194,23 @@ def _fields(path: Path, fields: Data) -> Iterator[Mutant]:
             yield f"{_dotted(path)} {first}<->{second}", _swap(path, first, second)
 
 
+def _checksum(path: Path, checksum: Data) -> Iterator[Mutant]:
+    if "poly" in checksum:
+        yield _set((*path, "poly"), checksum["poly"] ^ 2)
+        yield from (_set((*path, key), checksum.get(key, 0) ^ 1) for key in ("init", "xor_out"))
+        yield _set((*path, "reflected"), not checksum.get("reflected", False))
+    else:
+        yield _set((*path, "algorithm"), "sum_inverted" if checksum["algorithm"] != "sum_inverted" else "sum")
+    if isinstance(checksum["over"], list):
+        yield _set((*path, "over"), checksum["over"][-1])
+
+
 def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
     """`order` is that of the edition; empty where no byte order matters."""
+    joined = re.fullmatch("(ascii|utf8_|bcd)([0-9]+)", type_["raw"])
+    if joined:
+        yield from _joined(path, type_, joined[1], int(joined[2]), order)
+        return
     raw, is_number = type_["raw"], "enum" not in type_ and "flags" not in type_
     if "flags" not in type_:
         yield from _raw((*path, "raw"), raw)
@@ -186,10 +229,24 @@ def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
     elif is_number and not is_float:
         yield _set((*path, "scale"), 2 if scale == 1 else 1)
     yield from _ranges(path, type_)
+    if len(type_.get("no_value", ())) > 1:
+        yield from (_drop((*path, "no_value", name)) for name in type_["no_value"])
     for kind, key in (("enum", "value"), ("flags", "bit")):
         for member, entry in type_.get(kind, {}).items():
             at, value = ((), entry) if isinstance(entry, int) else ((key,), entry[key])
             yield _set((*path, kind, member, *at), value + 2)
+
+
+def _joined(path: Path, type_: Data, kind: str, count: int, order: str) -> Iterator[Mutant]:
+    """A text in another encoding, of another length or with other padding; digits of another number or in another order."""
+    if kind != "bcd":
+        yield _set((*path, "raw"), f"{'utf8_' if kind == 'ascii' else 'ascii'}{count}")
+    elif count > 2 and order:
+        yield _set((*path, "byte_order"), "little" if type_.get("byte_order", order) == "big" else "big")
+    if count > 1:
+        yield _set((*path, "raw"), f"{kind}{count - 1}")
+    if "padding" in type_:
+        yield _set((*path, "padding"), type_["padding"] ^ 1)
 
 
 def _ranges(path: Path, type_: Data) -> Iterator[Mutant]:
@@ -239,6 +296,10 @@ def _change_all(path: Path, written: Data) -> Change:
 
 def _raw(path: Path, raw: str) -> Iterator[Mutant]:
     """Another sign, and another width; a float of another width."""
+    joined = re.fullmatch("(ascii|utf8_|bcd)([0-9]+)", raw)
+    if joined:
+        yield from _joined(path[:-1], {}, joined[1], int(joined[2]), "")
+        return
     width = int(raw[1:])
     if raw[0] == "f":
         yield _set(path, "f64" if width == 32 else "f32")
@@ -266,8 +327,11 @@ def _spans(limits: str) -> Iterator[str]:
         yield f"{low}..2*{high.partition('*')[2]}"
 
 
-def _moved(at: object) -> Iterator[str]:
-    """The places a step before and behind: a byte, or a bit where one is given."""
+def _moved(at: object) -> Iterator[object]:
+    """The places a step before and behind: a byte, or a bit where one is given; several runs in another order."""
+    if isinstance(at, list):
+        yield at[::-1]
+        return
     text = str(at)
     if text.startswith("id."):
         bit = int(text[3:])

@@ -11,13 +11,15 @@ from fractions import Fraction
 from typing import Any
 
 from canwright.model.edition import Edition
+from canwright.model.joined import Joined, JoinedText
 from canwright.model.layout import Field, Space, bits_of
 from canwright.model.message import Direction, Key, Message
 from canwright.model.refusal import Refusal
-from canwright.model.types import Encoding, Parameter
+from canwright.model.types import NO_PARAMETERS, Encoding, Parameter
 from canwright.resolve.number_parameters import number
 from canwright.semantics.decoder import linear_of
 from canwright.semantics.encoder import Encoder, Encoders
+from canwright.semantics.frame import with_checksum
 
 from ..float_rule import float_of
 from ..semantics.random_frames import random_frame
@@ -104,14 +106,16 @@ class Questions:
                 yield Question("decode", "decode", (direction, frame, known, None))
             yield Question("decode expected", "decode", (message.direction, frame, known, message.command))
 
-    def _near(self, message: Message) -> Iterator[CanFrame]:
+    def _near(self, message: Message, known: Parameters = NO_PARAMETERS) -> Iterator[CanFrame]:
         """A frame of a message, and frames that differ from it in one part."""
         chance = self._chance
-        frame = self._frame(message, self._node(message))
+        first = self._node(message)
+        frame = self._frame(message, first, known=known)
         ids = frame.id & message.id_mask
+        base = (frame.id & ~message.id_mask) - (first or 0) * message.id.node_step
         for node in self._nodes(message)[:-1]:
             if node is not None:
-                yield frame._replace(id=message.id.base + node * message.id.node_step | ids)
+                yield frame._replace(id=base + node * message.id.node_step | ids)
         bits = 29 if message.id.extended else 11
         for bit in (chance.randrange(bits), chance.randrange(bits), chance.randrange(29)):
             yield frame._replace(id=frame.id ^ 1 << bit)
@@ -124,7 +128,7 @@ class Questions:
             fixed = (f for f in message.layout.fields if not f.role.is_value)
             parts = [(k.space, bits_of((segment,))) for k in message.keys for segment in k.segments]
             parts += [(f.space, e.bits) for f in fixed for e in f.elements]
-            beyond = message.id.base + ((message.id.nodes or range(1))[-1] + 1) * message.id.node_step
+            beyond = base + ((message.id.nodes or range(1))[-1] + 1) * message.id.node_step
             for space, bits_ in parts:
                 wrong = _flipped(frame, space, chance.choice(list(bits_)))
                 yield from (wrong, wrong._replace(data=wrong.data[:-1]), wrong._replace(id=beyond | ids))
@@ -138,19 +142,22 @@ class Questions:
                 for i, bit in enumerate(self._chance.choice(field.elements).bits):
                     if not frame.remote and _bit(frame, field.space, bit) != raw >> i & 1:
                         frame = _flipped(frame, field.space, bit)
-                yield frame
+                yield sealed(message, frame)
 
     def _random(self, message: Message) -> Iterator[CanFrame]:
         """Frames with random data and frames with something of another message."""
         for _ in range(4):
             yield self._frame(message, self._node(message), noise=True)
-            yield random_frame(message, self._chance.choice(self._messages), self._chance)
+            mixed = random_frame(message, self._chance.choice(self._messages), self._chance)
+            yield from dict.fromkeys((mixed, sealed(message, mixed)))
         yield CanFrame(self._chance.getrandbits(11), self._chance.randbytes(self._chance.randrange(9)))
         yield CanFrame(self._chance.getrandbits(29), self._chance.randbytes(self._chance.randrange(9)), True)
 
-    def _frame(self, message: Message, node: int | None, noise: bool = False) -> CanFrame:
+    def _frame(
+        self, message: Message, node: int | None, noise: bool = False, known: Parameters = NO_PARAMETERS
+    ) -> CanFrame:
         """A frame of a message, or of one of its accepted keys; with `noise`, bits are random, except for constants."""
-        encoder = self._encoders.for_parameters(self._known(message))
+        encoder = self._encoders.for_parameters(self._known(message, known))
         raws = {name: self._raw(encoder, field) for name, field in (encoder.fields(message) or {}).items()}
         frame = encoder.encode_raws(message, node, raws)
         assert isinstance(frame, CanFrame), frame
@@ -159,7 +166,7 @@ class Questions:
             keys[0] = (keys[0][0], (*message.accepted_codes, *message.identifying_codes))
         id_, word = frame.id, int.from_bytes(frame.data, "little")
         if noise:
-            constants = (f for f in message.layout.fields if f.space is Space.DATA and f.role.is_checked)
+            constants = (f for f in message.layout.fields if f.space is Space.DATA and f.role.required_raw is not None)
             fixed = sum(1 << bit for f in constants for e in f.elements for bit in e.bits)
             word |= self._chance.getrandbits(8 * len(frame.data) or 1) & ~fixed
         for key, values in keys:
@@ -171,21 +178,22 @@ class Questions:
                 else:
                     word = word & ~(1 << bit) | change
         data = (word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little")
-        return frame._replace(id=id_, data=data)
+        return sealed(message, frame._replace(id=id_, data=data))
 
     def _having(self, message: Message, known: Parameters) -> Parameters:
         """Parameters of a node that has the command of a request: C does not encode it for other nodes."""
-        only = self._edition.command(message.command).only if message.direction is Direction.REQUEST else {}
+        only = message.only
         lacking = [name for name, values in only.items() if known.get(name, values[0]) not in values]
         return {**known, **{name: self._chance.choice(only[name]) for name in lacking}}
 
-    def _known(self, message: Message) -> Parameters:
-        """Parameters under which the fields of a message are known and a node has the command of a request."""
-        known = dict(self._having(message, self._parameters()))
+    def _known(self, message: Message, preferred: Parameters = NO_PARAMETERS) -> Parameters:
+        """Parameters under which id and fields of a message are known and a node has the command of a request."""
+        known = dict(self._having(message, preferred or self._parameters()))
         name = message.layout.parameter
         if name is not None and name not in known:
             known[name] = self._chance.choice(self._edition.parameter(name).values).name
-        return known
+        values = dict(self._choices)
+        return {**{needed: self._chance.choice(values[needed]) for needed in message.parameters}, **known}
 
     def _raw(self, encoder: Encoder, field: Field) -> Raw:
         """A valid raw integer of a field, or a list for an array."""
@@ -219,6 +227,7 @@ class Questions:
             for bound in (span.low.at(numbers_), span.high.at(numbers_)):
                 ends |= {math.floor(bound), math.ceil(bound)} if bound is not None else set()
         ends |= {member.value for member in type_.enum} | {1 << flag.value for flag in type_.flags}
+        ends |= {end for no_value in type_.no_values for end in (no_value.raws[0], no_value.raws[-1])}
         mask = sum(1 << flag.value for flag in type_.flags)
         inner = [chance.getrandbits(type_.width) & mask] if mask else [chance.randint(low, high) for _ in range(4)]
         bounds = sorted(ends)
@@ -261,6 +270,11 @@ class Questions:
             invalid = {name: _largest(field) for name, field in fields.items()}
             for node in (None,) if nodes is None else (nodes[0], nodes[-1] + 1):
                 yield Question("several mistakes", "encode_raw", (*_start(message), node, invalid, parameters))
+        for name, values in message.only.items():
+            lacking = [value.name for value in self._edition.parameter(name).values if value.name not in values]
+            for parameters in ({name: value} for value in lacking):
+                node = None if nodes is None else nodes[-1] + 1
+                yield Question("not available", "encode_raw", (*_start(message), node, {}, parameters))
 
     def _given_values(self, message: Message) -> Iterator[Question]:
         """Values at the limits of every field, ties, and what is no number."""
@@ -270,14 +284,33 @@ class Questions:
         for name, field in fields.items():
             for kind, candidate in self._values_of(encoder, field):
                 values = {other_name: self._value(encoder, other_field) for other_name, other_field in fields.items()}
-                values[name] = [candidate] * len(field.elements) if field.is_array else candidate
+                is_list = field.is_array and field.type.joined is None
+                values[name] = [candidate] * len(field.elements) if is_list else candidate
                 if all(value is not None for value in values.values()):
                     yield Question(kind, "encode_values", (*_start(message), self._node(message), values, known))
 
     def _value(self, encoder: Encoder, field: Field) -> Any:
         """A valid value; None where the field has no scale."""
+        if field.type.joined is not None:
+            return self._chance.choice([value for kind, value in self._joined(field.type.joined) if kind == "value"])
         values = [self._of_raw(encoder, field, self._valid(encoder, field)) for _ in field.elements]
         return None if None in values else values if field.is_array else values[0]
+
+    def _joined(self, joined: Joined) -> Iterator[tuple[str, Any]]:
+        """Texts that fit and that do not, and numbers around the limits of decimal digits."""
+        if isinstance(joined, JoinedText):
+            end = chr(joined.padding) if 0 < joined.padding < 128 else "\0"
+            widest = "\u20ac" * (joined.count // 3) if joined.codec == "utf-8" else "~" * joined.count
+            texts = ["", "A", "0042"[: joined.count], "x" * joined.count, widest]
+            yield from (("value", text) for text in texts)
+            refused = ("x" * (joined.count + 1), f"a{end}", "\0", "\ud800", "\u20ac" * joined.count)
+            yield from (("no value", text) for text in refused)
+        else:
+            most = Fraction(10**joined.count - 1)
+            yield from (("value", Fraction(number)) for number in (0, 1, most, most // 7))
+            half = Fraction(1, 2)
+            yield from (("tie", number) for number in (half, most + half, -half, most - half))
+            yield from (("no value", value) for value in (Fraction(-1), most + 1, "nan", "inf", "-inf"))
 
     def _of_raw(self, encoder: Encoder, field: Field, raw: int, steps: Fraction = Fraction(0)) -> Any:
         """The value of a raw integer and a part of a step, as a double or as a fraction."""
@@ -286,6 +319,9 @@ class Questions:
             return next((member.name for member in type_.enum if member.value == raw), type_.enum[0].name)
         if type_.flags:
             return [flag.name for flag in type_.flags if raw >> flag.value & 1]
+        no_value = type_.no_value(raw)
+        if no_value is not None and not steps:
+            return no_value.name
         linear = linear_of(type_, encoder.assignment)
         if linear is None:
             return None
@@ -299,11 +335,14 @@ class Questions:
         """Values of raw integers; values between them, ties included, and values that no raw integer has."""
         type_ = field.type
         half, little = Fraction(1, 2), Fraction(1, 1 << 20)
+        if type_.joined is not None:
+            yield from self._joined(type_.joined)
+            return
         for raw in dict.fromkeys(self._candidates(encoder, field)):
             yield "encode values", self._of_raw(encoder, field, raw)
             if type_.is_number and type_.encoding is not Encoding.FLOAT:
                 sign = self._chance.choice((-1, 1))
-                for part in (half - little, half, half + little):
+                for part in (little, half - little, half, half + little):
                     yield "encode between", self._of_raw(encoder, field, raw, sign * part)
         if type_.is_number:
             yield from (("encode between", value) for value in ("nan", "inf", "-inf", *HUGE))
@@ -324,22 +363,23 @@ class Questions:
 
     def _replies(self, message: Message) -> Iterator[Question]:
         """Replies to a request, and frames that differ from them in one part."""
-        for request, reply in itertools.chain(self._answers(message), self._requests(message)):
-            yield Question("answers", "answers", (request, reply))
+        known = self._parameters()
+        for request, reply in itertools.chain(self._answers(message, known), self._requests(message, known)):
+            yield Question("answers", "answers", (request, reply, known))
 
-    def _answers(self, message: Message) -> Iterator[tuple[CanFrame, CanFrame]]:
+    def _answers(self, message: Message, known: Parameters) -> Iterator[tuple[CanFrame, CanFrame]]:
         """A request with replies from the nodes near its own, each also with a part changed."""
         chance = self._chance
         command = self._edition.command(message.command)
         node = self._node(message)
-        request = self._frame(message, node, noise=True)
+        request = self._frame(message, node, noise=True, known=known)
         replies = [m for m in self._messages if m.direction is Direction.REPLY]
-        for reply in (m for m in (command.reply, chance.choice(replies) if replies else None) if m is not None):
+        for reply in (*(own.message for own in command.replies), *([chance.choice(replies)] if replies else [])):
             nodes = reply.id.nodes
             to = command.from_each or ((node,) if nodes is not None and node in nodes else (None,))
             near = {n + step for n in to if n is not None for step in (-1, 0, 1, 2, 4)} & set(nodes or ())
             for sender in (*sorted(near), *((chance.choice(nodes),) if nodes is not None else (None,))):
-                answer = self._frame(reply, sender)
+                answer = self._frame(reply, sender, known=known)
                 if command.is_echoed and reply is command.reply and chance.random() < 0.8:
                     answer = answer._replace(data=request.data)
                 yield request, answer
@@ -354,11 +394,11 @@ class Questions:
         for length in {len(frame.data) - 1, len(frame.data) + 1, 0} & set(range(9)):
             yield frame._replace(data=frame.data[:length].ljust(length, b"\0"))
 
-    def _requests(self, message: Message) -> Iterator[tuple[CanFrame, CanFrame]]:
+    def _requests(self, message: Message, known: Parameters) -> Iterator[tuple[CanFrame, CanFrame]]:
         """Frames that are nearly a request, with its reply."""
         reply = self._edition.command(message.command).reply or message
-        for frame in self._near(message):
-            yield frame, self._frame(reply, self._node(reply))
+        for frame in self._near(message, known):
+            yield frame, self._frame(reply, self._node(reply), known=known)
 
 
 def _start(message: Message) -> tuple[Direction, str]:
@@ -368,7 +408,10 @@ def _start(message: Message) -> tuple[Direction, str]:
 def _values(edition: Edition, parameter: Parameter) -> Iterator[str]:
     """The values of a choice, and some that a number can have."""
     yield from (value.name for value in parameter.values)
-    if not parameter.is_choice:
+    if parameter.whole and parameter.minimum is not None and parameter.maximum is not None:
+        ends = (parameter.minimum, (parameter.minimum + parameter.maximum) // 2, parameter.maximum)
+        yield from dict.fromkeys(str(end) for end in ends)
+    elif not parameter.is_choice:
         for text in NUMBERS:
             try:
                 number(edition, parameter, text)
@@ -394,6 +437,11 @@ def _number(encoding: Encoding, width: int, raw: int) -> Fraction | int:
 
 def _bit(frame: CanFrame, space: Space, bit: int) -> int:
     return (frame.id if space is Space.ID else int.from_bytes(frame.data, "little")) >> bit & 1
+
+
+def sealed(message: Message, frame: CanFrame) -> CanFrame:
+    """A frame with the checksum of a message, if it has its length."""
+    return with_checksum(message, frame) if len(frame.data) == message.dlc else frame
 
 
 def _flipped(frame: CanFrame, space: Space, bit: int) -> CanFrame:

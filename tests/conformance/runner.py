@@ -20,7 +20,7 @@ from canwright.model.golden_frames import (
 from canwright.model.message import Message
 from canwright.semantics.decoder import Decoder, Rejection
 
-from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused
+from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused, assignment
 
 DOUBLE_IS_EXACT = 1 << 50
 """Below this, raw -> value -> raw survives the two roundings of a double. Above, values are only decoded."""
@@ -93,7 +93,7 @@ class Runner:
     def _decode_alone(self, frame: GoldenFrame) -> str:
         """By itself it means the same, though a reply may be the message of another command that has its code."""
         answer = self._adapter.decode(frame.direction, _can(frame), frame.parameters, None)
-        wanted = self._decoder.identify(frame.direction, _can(frame))
+        wanted = self._decoder.identify(frame.direction, _can(frame), assignment(frame.parameters))
         if isinstance(wanted, Rejection):
             return f"no message of the spec: {wanted.text}"
         return self._compare(frame, answer, wanted.message)
@@ -166,7 +166,7 @@ class Runner:
         return ""
 
     def _exchange(self, entry: Exchange) -> str:
-        answer = self._adapter.answers(_can(entry.request), _can(entry.reply))
+        answer = self._adapter.answers(_can(entry.request), _can(entry.reply), entry.parameters)
         says = answer.says if answer else None
         return "" if says is entry.says else f"{says}, not {entry.says}"
 

@@ -12,9 +12,11 @@ from canwright.model.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.semantics.frame import CanFrame, node_of
-from canwright.targets import python as target
+from canwright.targets.python.target import PythonTarget
 
 from ..spec_texts import ROOT, SPECS, called
+from .adapter import write_files
+from .adapters.modules import load
 from .adapters.python import PythonAdapter
 
 
@@ -34,7 +36,7 @@ def test_golden_frames_cross_a_python_can_bus(
 ) -> None:
     item = specification(spec)
     assert item.frames is not None
-    for output in target.generate([item], {}):
+    for output in PythonTarget().generate([item], {}):
         file = tmp_path / output.path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(output.text, "utf-8")
@@ -61,14 +63,32 @@ def test_golden_frames_cross_a_python_can_bus(
         raw = {name: list(value) if isinstance(value, tuple) else int(value) for name, value in message.raw().items()}
         name = f"{message.COMMAND}_{message.DIRECTION}"
         expected = next(candidate for candidate in item.edition.messages(frame.direction) if candidate.name == name)
-        in_data = node_of(expected, CanFrame(frame.id, frame.data, frame.extended))
-        assert (message.node, raw) == (in_data, dict(frame.raw))
+        expected_node = node_of(expected, CanFrame(frame.id, frame.data, frame.extended))
+        if expected.id.parameter is not None and expected.id.nodes is not None:  # the id needs its parameter
+            expected_node = frame.node
+        assert (message.node, raw) == (expected_node, dict(frame.raw))
         crossed += 1
     assert crossed == len(item.frames.frames) > 0
 
 
 def _message(adapter: PythonAdapter, frame: GoldenFrame) -> object:
     return adapter.message(frame.direction, frame.command, frame.node, frame.raw, frame.parameters)
+
+
+@pytest.mark.parametrize(("spec", "switches_rate"), [("servo", True), ("tank", False)])
+def test_frames_of_can_fd(spec: str, switches_rate: bool, tmp_path: Path) -> None:
+    item = specification(ROOT / f"tests/specs/{spec}/v1.yaml")
+    folder = write_files(PythonTarget().generate([item], {}), tmp_path)
+    module, python_can = load(folder, f"{spec}.v1", f"{spec}.python_can")
+    assert item.frames is not None
+    for golden in (frame for frame in item.frames.frames if not frame.decode_only):
+        decode = module.decode_request if golden.direction is Direction.REQUEST else module.decode_reply
+        received = can.Message(
+            arbitration_id=golden.id, is_extended_id=golden.extended, data=golden.data, is_fd=len(golden.data) > 8
+        )
+        frame = python_can.to_message(python_can.from_message(received, decode))
+        assert (frame.is_fd, frame.bitrate_switch, frame.dlc) == (True, switches_rate, len(golden.data))
+        assert (frame.arbitration_id, bytes(frame.data)) == (golden.id, golden.data)
 
 
 def test_error_and_fd_frames_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -80,7 +100,7 @@ def test_error_and_fd_frames_are_refused(tmp_path: Path, monkeypatch: pytest.Mon
     for flags in ({"is_error_frame": True}, {"is_fd": True}, {"is_remote_frame": True}, {"is_extended_id": True}):
         frame = can.Message(
             arbitration_id=0x141,
-            data=None if "is_remote_frame" in flags else bytes(8),
+            data=None if "is_remote_frame" in flags else b"\x9a" + bytes(7),
             **{"is_extended_id": False, **flags},
         )
         with pytest.raises(ValueError, match="0x141") as caught:

@@ -53,6 +53,26 @@ def test_golden_frames(spec: Path, target: str, adapters: Adapters) -> None:
     assert not report.failures, f"{len(report.failures)} failures\n" + "\n".join(report.failures[:40])
 
 
+UNANSWERED = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+commands:
+  dim: {code: 1, request: {level: {at: 1, raw: u16}}, reply: none}
+  level: {code: 2, request: none, reply: {level: {at: 1, raw: u16}}}
+"""
+
+
+def test_questions_about_an_edition_without_exchanges(tmp_path: Path) -> None:
+    (tmp_path / "v1.yaml").write_text(UNANSWERED, "utf-8")
+    item = specification(tmp_path / "v1.yaml")
+    adapters = [ADAPTERS[target].create(item, tmp_path) for target in ("c", "cxx", "python", "javascript")]
+    asked = random.Random(1).sample([*Questions(item.edition).round()], 100)
+    assert [comparison.disagreements for comparison in compare(item, adapters, asked)] == [[]] * len(adapters)
+
+
 @pytest.mark.parametrize("spec", sampled(SPECS, 4), ids=called)
 def test_random_questions(spec: Path, adapters: Adapters) -> None:
     item = specification(spec)

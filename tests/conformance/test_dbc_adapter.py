@@ -11,7 +11,7 @@ from cantools.database.can import Message as CanMessage
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
-from canwright.targets import dbc
+from canwright.targets.dbc.target import DbcTarget
 
 from ..spec_texts import ROOT, called
 from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
@@ -150,7 +150,9 @@ def all_of(message: CanMessage) -> tuple[object, ...]:
 
 @pytest.mark.parametrize("spec", [ROOT / "spec/mwd_motor/v2.35.yaml", ROOT / "tests/specs/cells/v1.yaml"], ids=called)
 def test_a_message_loaded_alone_equals_that_of_the_whole_file(spec: Path) -> None:
-    outputs = [output for output in dbc.generate([specification(spec)], {}) if output.path.endswith("-reply.dbc")]
+    outputs = [
+        output for output in DbcTarget().generate([specification(spec)], {}) if output.path.endswith("-reply.dbc")
+    ]
     text = outputs[0].text
     wholes, parts = load(text).messages, DbcMessages(text)
     assert [message.name for message in wholes] == list(parts.names)

@@ -40,10 +40,16 @@ def test_a_key_of_a_type_in_a_field_has_a_hint(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("entry", "messages"),
     [
-        ("node: 1, id: 0x101", ["`raw` lacks `level`"]),
+        ("node: 1, id: 0x101", ["neither `raw` nor `values` has `level`"]),
         ("node: 1, id: 0x101, raw: {levle: 7}", ["there is no field `levle`"]),
         ("node: 2, id: 0x101, raw: {level: 7}", ["the id 0x101 belongs to node 1"]),
-        ("id: 0x101, raw: {level: 7}", ["the id 0x101 belongs to node 1"]),
+        ("id: 0x101, raw: {level: 7}", []),
+        ("node: 1, raw: {level: 7}", []),
+        ("node: 1, values: {level: 0.7}", []),
+        ("node: 1, values: {level: 0.8}", ["`level` is 0.7 according to the scale in the spec"]),
+        ("node: 9, raw: {level: 7}", ["the address `lamp` has no node 9"]),
+        ("node: 1, extended: true, raw: {level: 7}", ["dim_request has an 11-bit id"]),
+        ("raw: {level: 7}", ["`node` is missing; the nodes of dim_request are 1..4"]),
         ("node: 1, id: 0x101, raw: {level: 7}", []),
     ],
 )
@@ -68,7 +74,7 @@ def contradictions(folder: Path, text: str, entry: str) -> list[str]:
         findings = load(folder / "v1.yaml").warnings
     except SpecError as error:
         findings = error.diagnostics
-    return [finding.message for finding in findings if finding.rule == "frame-contradiction"]
+    return [finding.message for finding in findings if finding.rule in ("frame-contradiction", "missing-key")]
 
 
 TABLE = """\
@@ -204,6 +210,12 @@ def test_message_and_hint_of_a_mistake_in_a_spec(tmp_path: Path, old: str, new: 
             "the id 0x101 has no node",
             "remove `node`, or write the id of the address with `node`",
         ),
+        (
+            ("commands:\n  dim:\n", "parameters: {size: {values: [A, B]}}\ncommands:\n  dim:\n    only: {size: [A]}\n"),
+            ("level: 100}", "level: 100}, parameters: {size: B}"),
+            "this frame cannot be encoded: dim is available with size=A, not B",
+            "check `only` of the command",
+        ),
     ],
 )
 def test_message_and_hint_of_a_mistake_in_a_golden_frame(
@@ -228,3 +240,21 @@ def test_messages_without_a_golden_frame_are_listed_in_one_warning(tmp_path: Pat
     assert warning.message == (
         "6 messages have no golden frame: `dim` (reply), `glow_0` (request), `glow_1` (request) and 3 more"
     )
+
+
+@pytest.mark.parametrize(
+    ("entry", "messages"),
+    [
+        ("raw: {level: 7}", []),
+        ("node: 0, raw: {level: 7}", []),
+        ("raw: {lamp: 0, level: 7}", []),
+        ("node: 2, raw: {level: 7}", ["`lamp` is 0 in `data`"]),
+        ("raw: {lamp: 2, level: 7}", ["`lamp` is 0 in `data`"]),
+    ],
+)
+def test_the_node_of_a_golden_frame_may_be_a_field(tmp_path: Path, entry: str, messages: list[str]) -> None:
+    spec = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101")
+    spec = spec.replace(
+        "{level: {at: 2, type: level}}", "{lamp: {at: 1, raw: u8, holds: node}, level: {at: 2, type: level}}"
+    )
+    assert contradictions(tmp_path, spec, entry) == messages

@@ -77,8 +77,11 @@ class Plain(yaml.SafeDumper):
 
 def test_the_table_of_starts_is_correct() -> None:
     rows = re.findall(r"^\| (by.*?|12.*?) \| (.*?) ?\| (.*?) ?\|$", PAGE, re.MULTILINE)
-    assert len(rows) == 6
+    runs = [(text, little, big) for text, little, big in rows if "[" in little + big]
+    assert (len(rows), len(runs)) == (7, 1)
     for text, little, big in rows:
+        if (text, little, big) in runs:  # of several runs, see tests/resolve
+            continue
         for order, starts in ((Order.LITTLE, little), (Order.BIG, big)):
             for start in re.findall(r"`(.*?)`", starts):
                 bits = bits_of_row(text)

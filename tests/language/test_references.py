@@ -16,7 +16,7 @@ from canwright.diagnostics.diagnostic import DocumentPath, SpecError
 from canwright.document.document import parse_document
 from canwright.language.decoder import decode
 from canwright.language.edition import EditionSpec
-from canwright.language.names import Names
+from canwright.language.findings import Names
 from canwright.language.references import MAX_USES, check_references
 
 from ..spec_texts import MINIMAL, findings
@@ -51,7 +51,7 @@ def test_every_kind_is_defined_and_referred_to() -> None:
     assert referred - defined == {"unit", "path"}
 
 
-def test_a_name_stands_at_its_path() -> None:
+def test_every_definition_and_reference_is_at_its_path() -> None:
     data = yaml.load(SPEC, yaml.CSafeLoader)
     for definition in NAMES.definitions:
         assert definition.name in (definition.path[-1], str(at(data, definition.path))), definition

@@ -41,10 +41,9 @@ INVALID = [
     ("selector:", "byte_order: big-endian\nselector:", "5:13 value", "write big"),
     ("scale: 0.1, raw_range", "scale: none, range", "7:45 two-ranges", "write `raw_range`"),
     ("{level: {at: 2, type: level}}", "{level: {at: 2, type: level}, dlc: 4}", "12:15 unknown-key", "`layout`"),
-    ("{level: {at: 2, type: level}}", "{level: {at: [2, 3], type: level}}", "12:27 value", "did you mean `2`?"),
     (
         "{level: {at: 2, type: level}}",
-        "{layout: {level: {at: 2, type: level}}, dlc: 64}",
+        "{layout: {level: {at: 2, type: level}}, dlc: 65}",
         "12:59 value",
         "Number of data bytes",
     ),

@@ -18,6 +18,7 @@ from canwright.project.loader import frames_file, spec_files
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
+from ..own_targets import COMMAND
 from ..spec_texts import ROOT, SMALL
 
 FOREIGN = re.compile(r"motor(?!ola\b)|\biq\b|mwd|0x140|torque", re.IGNORECASE)
@@ -110,7 +111,7 @@ def test_output_is_the_same_whatever_the_hash_seed_and_the_locale(tmp_path: Path
     for seed, locale in (("1", "C"), ("2", "C.UTF-8")):
         out = tmp_path / seed
         specs = [f"--spec={file}" for file in (SPECS[0], SPECS[-1])]
-        command = [sys.executable, "-m", "canwright", "generate", "--out", str(out), *specs]
+        command = [sys.executable, "-c", COMMAND, "generate", "--out", str(out), *specs]
         environment = {**os.environ, "PYTHONHASHSEED": seed, "LC_ALL": locale}
         subprocess.run(command, check=True, capture_output=True, cwd=ROOT, env=environment)
         trees.append({f.relative_to(out): f.read_bytes() for f in out.rglob("*") if f.is_file()})

@@ -19,12 +19,13 @@ from canwright.cli import main
 from canwright.model.golden_frames import GoldenFrame
 from canwright.project.loader import specification
 from canwright.targets.handover import matrix, spreadsheets
-from canwright.targets.handover.labels import labels
 from canwright.targets.registry import default_targets
+from canwright.templating.data_files import template_texts
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, SPECS as SPECS_OF_ALL, called
 
+LABELS = template_texts("handover/labels.yaml")
 SPECS = [ROOT / "spec/mwd_motor/v2.36-2025-03.yaml", ROOT / "tests/specs/press/v1.yaml"]
 
 
@@ -80,7 +81,7 @@ def test_every_command_is_in_the_document_and_the_matrix(made: Path) -> None:
     assert place == {("0x140 + node", "DATA[4..5]", "16", "-2048", "2048")}
     assert [(row["适用于"], row["分辨率（1 LSB）"], row["分辨率（手册写法）"], row["单位"]) for row in torque] == [
         ("电机系列：MF", "0.008056640625", "× 16.5/2048", "A"),
-        ("电机系列：MH", "未给出", "", "A"),
+        ("电机系列：MH", "", "未给出", "A"),
         ("电机系列：MG", "0.01611328125", "× 33/2048", "A"),
     ]
     english = re.compile("[a-z]{3}")
@@ -116,7 +117,9 @@ commands:
 def _cells(spec: Path, language: str) -> list[dict[str, str]]:
     """The matrix, read back from CSV; columns by the names of the model."""
     item = specification(spec)
-    text = spreadsheets.csv_text(list(matrix.rows(item.edition, language)), {name: name for name in matrix.Row._fields})
+    text = spreadsheets.csv_text(
+        list(matrix.rows(item.edition, language, LABELS[language])), {name: name for name in matrix.Row._fields}
+    )
     return list(csv.DictReader(io.StringIO(text.decode("utf-8-sig"))))
 
 
@@ -190,19 +193,39 @@ def _raw(frame: GoldenFrame, row: Mapping[str, str]) -> int:
     raw, width = 0, 0
     encoding = re.match(r"([uif])(\d+)( big-endian)?", row["raw"])
     assert encoding
-    parts = re.findall(r"DATA\[(\d)(?:\.\.(\d))?\](?: bits? (\d)(?:\.\.(\d))?)?", row["position"])
+    parts = re.findall(r"DATA\[(\d+)(?:\.\.(\d+))?\](?: bits? (\d)(?:\.\.(\d))?)?", row["position"])
     if row["position"].startswith("id"):
         low, _, high = row["position"].split()[-1].partition("..")
         raw, width = frame.id >> int(low) & (1 << int(high or low) - int(low) + 1) - 1, int(encoding[2])
     bytes_ = [
         (byte, low, high) for first, last, low, high in parts for byte in range(int(first), int(last or first) + 1)
     ]
+    runs = re.findall(r"DATA\[(\d+)(?:\.\.(\d+))?\](?: bits? (\d)(?:\.\.(\d))?)? \[(?:\d+:)?(\d+)\]", row["position"])
+    if runs:
+        return _of_runs(frame, runs, encoding)
+    lengths = [int(high or low) - int(low) + 1 if low else 8 for _, low, high in bytes_]
+    is_shared = not row["position"].startswith("id") and sum(lengths) < int(
+        encoding[2]
+    )  # numbers are in a word of flags
     for byte, low, high in reversed(bytes_) if encoding[3] else bytes_:
         bits = int(high or low) - int(low) + 1 if low else 8
         part = frame.data[byte] >> int(low or 0) & (1 << bits) - 1
-        raw |= part << width
+        raw |= part << (8 * (int(byte) - int(bytes_[0][0])) + int(low or 0) if is_shared else width)
         width += bits
-    assert width == int(encoding[2]) == int(row["bits"])
+    assert int(encoding[2]) == int(row["bits"]) and (is_shared or width == int(encoding[2]))
+    return raw - (1 << width) if encoding[1] == "i" and raw >> width - 1 else raw
+
+
+def _of_runs(frame: GoldenFrame, runs: Sequence[Sequence[str]], encoding: re.Match[str]) -> int:
+    """The raw integer of a field in several runs, each with the number of its lowest bit in that integer."""
+    raw = 0
+    for first, last, low, high, lowest in runs:
+        bits = int(high or low) - int(low) + 1 if low else 8
+        numbers = range(int(first), int(last or first) + 1)
+        for place, byte in enumerate(reversed(numbers) if encoding[3] else numbers):
+            part = frame.data[byte] >> int(low or 0) & (1 << bits) - 1
+            raw |= part << (int(lowest) + bits * place)
+    width = int(encoding[2])
     return raw - (1 << width) if encoding[1] == "i" and raw >> width - 1 else raw
 
 
@@ -238,22 +261,51 @@ def test_matrix_has_ranges_codes_flags_and_forms_of_replies(tmp_path: Path) -> N
     assert (speed["resolution"], speed["offset"], speed["unit"]) == ("1", "0", "°/s")
 
 
-def test_numbers_are_numbers_in_excel(made: Path) -> None:
-    with zipfile.ZipFile(made / "mwd_motor-v2.36-2025-03-en.xlsx") as book:
-        sheet = book.read("xl/worksheets/sheet1.xml").decode()
-        assert b'name="v2.36-2025-03"' in book.read("xl/workbook.xml")
-        assert "mwd_motor v2.36-2025-03 (2025-03): " in book.read("xl/sharedStrings.xml").decode()
-    assert "<v>0.01611328125</v>" in sheet and "<v>-2048</v>" in sheet
+def test_excel_has_sheets_for_commands_fields_types_errata_and_sources(made: Path) -> None:
+    """Their names in the language of the file; every command, type, erratum and source; numbers are numbers."""
+    item = specification(SPECS[0])
+    edition = item.edition
+    assert item.frames is not None
+    english = _sheets(made / "mwd_motor-v2.36-2025-03-en.xlsx")
+    chinese = _sheets(made / "mwd_motor-v2.36-2025-03-zh.xlsx")
+    assert list(english) == ["Commands", "Fields", "Types", "Errata", "Sources"]
+    assert list(chinese) == ["命令", "字段", "类型", "勘误", "来源"]
+    title = f"mwd_motor v2.36-2025-03 (2025-03): {edition.title['en']}"
+    assert {rows[0][0] for rows in english.values()} == {title}
+    tables = {name: [dict(zip(rows[1], row, strict=True)) for row in rows[2:]] for name, rows in english.items()}
+    assert [row["Command"] for row in tables["Commands"]] == [command.name for command in edition.commands]
+    torque = next(row for row in tables["Commands"] if row["Command"] == "set_torque")
+    assert (torque["Code"], torque["Id"], torque["Nodes"]) == ("0xA1", "0x140 + node", "1..32")
+    assert list(dict.fromkeys(row["Type"] for row in tables["Types"])) == [type_.name for type_ in edition.types]
+    assert [row["Erratum"] for row in tables["Errata"]] == [erratum.id for erratum in edition.errata]
+    assert tables["Sources"][4]["Description"] == edition.hash
+    assert {row["Source"] for row in tables["Sources"]} >= set(item.frames.sources)
+    assert all(isinstance(row["Golden frames"], float) for row in tables["Sources"][5:])
+    current = [row for row in tables["Fields"] if (row["Command"], row["Direction"]) == ("set_torque", "request")]
+    columns = ("Raw minimum", "Raw maximum", "Resolution (1 LSB)", "Minimum value", "Maximum value")
+    assert [[row[column] for column in columns] for row in current if row["Field"] == "iq"] == [
+        [-2048, 2048, 0.008056640625, -16.5, 16.5],
+        [-2048, 2048, "", "", ""],
+        [-2048, 2048, 0.01611328125, -33, 33],
+    ]
+
+
+def test_a_field_without_a_range_has_the_physical_range_of_its_raw_format() -> None:
+    """`speed` is a 16-bit integer of 1 °/s; a column of numbers has no text where a number is not known."""
+    rows = _cells(ROOT / "spec/mwd_motor/v2.35.yaml", "en")
+    speed = next(row for row in rows if row["field"] == "speed" and row["direction"] == "reply")
+    assert (speed["minimum"], speed["maximum"]) == ("-32768", "32767")
+    assert not [row for row in rows if re.search("[a-z]", row["resolution"])]
 
 
 @pytest.mark.parametrize("spec", SPECS_OF_ALL, ids=called)
 def test_excel_has_the_rows_of_the_matrix(spec: Path, tmp_path: Path) -> None:
     """Below the title and the headings; integers that Excel would round are texts."""
-    listed = list(matrix.rows(specification(spec).edition, "en"))
+    listed = list(matrix.rows(specification(spec).edition, "en", LABELS["en"]))
     listed.append(listed[0]._replace(raw_minimum=Fraction(1 - 10**15), raw_maximum=Fraction(2**63 - 1)))
-    headings = {name: name for name in matrix.Row._fields}
-    (tmp_path / "matrix.xlsx").write_bytes(spreadsheets.excel(listed, headings, "title", "sheet"))
-    title, names, *rows = _sheet(tmp_path / "matrix.xlsx")
+    sheet = spreadsheets.Sheet("sheet", list(matrix.Row._fields), listed)
+    (tmp_path / "matrix.xlsx").write_bytes(spreadsheets.excel([sheet], "title"))
+    title, names, *rows = _sheets(tmp_path / "matrix.xlsx")["sheet"]
     assert (title, names) == (["title"], list(matrix.Row._fields))
     for row, wanted in zip(rows, listed, strict=True):
         for cell, exact in zip(row, wanted, strict=True):
@@ -263,18 +315,23 @@ def test_excel_has_the_rows_of_the_matrix(spec: Path, tmp_path: Path) -> None:
                 assert cell == str(exact), row
 
 
-def _sheet(file: Path) -> list[list[str | float]]:
-    """The cells of the first sheet of an Excel file."""
+def _sheets(file: Path) -> dict[str, list[list[str | float]]]:
+    """The cells of the sheets of an Excel file, by the names of the sheets."""
     space = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
     with zipfile.ZipFile(file) as book:
         strings = ElementTree.fromstring(book.read("xl/sharedStrings.xml"))
         texts = ["".join(part.text or "" for part in string.iter(f"{space}t")) for string in strings]
-        sheet = ElementTree.fromstring(book.read("xl/worksheets/sheet1.xml"))
-    rows: list[list[str | float]] = []
-    for row in sheet.iter(f"{space}row"):
-        cells = ((cell.get("t"), cell.findtext(f"{space}v", "")) for cell in row)
-        rows.append([texts[int(value)] if kind == "s" else float(value) if value else "" for kind, value in cells])
-    return rows
+        listed = ElementTree.fromstring(book.read("xl/workbook.xml")).iter(f"{space}sheet")
+        sheets = {
+            sheet.attrib["name"]: ElementTree.fromstring(book.read(f"xl/worksheets/sheet{number}.xml"))
+            for number, sheet in enumerate(listed, 1)
+        }
+
+    def cells(row: ElementTree.Element) -> list[str | float]:
+        typed = ((cell.get("t"), cell.findtext(f"{space}v", "")) for cell in row)
+        return [texts[int(value)] if kind == "s" else float(value) if value else "" for kind, value in typed]
+
+    return {name: [cells(row) for row in sheet.iter(f"{space}row")] for name, sheet in sheets.items()}
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
@@ -305,10 +362,10 @@ def test_texts_of_a_spec_are_escaped(tmp_path: Path) -> None:
     text = (tmp_path / "out/lamp-v1-en.html").read_text("utf-8")
     assert text.count("<script") == 1
     assert text.count("</style>") == 1
-    rows = list(matrix.rows(item.edition, "en"))
-    assert "'=HYPERLINK" in spreadsheets.csv_text(rows, labels()["en"]).decode("utf-8-sig")
+    rows = list(matrix.rows(item.edition, "en", LABELS["en"]))
+    assert "'=HYPERLINK" in spreadsheets.csv_text(rows, LABELS["en"]).decode("utf-8-sig")
     with zipfile.ZipFile(tmp_path / "out/lamp-v1-en.xlsx") as book:
-        assert b"<f>" not in book.read("xl/worksheets/sheet1.xml")
+        assert not any(b"<f>" in book.read(name) for name in book.namelist())
 
 
 def test_other_files_are_not_overwritten(tmp_path: Path) -> None:
@@ -358,3 +415,106 @@ def test_missing_packages_are_named_where_the_target_is_asked_for(
     assert (result.exit_code, result.stderr.endswith(message)) == (2, True)
     assert not (tmp_path / "out").exists()
     assert CliRunner().invoke(main, ["generate", *given], catch_exceptions=False).exit_code == 0
+
+
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("printed") / "out"
+    assert handover([ROOT / "spec/mwd_motor/v2.35.yaml", *SPECS], out, "--pdf").exit_code == 0
+    return out
+
+
+@pytest.mark.interop
+def test_pdf_is_short_and_has_contents_with_the_pages_of_commands(printed: Path) -> None:
+    """At most 40 pages; each command is in the contents with the number of the page that contains its heading."""
+    from pypdf import PdfReader
+
+    for language in ("en", "zh"):
+        edition = specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
+        pages = [_plain(page.extract_text()) for page in PdfReader(printed / f"mwd_motor-v2.35-{language}.pdf").pages]
+        assert len(pages) <= 40
+        start = next(number for number, page in enumerate(pages) if _plain("motor_off") in page)
+        contents = "".join(pages[:start])
+        for command in edition.commands:
+            code = "" if command.code is None else f"0x{command.code:02X}"
+            title = _plain(f"{code}{command.title[language]}")
+            entry = re.search(rf"{re.escape(title)}\.+(\d+?)(?!\d*\.\d)(?=0x|\D|$)", contents)
+            assert entry and title in pages[int(entry[1]) - 1], title
+
+
+@pytest.mark.interop
+def test_pdf_has_family_edition_date_and_hash_on_every_page(printed: Path) -> None:
+    from pypdf import PdfReader
+
+    edition = specification(SPECS[0]).edition
+    for language in ("en", "zh"):
+        reader = PdfReader(printed / f"mwd_motor-v2.36-2025-03-{language}.pdf")
+        for number, page in enumerate(reader.pages, 1):
+            text = _plain(page.extract_text())
+            assert text.startswith(_plain("mwd_motor v2.36-2025-03 (2025-03)")), (language, number)
+            assert edition.hash[:12] in text and f"{number}/{len(reader.pages)}" in text, (language, number)
+
+
+@pytest.mark.interop
+def test_pdf_contains_its_fonts_with_a_glyph_for_every_character(printed: Path) -> None:
+    """All fonts are embedded; Chinese texts can be read back, and no character has the glyph of a missing one."""
+    from pypdf import PdfReader
+
+    edition = specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition
+    reader = PdfReader(printed / "mwd_motor-v2.35-zh.pdf")
+    text = _plain("".join(page.extract_text() for page in reader.pages))
+    for command in edition.commands:
+        assert _plain(command.title["zh"]) in text, command.name
+    names = set()
+    for page in reader.pages:
+        for reference in page["/Resources"]["/Font"].values():  # type: ignore[index]
+            font = reference.get_object()["/DescendantFonts"][0].get_object()
+            names.add(str(font["/BaseFont"]))
+            assert {"/FontFile2", "/FontFile3"} & set(font["/FontDescriptor"].get_object()), font["/BaseFont"]
+    assert any("NotoSansSC" in name for name in names), names
+    assert not any("Libertinus" in name for name in names), names
+    assert not re.search("[\0\ufffd]", text)
+
+
+@pytest.mark.interop
+def test_equal_specs_make_equal_pdfs_with_the_bus_and_each_shared_layout_once(printed: Path, tmp_path: Path) -> None:
+    from pypdf import PdfReader
+
+    handover([ROOT / "spec/mwd_motor/v2.35.yaml"], tmp_path / "again", "--pdf")
+    for file in (tmp_path / "again").glob("*.pdf"):
+        assert (printed / file.name).read_bytes() == file.read_bytes(), file.name
+    reader = PdfReader(printed / "mwd_motor-v2.35-en.pdf")
+    text = _plain("".join(page.extract_text() for page in reader.pages))
+    assert "1000,500,250,125,100kbit/s;default1000" in text and "0x140+node" in text
+    assert text.count("fieldsoflayoutmotion_feedback") == 10
+    assert text.count("Torquecurrent;Motorseries:MG") == 1
+
+
+@pytest.mark.interop
+def test_texts_of_a_spec_are_no_markup_of_the_pdf(tmp_path: Path) -> None:
+    from pypdf import PdfReader
+
+    hostile = '#read("/etc/passwd") *bold* $x$ @nowhere <label> // = `raw` \\ #set page(width: 1pt)'
+    (tmp_path / "lamp.yaml").write_text(MINIMAL.replace('    manual: "1"\n', f"    title: '{hostile}'\n"), "utf-8")
+    assert handover([tmp_path / "lamp.yaml"], tmp_path / "out", "--pdf").exit_code == 0
+    text = "".join(page.extract_text() for page in PdfReader(tmp_path / "out/lamp-v1-en.pdf").pages)
+    assert _plain(text).count(_plain(hostile)) >= 2
+
+
+def test_missing_packages_of_the_pdf_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL, "utf-8")
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    result = handover([tmp_path / "lamp.yaml"], tmp_path / "out", "--pdf")
+    packages = "pip install markdown-it-py XlsxWriter typst pylopdf-fonts-zh-cn\n"
+    assert (result.exit_code, result.stderr.endswith(packages)) == (2, True)
+
+
+def test_documents_contain_no_program(made: Path) -> None:
+    for file in made.glob("mwd_motor*.html"):
+        text = file.read_text("utf-8")
+        assert "#include" not in text and "import " not in text, file.name
+
+
+def _plain(text: str) -> str:
+    """A text without spaces and marks of possible line breaks."""
+    return re.sub(r"[\s\u200b\u2060]", "", text)

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import canwright
 import pytest
+import yaml
 
 from ..node import run
 from ..spec_texts import ROOT
 
 SCRIPT = Path(canwright.__file__).parent / "project/site/theme/static/search.js"
+
+PLAIN = re.compile(r"<!--.*?-->|<[^>]+>|\(\S+\)|[`*\[\]\\\\]", re.DOTALL)
+"""Marks of Markdown and HTML."""
 
 MANUAL = {
     "v2.35": {
@@ -52,9 +57,24 @@ MANUAL = {
 """Words of the manuals, by edition and page; of commands whose pages have a table, the page of one of them."""
 
 
+def guides(language: str) -> dict[str, object]:
+    """The pages that are not of commands, as the site describes them to the search."""
+    docs = ROOT / "generated/docs" / language
+    texts = {file.relative_to(docs).with_suffix("").as_posix(): file.read_text("utf-8") for file in docs.rglob("*.md")}
+    return {
+        name: {
+            "title": PLAIN.sub("", text.partition("\n")[0]).strip("# "),
+            "headings": [[PLAIN.sub("", heading), ""] for heading in re.findall("^##+ (.*)$", text, re.MULTILINE)],
+            "text": PLAIN.sub("", text) if "/" not in name else "",
+        }
+        for name, text in sorted(texts.items())
+        if "/commands/" not in name
+    }
+
+
 def first_pages(folder: Path, language: str, queries: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
     """The first five pages that each query finds; queries by the edition that is open."""
-    index = {**json.loads((ROOT / "generated/docs/site.json").read_text("utf-8")), "pages": {}}
+    index = {**json.loads((ROOT / "generated/docs/site.json").read_text("utf-8")), "pages": guides(language)}
     asked = [(query, edition) for edition, words in queries.items() for query in words]
     program = folder / "search.cjs"
     program.write_text(
@@ -86,3 +106,43 @@ def test_the_word_command_in_a_query_excludes_no_page(tmp_path: Path) -> None:
     """Headings of manuals contain it, titles do not."""
     hits = first_pages(tmp_path, "en", {"v2.35": ["read encoder", "read encoder command"]})
     assert hits["v2.35 read encoder"][0] == hits["v2.35 read encoder command"][0] == "v2.35/commands/read_encoder"
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_queries_of_readers(language: str, tmp_path: Path) -> None:
+    """Codes with editions, pasted frames, names of the vendor, units, typos and questions, without an open edition."""
+    queries = yaml.safe_load((Path(__file__).parent / "search_queries.yaml").read_text("utf-8"))
+    hits = first_pages(tmp_path, language, {"": queries})
+    failed = [
+        f"{query}: {hits[f' {query}'][:2]} instead of {pages}"
+        for query, pages in queries.items()
+        if not any(page in pages or page.partition("/")[2] in pages for page in hits[f" {query}"][:2])
+    ]
+    assert failed == []
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_names_of_the_manual_find_their_pages(language: str, tmp_path: Path) -> None:
+    index = json.loads((ROOT / "generated/docs/site.json").read_text("utf-8"))
+    wanted: dict[tuple[str, str], set[str]] = {}
+    by_edition: dict[str, list[str]] = {}
+    for edition in index["editions"]:
+        for record in edition["records"]:
+            for name in filter(None, record.get("printed", "").split(", ")):
+                by_edition.setdefault(edition["folder"], []).append(name)
+                pages = wanted.setdefault((edition["folder"], _spelled(name)), set())
+                pages |= {f"{edition['folder']}/{page.partition('#')[0]}" for page in record["pages"]}
+    assert len(wanted) > 150
+    hits = first_pages(tmp_path, language, by_edition)
+    failed = [
+        f"{folder}: {name}: {hits[f'{folder} {name}']}"
+        for folder, names in by_edition.items()
+        for name in names
+        if not wanted[folder, _spelled(name)] & {*hits[f"{folder} {name}"][:2]}
+    ]
+    assert failed == []
+
+
+def _spelled(name: str) -> str:
+    """An edition has `maxSpeed` and `Max Speed`, which are the same words."""
+    return name.lower().replace(" ", "")

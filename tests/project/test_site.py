@@ -20,8 +20,8 @@ from canwright.project.loader import specification
 from canwright.project.site import SiteError, build
 from canwright.project.site.build import NEEDED
 from canwright.project.site.markdown import heading_ids
-from canwright.targets import docs
 from canwright.targets.base import EditionInput
+from canwright.targets.docs.target import DocsTarget
 from click.testing import CliRunner
 
 from ..spec_texts import ROOT, SPECS
@@ -31,7 +31,7 @@ from ..untrusted.hostile import HARMLESS
 
 def pages_of(specifications: Sequence[EditionInput], folder: Path) -> Path:
     """A folder with the pages of some specs."""
-    for page in docs.generate(specifications, {}):
+    for page in DocsTarget().generate(specifications, {}):
         file = folder / page.path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(page.text, "utf-8")
@@ -224,7 +224,7 @@ def small(tmp_path: Path) -> Path:
     """A folder with the pages of a small site, and the site that was made of them."""
     pages = tmp_path / "docs/en"
     pages.mkdir(parents=True)
-    (tmp_path / "docs/site.json").write_text('{"synonyms": [], "editions": []}')
+    (tmp_path / "docs/site.json").write_text('{"synonyms": [], "stops": [], "questions": [], "editions": []}')
     (pages / "index.md").write_text("# Editions\n\n[more](new-edition.md)\n")
     (pages / "new-edition.md").write_text("# More\n")
     return tmp_path
@@ -336,7 +336,7 @@ def test_a_folder_with_other_files_is_refused_and_left_alone(
     ):
         Path(file).parent.mkdir(parents=True, exist_ok=True)
         Path(file).write_text('{"editions": {"docs": []}, "files": {}}')
-    Path("generated/docs/site.json").write_text('{"synonyms": [], "editions": []}')
+    Path("generated/docs/site.json").write_text('{"synonyms": [], "stops": [], "questions": [], "editions": []}')
     Path("empty").mkdir()
     Path("linked").symlink_to("empty")
     before = files(tmp_path)

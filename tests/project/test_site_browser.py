@@ -207,13 +207,13 @@ WORDS = {
 
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_words_that_people_search_for(site: Path, opened: Open, language: str) -> None:
-    """In the current edition, which comes first."""
+    """In the current edition, which comes before the others."""
     page = opened(f"{folder_of(site)}/{language}/index.html")
     results = hits(page, [query for queries in WORDS.values() for query in queries], "v2.35")
     for expected, queries in WORDS.items():
         for query in queries:
             assert f"v2.35/{expected}" in [hit["page"] for hit in results[query][:3]], query
-            assert results[query][0]["edition"] == "v2.35"
+            assert next(hit["edition"] for hit in results[query] if hit["edition"]) == "v2.35"
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
@@ -230,7 +230,8 @@ def test_guides_are_found_by_their_words(site: Path, opened: Open, language: str
     )
     for expected, queries in words.items():
         assert all(expected in [hit["page"] for hit in results[query][:2]] for query in queries), expected
-    assert results["修改ID"][0]["anchor"] == results["修改 ID"][0]["anchor"] == "entries.driver_id"
+    for query in ("修改ID", "修改 ID"):
+        assert {hit["anchor"] for hit in results[query][:3]} >= {"questions.id", "entries.driver_id"}
     assert "types" in results["overtemperature"][0]["page"]
 
 

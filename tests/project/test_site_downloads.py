@@ -11,7 +11,7 @@ from canwright.output.writer import Content, write
 from canwright.project.site import build
 
 GENERATED = {
-    "docs/site.json": '{"synonyms": [], "editions": []}',
+    "docs/site.json": '{"synonyms": [], "stops": [], "questions": [], "editions": []}',
     "docs/en/index.md": "# Home\n\n| [packed](../../dbc/) | [gone](../../c/) |\n| --- | --- |\n\n- [single](../../dbc/)\n\n"
     "[tool](tool.html) [explorer](../../javascript/explorer/index.html)\n\n"
     "<!-- Not on the site, which has a switch. -->\nfor code hosts\n\nfor all\n\n"

@@ -105,11 +105,50 @@ def test_what_python_can_writes_is_read(suffix: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("line", "data"),
+    [
+        ("(1.0) can0 141##0A100", "A100"),
+        ("(1.0) can0 141##5" + "A1" * 64 + " R", "A1" * 64),
+        (" can0  141  [12]  A1 00 00 00 00 00 00 00 00 00 00 FF", "A1" + "00" * 10 + "FF"),
+        (" can0  141  [02]  A1 00", "A100"),
+    ],
+)
+def test_frames_of_can_fd_in_candump(line: str, data: str) -> None:
+    frames, read = of(f"{line}\n")
+    assert [(r.frame.id, r.frame.data.hex().upper()) for r in frames] == [(0x141, data)]
+    assert not read.counts.skipped
+
+
+def test_longer_frames_of_candump_are_counted() -> None:
+    _, read = of(f"141#A1\n141#{'A1' * 65}\n")
+    assert read.counts.skipped == {SkippedPart.XL: 1}
+
+
+@pytest.mark.parametrize("suffix", ["asc", "blf", "mf4", "csv", "log"])
+def test_frames_of_can_fd_in_other_logs(suffix: str, tmp_path: Path) -> None:
+    """As python-can writes them, of up to 8 bytes and of more."""
+    file = tmp_path / f"fd.{suffix}"
+    contents = [bytes([0xA1, 7]), bytes(range(64)), bytes(12)]
+    with can.Logger(str(file)) as writer:
+        for number, data in enumerate(contents):
+            message = can.Message(
+                timestamp=1.0 + number,
+                arbitration_id=0x8001,
+                is_extended_id=True,
+                data=data,
+                is_fd=True,
+                bitrate_switch=True,
+            )
+            writer.on_message_received(message)
+    with open_log(str(file)) as read:
+        frames = list(read)
+    assert [(r.frame.id, r.frame.extended, r.frame.data) for r in frames] == [(0x8001, True, data) for data in contents]
+
+
+@pytest.mark.parametrize(
     ("line", "part"),
     [
-        ("(1.0) can0 141##0A100", SkippedPart.FD),
-        ("(1.0) can0 45123#81:00:12345678#1122", SkippedPart.FD),
-        (" can0  141  [12]  A1 00 00 00 00 00 00 00 00 00 00 00", SkippedPart.FD),
+        ("(1.0) can0 45123#81:00:12345678#1122", SkippedPart.XL),
         ("(1.0) can0 20000004#0001000000000000", SkippedPart.ERROR),
         ("  can0  20000004   [8]  00 01 00 00 00 00 00 00   ERRORFRAME", SkippedPart.ERROR),
         ("\tcontroller-problem{rx-overflow-warning}", SkippedPart.OTHER),
@@ -121,7 +160,7 @@ def test_what_python_can_writes_is_read(suffix: str, tmp_path: Path) -> None:
         ("garbage \ufffd \x00", SkippedPart.MALFORMED),
     ],
 )
-def test_what_is_no_frame_is_counted(line: str, part: SkippedPart) -> None:
+def test_lines_without_a_frame_are_counted(line: str, part: SkippedPart) -> None:
     frames, read = of(f"141#A1\n{line}\n141#A2\n")
     assert [r.frame.data for r in frames] == [b"\xa1", b"\xa2"]
     assert read.counts.skipped == {part: 1}
@@ -138,6 +177,13 @@ def test_remote_frames_and_lines_of_cansend() -> None:
     ]
     assert read.counts.remote == 3
     assert [(r.time, r.mark) for r in frames] == [(None, None)] * 4
+
+
+def test_a_time_of_more_than_64_bits_is_unknown() -> None:
+    lines = [f"({seconds}.999999) can0 141#9A\n" for seconds in (9223372035, 9223372036, "9" * 30)]
+    frames, read = of("".join(lines))
+    assert [r.time for r in frames] == [9_223_372_035_999_999_000, None, None]
+    assert not read.counts.skipped
 
 
 @pytest.mark.parametrize("cut", [20, 21, 22, 23])

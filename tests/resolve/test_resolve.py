@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 from canwright.diagnostics.diagnostic import SpecError
+from canwright.language.concept import keys
+from canwright.language.messages import FieldSpec
 from canwright.model.edition import Edition
-from canwright.model.layout import Segment
+from canwright.model.layout import ROLE_KEYS, FieldRole, FixedRole, Segment
 from canwright.model.message import Direction, EchoReply, OtherReply, OwnReply, SharedReply
 from canwright.model.types import Bound, ByParameter, Linear, Range
 from canwright.project.loader import specification
@@ -347,6 +349,16 @@ def test_a_constant_that_overlaps_the_selector_is_reported(tmp_path: Path) -> No
     assert findings(tmp_path, text) == []
     text = text.replace("zero: {at: 1, raw: u8, constant: 0}", "zero: {at: 2, raw: u8, constant: 0}", 1)
     assert marked(findings(tmp_path, text)) == ["overlap: 2"]
+
+
+def test_each_role_but_that_of_a_value_has_a_key_of_a_field() -> None:
+    roles, concrete = [FieldRole], set[type[FieldRole]]()
+    while roles:
+        role = roles.pop()
+        roles += role.__subclasses__()
+        concrete |= {role} - {FieldRole, FixedRole}
+    assert {role.key for role in concrete} == {"", *ROLE_KEYS}
+    assert set(ROLE_KEYS) <= set(keys(FieldSpec))
 
 
 @pytest.mark.parametrize(("role", "place"), [("reserved: 3", "reserved"), ("holds: node", "holds")])

@@ -44,8 +44,8 @@ CASES = {
     ),
     "an echo is a reply of its own": (
         LATEST,
-        'code: 0x80\n    manual: "5"\n    reply: echo',
-        'code: 0x80\n    manual: "5"\n    reply: {state: {at: 7, raw: u8}}',
+        "manual_name: 电机关闭命令\n    reply: echo",
+        "manual_name: 电机关闭命令\n    reply: {state: {at: 7, raw: u8}}",
         "this is the reply: the reply of motor_off, node 1",
     ),
     "a reply is an echo": (

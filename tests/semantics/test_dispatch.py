@@ -12,6 +12,7 @@ from canwright.model.layout import Space, bits_of
 from canwright.model.message import Direction, Key, Message
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
+from canwright.semantics.configured import configured
 from canwright.semantics.decoder import Decoder, Rejection
 from canwright.semantics.dispatch import DispatchNode, Match, Select, dispatch_plan
 from canwright.semantics.frame import CanFrame
@@ -30,7 +31,9 @@ def test_the_dispatch_plan_identifies_random_and_golden_frames(spec: Path) -> No
     item = specification(spec)
     assert item.frames is not None
     golden = [CanFrame(f.id, f.data, f.extended, f.remote) for f in item.frames.frames]
-    compare(item.edition, [*golden, *random_frames(item.edition, FRAMES)])
+    lowest = {p.name: p.minimum for p in item.edition.parameters if p.minimum is not None}
+    of_bus = configured(item.edition, lowest)
+    compare(of_bus, [*golden, *random_frames(of_bus, FRAMES)])
 
 
 LENGTHS = """\

@@ -9,19 +9,20 @@ from typing import Any
 from canwright.model.edition import Edition
 from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.targets.base import EditionInput
-from canwright.targets.wireshark import generate
+from canwright.targets.wireshark.target import WiresharkTarget
 from lupa import lua54
 
 from ..conformance.adapters.wireshark import LuaDecoder
 
-SECOND = 1_000_000_000
 MARKS = {Mark.SENT: "sent", Mark.RECEIVED: "received", None: None}
 
 
 @functools.cache
 def decoder(edition: Edition) -> LuaDecoder:
     """The decoder of an edition."""
-    source = next(o.text for o in generate([EditionInput(edition, None)], {}) if o.path.endswith(".lua"))
+    source = next(
+        o.text for o in WiresharkTarget().generate([EditionInput(edition, None)], {}) if o.path.endswith(".lua")
+    )
     return LuaDecoder(lua54.LuaRuntime(unpack_returned_tuples=False), source, edition)
 
 
@@ -34,7 +35,6 @@ def judge(edition: Edition, log: Sequence[LogFrame]) -> list[Any]:
         _, is_request, is_reply = lua.codec.nodes(lua.edition, frame)
         only = None if is_request and is_reply else "request" if is_request else "reply"
         assert entry.time is not None
-        facts = {"bus": entry.bus, "number": number, "sent": "request", "mark": MARKS[entry.mark]}
-        facts["time"] = lua.lua.table(entry.time // SECOND, entry.time % SECOND)
-        results.append(lua.module.directions.judge(state, lua.edition, only, frame, lua.lua.table_from(facts)))
+        frame.number, frame.time, frame.mark = number, entry.time, MARKS[entry.mark]
+        results.append(lua.module.directions.judge(state, entry.bus, lua.edition, only, frame))
     return results

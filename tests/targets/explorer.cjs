@@ -6,7 +6,7 @@ const vm = require("node:vm");
 
 const [folder, questions] = process.argv.slice(2);
 const page = readFileSync(join(folder, "index.html"), "utf-8");
-const context = vm.createContext({});
+const context = vm.createContext({ TextDecoder, TextEncoder });
 for (const [, path] of page.matchAll(/<script src="([^"]*)">/g)) {
   if (path !== "explorer.js") {
     vm.runInContext(readFileSync(join(folder, path), "utf-8"), context, { filename: path });
@@ -25,20 +25,21 @@ function written(one, { name, value, raw }) {
   }
 }
 
-const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ line, parameters, enter }) => {
-  const frame = canwright.frames.parseLine(line);
-  return frame && {
-    frame: canwright.frames.format(frame),
+const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ line, parameters, enter, leading }) => {
+  const { frame = null, problem = null } = line ? canwright.frames.parse(line) : {};
+  return !frame ? problem : {
+    frame: frame.id === null ? `-#${canwright.frames.format({ ...frame, id: 0 }).split("#")[1]}` : canwright.frames.format(frame),
     sent: frame.sent,
     time: frame.time,
-    found: canwright.meaning.interpret(frame, parameters).map((one) => ({
+    found: canwright.meaning.interpret(frame, parameters, leading).map((one) => ({
       edition: one.edition.name,
       direction: one.decoded.direction,
       command: one.decoded.command,
       node: one.decoded.node,
-      raw: one.decoded.raw,
-      fields: one.decoded.fields,
+      raw: { ...one.decoded.raw },
+      fields: one.decoded.fields.map((field) => ({ ...field })),
       deviation: one.deviation,
+      timing: canwright.meaning.timing(one.message).flat(),
       obstacle: canwright.code.obstacle(one),
       series: one.variant?.values ?? null,
       c: canwright.code.obstacle(one) ? "" : canwright.code.c(one),

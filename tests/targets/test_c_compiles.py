@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.targets import c
 from canwright.targets.base import EditionInput
 from canwright.targets.c.names import PARTS, Names, member
+from canwright.targets.c.target import CTarget
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, each_compiler
 from ..conformance.adapters.c_harness import harness
@@ -28,7 +28,7 @@ SPECS = [MAIN, CASES / "tiny.yaml", CASES / "packed.yaml"]
 
 def write(described_: Sequence[EditionInput], folder: Path) -> Path:
     """The generated files below a folder."""
-    for output in c.generate(described_, {}):
+    for output in CTarget().generate(described_, {}):
         file = folder / output.path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(output.text, "utf-8")
@@ -194,8 +194,8 @@ def test_main_header_has_no_float(units: Path) -> None:
 
 def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
     program = (
-        "import sys; from pathlib import Path; from canwright.project.loader import specification; from canwright.targets import c; "
-        "sys.stdout.write(repr([(o.path, o.text) for o in c.generate([specification(Path(sys.argv[1]))], {})]))"
+        "import sys; from pathlib import Path; from canwright.project.loader import specification; from canwright.targets.c.target import CTarget; "
+        "sys.stdout.write(repr([(o.path, o.text) for o in CTarget().generate([specification(Path(sys.argv[1]))], {})]))"
     )
     made = {
         subprocess.run(
@@ -240,12 +240,14 @@ def test_example_shows_exchanges_in_which_the_reply_answers(
 
 
 def test_an_id_that_code_or_fields_go_into_is_said_to_lack_them() -> None:
-    said = [o.text for o in c.generate([specification(CASES / "packed.yaml")], {}) if o.path == "include/drive/v1.h"]
+    said = [
+        o.text for o in CTarget().generate([specification(CASES / "packed.yaml")], {}) if o.path == "include/drive/v1.h"
+    ]
     assert "/** The id of a request to a node, without the bits of code and fields. */" in said[0]
     assert "/** The id of a request. */" in said[0]
 
 
-def test_without_an_exchange_to_show_nothing_is_said_of_examples(tmp_path: Path) -> None:
+def test_without_exchanges_there_are_no_examples(tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     spec.write_text(MINIMAL.replace("reply: echo", "reply: none"), "utf-8")
     folder = write([specification(spec)], tmp_path / "c")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
-from canwright.targets import c
+from canwright.targets.c.target import CTarget
 
 from ..compilers import WARNINGS, ZIG
 from ..conformance.adapter import write_files
@@ -32,7 +32,7 @@ def test_conversions_agree_with_fractions(tmp_path: Path) -> None:
 def unit(folder: Path, kinds: Sequence[str]) -> tuple[str, Path]:
     """The option for the headers, and a unit with the conversions of all specs to and from some floating-point types."""
     specifications = [specification(spec) for spec in SPECS]
-    include = write_files(c.generate(specifications, {}), folder) / "include"
+    include = write_files(CTarget().generate(specifications, {}), folder) / "include"
     lines, table = [], []
     for edition_input in specifications:
         name = f"{edition_input.edition.family}/{edition_input.edition.identifier}_float.h"
@@ -91,7 +91,7 @@ def test_a_scale_of_more_than_63_bits_has_conversions_to_floating_point(
 ) -> None:
     file = tmp_path / "spec.yaml"
     file.write_text(MINIMAL.replace("scale: 0.1", f"scale: {scale}"), "utf-8")
-    texts = {output.path: output.text for output in c.generate([specification(file)], {})}
+    texts = {output.path: output.text for output in CTarget().generate([specification(file)], {})}
     text = " ".join(texts["include/lamp/v1.h"].replace("*", " ").split())
     assert "No thousandths: scale or offset needs integers of more than 63 bits" in text
     assert f"level_to_{ending}" in texts["include/lamp/v1_float.h"]
@@ -100,7 +100,7 @@ def test_a_scale_of_more_than_63_bits_has_conversions_to_floating_point(
 def test_a_scale_beyond_float_has_conversions_to_double(tmp_path: Path) -> None:
     file = tmp_path / "spec.yaml"
     file.write_text(MINIMAL.replace("scale: 0.1", f"scale: 0.{'0' * 37}1/10"), "utf-8")
-    texts = {output.path: output.text for output in c.generate([specification(file)], {})}
+    texts = {output.path: output.text for output in CTarget().generate([specification(file)], {})}
     header = texts["include/lamp/v1_float.h"]
     assert "level_to_double" in header and "level_to_float" not in header
     text = " ".join(texts["include/lamp/v1.h"].replace("*", " ").split())

@@ -112,7 +112,9 @@ FRAMES = [
 
 
 @pytest.mark.parametrize(("command", "raw", "id_", "data"), FRAMES, ids=[f[0] for f in FRAMES])
-def test_there_and_back(command: str, raw: dict[str, int], id_: int, data: str, target: CAdapter) -> None:
+def test_decoding_an_encoded_request_returns_its_raw_integers(
+    command: str, raw: dict[str, int], id_: int, data: str, target: CAdapter
+) -> None:
     frame = CanFrame(id_, bytes.fromhex(data), extended=True)
     assert target.encode_raw(Direction.REQUEST, command, 2, raw, {}) == Encoded(frame.id, frame.data, extended=True)
     decoded = target.decode(Direction.REQUEST, frame, {}, None)
@@ -138,7 +140,7 @@ def test_refused(id_: int, data: str, says: Refusal, target: CAdapter) -> None:
 
 
 @pytest.mark.parametrize(("id_", "data", "says"), [r[1:] for r in REFUSED[:6]], ids=[r[0] for r in REFUSED[:6]])
-def test_refused_as_an_answer(id_: int, data: str, says: Refusal, target: CAdapter) -> None:
+def test_an_invalid_reply_is_rejected_with_its_reason(id_: int, data: str, says: Refusal, target: CAdapter) -> None:
     frame = CanFrame(id_, bytes.fromhex(data), extended=True)
     command = "third" if data.startswith("02") else "first"
     assert target.decode(Direction.REPLY, frame, {}, command) == Refused(says)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from canwright.project.loader import spec_files, specification
-from canwright.targets import c
+from canwright.targets.c.target import CTarget
 
 from ..compilers import WARNINGS, ZIG, Compiler, each_compiler
 from ..spec_texts import ROOT
@@ -75,7 +75,7 @@ def test_headers_of_different_specs_do_not_compile_together(tmp_path: Path) -> N
     shutil.copytree(INCLUDE, tmp_path / "include")
     changed = tmp_path / "v2.35.yaml"
     changed.write_text((ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8") + "# changed\n", "utf-8")
-    made = {output.path: output.text for output in c.generate([specification(changed)], {})}
+    made = {output.path: output.text for output in CTarget().generate([specification(changed)], {})}
     unit = tmp_path / "unit.c"
     unit.write_text("#include <mwd_motor/v2_35_float.h>\n", "utf-8")
     arguments = (f"-I{tmp_path / 'include'}", "-c", unit, "-o", tmp_path / "unit.o")

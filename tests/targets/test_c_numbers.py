@@ -189,10 +189,12 @@ def test_single_precision(name: str, size: str, made: tuple[Edition, CAdapter]) 
 
 
 def _headers(edition: Edition) -> list[str]:
-    from canwright.targets import c
     from canwright.targets.base import EditionInput
+    from canwright.targets.c.target import CTarget
 
-    return [output.text for output in c.generate([EditionInput(edition, None)], {}) if output.path.endswith(".h")]
+    return [
+        output.text for output in CTarget().generate([EditionInput(edition, None)], {}) if output.path.endswith(".h")
+    ]
 
 
 def _type(edition: Edition, name: str) -> Type:

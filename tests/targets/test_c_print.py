@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import pytest
 from canwright.model.golden_frames import GoldenFrame, RefusedFrame
+from canwright.model.joined import JoinedText
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
@@ -15,8 +16,8 @@ from canwright.model.types import Encoding
 from canwright.project.loader import load
 from canwright.semantics.decoder import Decoded, Decoder, Rejection
 from canwright.semantics.encoder import Encoder
-from canwright.targets import c
 from canwright.targets.base import EditionInput
+from canwright.targets.c.target import CTarget
 
 from ..conformance.adapter import CanFrame, Refused, assignment
 from ..conformance.adapters.c import EXTENDED, REMOTE, CAdapter
@@ -63,6 +64,15 @@ def test_golden_frames_as_text(made: Made) -> None:
 def check_field(printed: dict[str, str], field: Field, decoded: Decoded, encoder: Encoder) -> None:
     """Removes the texts of a field and compares them with its raw integers and values."""
     raws, values = decoded.raws[field.name], decoded.values.get(field.name)
+    if field.type.joined is not None:
+        text = printed.pop(field.name)
+        assert isinstance(raws, list)
+        if isinstance(field.type.joined, JoinedText):
+            content = bytes(raws).partition(b"\0")[0].rstrip(bytes([field.type.joined.padding]))
+            assert text == "".join(chr(byte) if 32 <= byte < 127 else "?" for byte in content)
+        else:
+            assert text == ("".join(f"{raw:X}" for raw in raws) if values is None else str(values))
+        return
     elements = raws if isinstance(raws, list) else [raws]
     each = values if isinstance(raws, list) else [values]
     assert isinstance(each, list)
@@ -78,6 +88,8 @@ def check_field(printed: dict[str, str], field: Field, decoded: Decoded, encoder
             )
         elif field.type.enum:
             assert text == (value or str(raw))
+        elif field.type.no_value(raw):
+            assert text == value
         elif value is None:
             assert text == f"{raw} raw" or field.type.encoding is Encoding.FLOAT
         else:
@@ -102,11 +114,18 @@ def test_a_short_buffer_cuts_the_end(made: Made) -> None:
 
 def _macros(edition_input: EditionInput) -> dict[str, int]:
     header = next(
-        o.text for o in c.generate([edition_input], {}) if o.path.endswith(f"/{edition_input.edition.identifier}.h")
+        o.text
+        for o in CTarget().generate([edition_input], {})
+        if o.path.endswith(f"/{edition_input.edition.identifier}.h")
     )
     prefix = f"{edition_input.edition.family}_{edition_input.edition.identifier}_".upper()
     filters = re.findall(rf"#define {prefix}(\w+_FILTER_(?:ID|MASK)) +0x(\w+)u", header)
     return {name: int(number, 16) for name, number in filters}
+
+
+def _accepts(filter_: tuple[int, int] | Refused, id_: int) -> bool:
+    assert not isinstance(filter_, Refused), filter_
+    return not (id_ ^ filter_[0]) & filter_[1]
 
 
 def test_filters_accept_golden_frames_and_no_other_node(made: Made) -> None:
@@ -117,29 +136,40 @@ def test_filters_accept_golden_frames_and_no_other_node(made: Made) -> None:
         if isinstance(decoded, Rejection):
             continue
         id_ = frame.id | EXTENDED * frame.extended | REMOTE * frame.remote
-        address, nodes = decoded.message.address, decoded.message.id.nodes
+        address, rule, known = decoded.message.address, decoded.message.id, golden.parameters
         stem = f"{address}_{direction.value}_filter".upper()
-        assert not (id_ ^ macros[f"{stem}_ID"]) & macros[f"{stem}_MASK"], golden
-        if nodes is None:
+        if rule.parameter is None:
+            assert _accepts((macros[f"{stem}_ID"], macros[f"{stem}_MASK"]), id_), golden
+        else:
+            node = decoded.node if rule.nodes and decoded.node is not None else 0
+            assert _accepts(target.filter(address, direction, node, known), id_), golden
+            assert target.filter(address, direction, node) == Refused(Refusal.MISSING_PARAMETER)
+            changed = {**known, rule.parameter: str(int(str(known[rule.parameter])) - 1)}
+            filter_ = target.filter(address, direction, node, changed)
+            assert filter_ == Refused(Refusal.OUT_OF_RANGE) or not _accepts(filter_, id_), (golden, changed)
+        if rule.nodes is None:
             continue
-        for node in nodes[:40]:
-            filter_ = target.filter(address, direction, node)
-            assert not isinstance(filter_, Refused)
-            assert (not (id_ ^ filter_[0]) & filter_[1]) == (node == decoded.node), (golden, node)
-        assert target.filter(address, direction, nodes[-1] + 1) == Refused(Refusal.UNKNOWN_NODE)
+        for node in rule.nodes[:40]:
+            filter_ = target.filter(address, direction, node, known)
+            assert _accepts(filter_, id_) == (node == decoded.node), (golden, node)
+        assert target.filter(address, direction, rule.nodes[-1] + 1, known) == Refused(Refusal.UNKNOWN_NODE)
 
 
 def test_filters_compare_every_bit_that_is_the_same_in_all_ids(made: Made) -> None:
     """No bit can be added to a mask: frames of every message are built here, with all values of fields in the id."""
-    edition_input, _ = made
+    edition_input, target = made
     macros = _macros(edition_input)
+    known = {name: value for _, _, golden in frames(edition_input) for name, value in golden.parameters.items()}
     for direction in Direction:
         ids: dict[str, set[int]] = {}
+        of_node: dict[tuple[str, int], set[int]] = {}
         for message in edition_input.edition.messages(direction):
+            rule = message.id.at(assignment(known))
+            assert rule is not None
             free = [
                 s.low + bit
                 for f in message.layout.fields
-                if not f.role.is_checked
+                if f.role.required_raw is None
                 for e in f.elements
                 for s in e.segments
                 for bit in range(s.width)
@@ -155,15 +185,31 @@ def test_filters_compare_every_bit_that_is_the_same_in_all_ids(made: Made) -> No
                         for value in values
                     }
             flags = EXTENDED * message.id.extended | REMOTE * message.remote
-            for node in message.id.nodes or (0,):
-                for k in keyed:
-                    start = message.id.base + node * message.id.node_step | k | flags
-                    ids.setdefault(message.address, set()).update([start, *(start | 1 << bit for bit in free)])
+            nodes = rule.nodes or range(1)
+            for node in nodes:
+                starts = [rule.base + node * rule.node_step | k | flags for k in keyed]
+                built = {*starts, *(start | 1 << bit for start in starts for bit in free)}
+                ids.setdefault(message.address, set()).update(built)
+                if node in (nodes[0], nodes[-1]):
+                    of_node.setdefault((message.address, node), set()).update(built)
         for address, address_ids in ids.items():
-            stem = f"{address}_{direction.value}_filter".upper()
-            first = next(iter(address_ids))
-            differing = 0
-            for id_ in address_ids:
-                differing |= id_ ^ first
-            width = 0x1FFFFFFF if first & EXTENDED else 0x7FF
-            assert macros[f"{stem}_MASK"] == (0xC0000000 | width) & ~differing, (address, direction)
+            mask = f"{address}_{direction.value}_filter_mask".upper()
+            if edition_input.edition.address(address).rule(direction).parameter is None:
+                assert macros[mask] == _common_bits(address_ids), (address, direction)
+            else:
+                assert mask not in macros, "a filter for all values of a parameter"
+        for (address, node), node_ids in of_node.items():
+            rule = edition_input.edition.address(address).rule(direction)
+            if rule.nodes is not None or rule.parameter is not None:
+                filter_ = target.filter(address, direction, node, known)
+                assert not isinstance(filter_, Refused), (address, direction, filter_)
+                assert filter_[1] == _common_bits(node_ids), (address, direction, node)
+
+
+def _common_bits(ids: set[int]) -> int:
+    """The mask of the bits that are the same in all ids, with the flags."""
+    first = next(iter(ids))
+    differing = 0
+    for id_ in ids:
+        differing |= id_ ^ first
+    return (0xC0000000 | (0x1FFFFFFF if first & EXTENDED else 0x7FF)) & ~differing

@@ -11,10 +11,11 @@ import pytest
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.targets.base import header
-from canwright.targets.c import RUNTIME
-from canwright.targets.c.names import SHARED, SHARED_CXX
+from canwright.targets.c.names import FD, SHARED, SHARED_CXX, TEXT
+from canwright.targets.c.package import RUNTIME
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
+from ..spec_texts import ROOT
 from ..verification import floating, integers
 from .test_c_compiles import MAIN, everything, write
 
@@ -31,6 +32,9 @@ int main(void)
     return 0;
 }
 """
+
+SPEC_WITH = {FD: ROOT / "tests/specs/servo/v1.yaml", TEXT: ROOT / "tests/specs/stack/v1.yaml"}
+"""Specs that need a header which others do not have."""
 
 
 @pytest.fixture(scope="module")
@@ -61,32 +65,31 @@ def test_each_header_compiles_alone(file: str, tmp_path: Path) -> None:
     ZIG.check("c99", *WARNINGS, f"-I{RUNTIME}", "-c", unit, "-o", unit.with_suffix(".o"))
 
 
-@pytest.mark.parametrize("file", [*SHARED, *SHARED_CXX])
+@pytest.mark.parametrize("file", [*SHARED, FD, TEXT, *SHARED_CXX])
 def test_the_source_is_copied_below_a_header_line(file: str, tmp_path: Path) -> None:
-    edition_input = specification(MAIN)
+    edition_input = specification(SPEC_WITH.get(file, MAIN))
     copied = write([edition_input], tmp_path) / "include" / edition_input.edition.family / file
     assert copied.read_bytes() == f"/* {header(edition_input.edition)} */\n".encode() + (RUNTIME / file).read_bytes()
 
 
 def test_every_source_file_is_copied() -> None:
-    assert sorted(file.name for file in RUNTIME.iterdir()) == sorted([*SHARED, *SHARED_CXX])
+    assert sorted(file.name for file in RUNTIME.iterdir()) == sorted([*SHARED, FD, TEXT, *SHARED_CXX])
 
 
 def test_the_statuses_are_the_reasons_for_rejection(tmp_path: Path) -> None:
-    """In the same order with the same words, so that a status means what the other targets mean; and one that only C has."""
+    """In the same order with the same words, so that a status means what the other targets mean."""
     (body,) = re.findall(
         r"typedef enum \{(.*?)\} canwright_status_t;", (RUNTIME / "canwright.h").read_text("utf-8"), re.S
     )
     assert re.findall(r"\bCANWRIGHT_\w+(?=(?: = 0)?,?$)", body, re.M) == [
         "CANWRIGHT_OK",
         *(f"CANWRIGHT_{refusal.name}" for refusal in Refusal),
-        "CANWRIGHT_NOT_AVAILABLE",
     ]
     source = tmp_path / "statuses.c"
-    source.write_text(PRINT_STATUSES % (len(Refusal) + 2), "utf-8")
+    source.write_text(PRINT_STATUSES % (len(Refusal) + 1), "utf-8")
     program = build([source], RUNTIME, tmp_path / "statuses")
     printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split("\n")
-    assert printed == ["ok", *(refusal.value for refusal in Refusal), "not_available", "?", ""]
+    assert printed == ["ok", *(refusal.value for refusal in Refusal), "?", ""]
 
 
 def test_integers_and_texts_agree_with_fractions(tmp_path: Path) -> None:

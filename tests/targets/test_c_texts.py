@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
-from canwright.targets import c
+from canwright.targets.c.target import CTarget
 from canwright.targets.c.text import fold
 
 from ..compilers import WARNINGS, ZIG
@@ -69,7 +69,7 @@ def _bare(source: str) -> list[str]:
 def _code(folder: Path, text: str) -> tuple[dict[str, str], dict[str, list[str]]]:
     file = folder / "spec.yaml"
     file.write_text(SPEC.format(text=_quoted(text)), "utf-8")
-    made = {output.path: output.text for output in c.generate([specification(file)], {})}
+    made = {output.path: output.text for output in CTarget().generate([specification(file)], {})}
     return made, {path: _bare(source) for path, source in made.items() if path.endswith(CODE)}
 
 
@@ -110,7 +110,7 @@ def test_two_things_with_one_name_in_c_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "spec.yaml"
     file.write_text(text, "utf-8")
     with pytest.raises(Exception, match="lamp_v1_parameters_t"):
-        list(c.generate([specification(file)], {}))
+        list(CTarget().generate([specification(file)], {}))
 
 
 def test_only_a_function_ends_with_a_brace_at_the_margin(tmp_path: Path) -> None:

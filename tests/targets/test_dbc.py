@@ -17,10 +17,10 @@ import pytest
 from canwright.model.golden_frames import GoldenFrame, GoldenFrames
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.targets import dbc
 from canwright.targets.base import EditionInput
 from canwright.targets.dbc.frames import obstacle
 from canwright.targets.dbc.selection import COMMENTS, NODES
+from canwright.targets.dbc.target import DbcTarget
 from canwright.targets.options import Options
 
 from ..spec_texts import MINIMAL, SMALL, SPECS as ALL, called
@@ -49,7 +49,7 @@ SECTIONS = [
 
 
 def made(spec: Path, **set_parameters: str) -> dict[str, str]:
-    return {output.path: output.text for output in dbc.generate([specification(spec)], set_parameters)}
+    return {output.path: output.text for output in DbcTarget().generate([specification(spec)], set_parameters)}
 
 
 def files(spec: Path, **set_parameters: str) -> dict[str, str]:
@@ -65,7 +65,9 @@ def texts(request: pytest.FixtureRequest) -> Mapping[str, str]:
     ("name", "nodes"), [("lamp-v1-small-reply-node1.dbc", (1,)), ("lamp-v1-small-command.dbc", ())]
 )
 def test_text_of_a_small_spec(name: str, nodes: tuple[int, ...]) -> None:
-    texts = {o.path: o.text for o in dbc.generate([specification(CASES / "tiny.yaml")], {}, Options({NODES: nodes}))}
+    texts = {
+        o.path: o.text for o in DbcTarget().generate([specification(CASES / "tiny.yaml")], {}, Options({NODES: nodes}))
+    }
     assert texts[name] == (CASES / name).read_text("ascii")
 
 
@@ -107,7 +109,9 @@ def test_codes_of_tables_have_names_in_the_plain_file() -> None:
 
 @pytest.mark.parametrize("nodes", [(5, 7), (32,)])
 def test_selected_nodes_are_the_only_ones(nodes: tuple[int, ...]) -> None:
-    outputs = {o.path: o.text for o in dbc.generate([specification(MAIN)], {"series": "MG"}, Options({NODES: nodes}))}
+    outputs = {
+        o.path: o.text for o in DbcTarget().generate([specification(MAIN)], {"series": "MG"}, Options({NODES: nodes}))
+    }
     listed = "_".join(map(str, nodes))
     reply, command = (outputs[f"mwd_motor-v2.35-MG-{kind}-node{listed}.dbc"] for kind in ("reply", "command"))
     assert re.findall(r"^BO_ (\d+)", reply, re.MULTILINE) == [str(0x140 + node) for node in nodes]
@@ -116,7 +120,7 @@ def test_selected_nodes_are_the_only_ones(nodes: tuple[int, ...]) -> None:
 
 def test_comments_in_chinese_are_utf_8_and_change_nothing_else() -> None:
     main = specification(MAIN)
-    chinese = {o.path: o.text for o in dbc.generate([main], {"series": "MG"}, Options({COMMENTS: "zh"}))}
+    chinese = {o.path: o.text for o in DbcTarget().generate([main], {"series": "MG"}, Options({COMMENTS: "zh"}))}
     for path, text in files(MAIN, series="MG").items():
         translated = chinese[path.replace(".dbc", "-zh.dbc")].replace('-zh";', '";')
         assert [x for x in translated.splitlines() if x[:3] != "CM_"] == [
@@ -124,8 +128,12 @@ def test_comments_in_chinese_are_utf_8_and_change_nothing_else() -> None:
         ]
     text = chinese["mwd_motor-v2.35-MG-command-zh.dbc"]
     assert f'CM_ "mwd_motor v2.35，规格哈希 {main.edition.hash[:12]}。由 canwright 生成，请勿修改。参数：MG。' in text
-    assert 'CM_ SG_ 321 cA1_iq "转矩闭环控制：转矩电流控制值。电机会转动。手册 2.5。";' in text
-    assert not re.search(r"[a-z]{4}", " ".join(re.findall(r'CM_ (?:BO|SG)_ .*?"(.*)";', text)).replace("canwright", ""))
+    assert (
+        'CM_ SG_ 321 cA1_iq "转矩闭环控制：转矩电流控制值。手册名称：iqControl。电机会转动。手册 2.5, 转矩闭环控制命令。";'
+        in text
+    )
+    comments = " ".join(re.findall(r'CM_ (?:BO|SG)_ .*?"(.*)";', text))
+    assert not re.search(r"[a-z]{4}", re.sub("canwright|手册名称：[^。]*", "", comments))
 
 
 def test_a_set_choice_among_names_leaves_only_its_files() -> None:
@@ -169,7 +177,8 @@ def test_the_guide_says_how_to_set_numbers() -> None:
 def test_the_guide_of_a_variant_lists_what_is_not_set_and_editions_without_files() -> None:
     items = [specification(ROOT / f"spec/mwd_motor/{name}.yaml") for name in ("v2.35", "v2.35-2024-02")]
     texts = {
-        o.path: o.text for o in dbc.generate(items, {"series": "MG", "encoder_bits": "18"}, Options({NODES: (5, 7)}))
+        o.path: o.text
+        for o in DbcTarget().generate(items, {"series": "MG", "encoder_bits": "18"}, Options({NODES: (5, 7)}))
     }
     assert (
         "This edition has no files with series=MG, encoder_bits=18."
@@ -288,6 +297,16 @@ def test_ids_of_29_bits_are_marked() -> None:
     assert f'BA_ "VFrameFormat" BO_ {1 << 31 | 2 << 5 | 0x0C} 1;' in text
 
 
+def test_frames_of_can_fd_are_marked() -> None:
+    for spec, frame_format, rate in (("servo", 15, 1), ("tank", 14, 0)):
+        (text,) = files(ROOT / f"tests/specs/{spec}/v1.yaml").values()
+        assert 'BA_ "BusType" "CAN FD";' in text and f'BA_DEF_DEF_ "CANFD_BRS" "{rate}";' in text
+        assert {*re.findall(r'BA_ "VFrameFormat" BO_ \d+ (\d+);', text)} == {str(frame_format)}
+        database = cantools.database.load_string(text, "dbc")
+        assert isinstance(database, cantools.database.Database)
+        assert {message.is_fd for message in database.messages} == {True}
+
+
 def test_constants_and_floats_are_marked() -> None:
     texts = files(CASES / "packed.yaml")
     id_ = 1 << 31 | 1 << 5 | 0x0C
@@ -373,7 +392,7 @@ def example() -> EditionInput:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("dbc")
-    for output in dbc.generate([example()], {}):
+    for output in DbcTarget().generate([example()], {}):
         (folder / output.path).write_text(output.text, "ascii" if output.path.endswith(".dbc") else "utf-8")
     return folder
 

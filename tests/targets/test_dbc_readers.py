@@ -21,8 +21,8 @@ from canwright.model.message import Direction, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Assignment, Encoding
 from canwright.project.loader import specification
-from canwright.targets import dbc
 from canwright.targets.base import EditionInput
+from canwright.targets.dbc.target import DbcTarget
 from hypothesis import given, settings, strategies as st
 
 from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
@@ -221,7 +221,7 @@ def moved(layout: Layout, constant: int | None) -> Layout:
 
 
 def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:
-    texts = {o.path: o.text for o in dbc.generate([with_second_selector(1)], {})}
+    texts = {o.path: o.text for o in DbcTarget().generate([with_second_selector(1)], {})}
     plain, joined = loaded(texts["lamp-v1-small-reply.dbc"]), loaded(texts["lamp-v1-small-reply-index.dbc"])
     frame = bytes.fromhex("1B 0B 00 00 34 12 00 21")
     assert plain.decode_message(0x101, frame) == {"r_code": 0x1B, "r1B_index": "turn", "r1B_data": 0x2100_1234_0000}
@@ -247,7 +247,7 @@ def test_no_comment_says_a_thing_twice(spec: Path) -> None:
 
 
 def test_a_constant_between_selectors_is_read_with_them() -> None:
-    texts = {o.path: o.text for o in dbc.generate([with_second_selector(2, constant=0x05)], {})}
+    texts = {o.path: o.text for o in DbcTarget().generate([with_second_selector(2, constant=0x05)], {})}
     joined = loaded(texts["lamp-v1-small-reply-index.dbc"])
     read = joined.decode_message(0x101, bytes.fromhex("1B 05 0B 00 34 12 00 20"))
     assert read == {
@@ -272,7 +272,7 @@ def test_a_message_with_two_selectors_crosses_cantools() -> None:
 
 
 def test_selectors_apart_leave_the_bits_between_undecided() -> None:
-    texts = {o.path: o.text for o in dbc.generate([with_second_selector(2)], {})}
+    texts = {o.path: o.text for o in DbcTarget().generate([with_second_selector(2)], {})}
     assert not any("index" in path for path in texts)
     read = loaded(texts["lamp-v1-small-reply.dbc"]).decode_message(0x101, bytes.fromhex("1B 01 0A 02 00 00 00 80"))
     assert read == {"r_code": 0x1B, "r1B_index": "shine", "r1B_data": 1, "r1B_data_2": 0x80_0000_0002}
@@ -286,7 +286,7 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
     head, gains, rest = TABLE.partition("      gains:")
     gains, level = (gains + rest).splitlines(keepends=True)
     text = head + (level + gains if longer_first else gains + level)
-    texts = {o.path: o.text for o in dbc.generate([EditionInput(edition(tmp_path, text), None)], {})}
+    texts = {o.path: o.text for o in DbcTarget().generate([EditionInput(edition(tmp_path, text), None)], {})}
     plain, settings, settings_and_level = (
         loaded(texts[f"lamp-v1-command{which}.dbc"]) for which in ("", "-settings", "-settings-level")
     )
@@ -309,6 +309,6 @@ def test_a_selector_that_not_all_entries_have_is_left_to_the_joined_files(longer
 
 def test_no_name_is_given_to_a_selector_that_does_not_decide(tmp_path: Path) -> None:
     text = TABLE + "      hue: {index: [5, 0x0B], layout: {hue: {at: 4, raw: u8}}}\n"
-    texts = {o.path: o.text for o in dbc.generate([EditionInput(edition(tmp_path, text), None)], {})}
+    texts = {o.path: o.text for o in DbcTarget().generate([EditionInput(edition(tmp_path, text), None)], {})}
     read = loaded(texts["lamp-v1-command.dbc"]).decode_message(0x101, bytes.fromhex("42 05 0B 00 03 00 00 00"))
     assert read == {"c_code": "write_setting", "c42_index": 5, "c42_data": 0x0000_0003_000B}

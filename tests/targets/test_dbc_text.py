@@ -62,7 +62,7 @@ def test_no_text_breaks_out_of_its_quotes(written: str) -> None:
     assert all(" " <= c <= "~" and c not in '"\\' for c in text(written))
 
 
-def test_english_stands_for_the_other_languages() -> None:
+def test_english_replaces_texts_that_ascii_cannot_express() -> None:
     assert in_ascii({"zh": "电机", "en": "Motor"}) == "Motor"
     assert in_ascii({"zh": "电机"}) == ""
     assert in_ascii({}) == ""

@@ -17,7 +17,7 @@ import markdown as python_markdown
 import pytest
 from canwright.model import formatting
 from canwright.project.loader import specification
-from canwright.targets import docs
+from canwright.targets.docs.target import DocsTarget
 from canwright.templating.markup import markdown
 
 from ..node import run
@@ -28,7 +28,7 @@ SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
 @pytest.fixture(scope="module")
 def pages() -> dict[str, str]:
-    return {output.path: output.text for output in docs.generate([specification(SPEC)], {})}
+    return {output.path: output.text for output in DocsTarget().generate([specification(SPEC)], {})}
 
 
 def test_every_command_has_a_page_in_every_language(pages: dict[str, str]) -> None:
@@ -113,23 +113,36 @@ const single = { perNode: true, request: [111, 135], reply: [111, 135], replies:
 const broadcast = { perNode: false, request: [111, 135], reply: [111, 135], replies: 4 };
 const silent = { perNode: true, request: [44, 52], reply: null, replies: 0 };
 const rows = [[single], [broadcast], [single, silent]];
-const loads = rows.map((commands) => busLoad(commands.map((command) => ({ command, rateHz: 100 })), 4, 1000, 0.25));
+const loads = rows.map((commands) => busLoad(commands.map((command) => ({ command, rateHz: 100 })), 4, 1000, 0.25, []));
+loads.push(busLoad([], 4, 500, 0, [{ bits: [111, 135], everyMs: 2.5, perNode: true }, { bits: [44, 52], everyMs: 10, perNode: false }]));
 console.log(JSON.stringify(loads.map(({ load, cycleMs, maximumHz }) => [load, cycleMs, Math.round(maximumHz)])));
 """
 
 
 def test_loads_are_those_of_the_formulas() -> None:
-    """4 nodes at 100 Hz and 1 Mbit/s: 4 x 270 bits, 5 x 135 bits, and 4 x 52 bits more than the first."""
+    """4 nodes at 100 Hz and 1 Mbit/s: 4 x 270 bits, 5 x 135 bits, and 4 x 52 bits more than the first.
+
+    Cyclic frames at 500 kbit/s: 4 x 135 bits in 2.5 ms, 43.2 %, and 52 bits in 10 ms, 1.04 %; they are not polled.
+    """
     loads = json.loads(run(LOADS, cwd=ROOT / "generator/canwright/targets/docs/runtime"))
     assert loads == [
         [pytest.approx(10.8), pytest.approx(2.08), 481],
         [pytest.approx(6.75), pytest.approx(0.925), 1081],
         [pytest.approx(12.88), pytest.approx(2.288), 437],
+        [pytest.approx(44.24), 0, 0],
     ]
 
 
+def test_the_first_steps_are_frames_of_the_manual(pages: dict[str, str]) -> None:
+    """Off and on, 90 degrees in steps of 0.01 at 90 degrees per second, written from the manual."""
+    for language in ("en", "zh"):
+        steps = re.findall(r"^\| \d \| `cansend can0 ([^`]+)`", pages[f"{language}/quickstart.md"], re.MULTILINE)
+        codes = ("9A00000000000000", "8800000000000000", "A8005A0028230000", "9C00000000000000")
+        assert steps == [f"141#{data}" for data in (*codes, "8100000000000000", "8000000000000000")]
+
+
 def test_the_quick_start_shows_a_command_that_only_reads(pages: dict[str, str]) -> None:
-    page = pages["en/quickstart.md"]
+    page = pages["en/quickstart.md"].partition("## C and Python: ")[2]
     link = re.search(r"v2.35/commands/(\w+).md", page)
     assert link is not None
     assert not specification(SPEC).edition.command(link[1]).effects
@@ -154,7 +167,7 @@ def test_pictures_are_legible_on_a_phone(pages: dict[str, str]) -> None:
 
 def test_few_members_are_listed_in_the_row_of_their_field(pages: dict[str, str]) -> None:
     text = pages["en/v2.35/commands/read_status_1.md"]
-    assert "| Errors<br>bits `0` `low_voltage` · `3` `over_temperature` |" in text
+    assert "| Errors (Manual errorState)<br>bits `0` `low_voltage` · `3` `over_temperature` |" in text
 
 
 def test_effects_are_warnings_and_examples_are_golden_frames(pages: dict[str, str]) -> None:
@@ -168,7 +181,7 @@ def test_effects_are_warnings_and_examples_are_golden_frames(pages: dict[str, st
 
 def test_values_without_an_effect_are_beside_it() -> None:
     mixer = specification(ROOT / "tests/specs/mixer/v2-2024-02.yaml")
-    made = {output.path: output.text for output in docs.generate([mixer], {})}
+    made = {output.path: output.text for output in DocsTarget().generate([mixer], {})}
     assert "The lamp blinks (not with `lamp` = `off`)" in made["en/v2-2024-02/commands/set_lamp.md"]
     assert "指示灯闪烁（`lamp` = `off` 时除外）" in made["zh/v2-2024-02/commands/set_lamp.md"]
 
@@ -190,7 +203,7 @@ commands:
 
 def test_states_have_a_page_if_there_are_any() -> None:
     mixer = specification(ROOT / "tests/specs/mixer/v2-2024-02.yaml")
-    made = {output.path: output.text for output in docs.generate([mixer], {})}
+    made = {output.path: output.text for output in DocsTarget().generate([mixer], {})}
     page = made["en/v2-2024-02/states.md"]
     assert '| <a id="states.live"></a>Live (`live`) | power-up, [set_lamp](commands/set_lamp.md) |  |  |' in page
     muted = "| [mute_group](commands/mute_group.md) | Silent. | Can be loud: [set_volume](commands/set_volume.md) |"
@@ -200,13 +213,13 @@ def test_states_have_a_page_if_there_are_any() -> None:
     assert "While [Muted](../states.md#states.muted): Silent." in command
     assert "执行后的状态：[静音](../states.md#states.muted)" in made["zh/v2-2024-02/commands/mute_group.md"]
     press = specification(ROOT / "tests/specs/press/v1.yaml")
-    assert not [output.path for output in docs.generate([press], {}) if output.path.endswith("states.md")]
+    assert not [output.path for output in DocsTarget().generate([press], {}) if output.path.endswith("states.md")]
 
 
-def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
+def test_fields_in_the_id_are_in_table_and_picture(tmp_path: Path) -> None:
     spec = tmp_path / "spec.yaml"
     spec.write_text(IN_THE_ID, "utf-8")
-    pages = {output.path: output.text for output in docs.generate([specification(spec)], {})}
+    pages = {output.path: output.text for output in DocsTarget().generate([specification(spec)], {})}
     text = pages["en/v1/commands/set.md"]
     assert "| `id bits 0..7` |  | `u8`<br>`0x21` |" in text
     assert "| `id bits 12..17` | `part` |" in text
@@ -219,7 +232,9 @@ def test_what_stands_in_the_id_is_in_table_and_picture(tmp_path: Path) -> None:
 def test_an_id_that_contains_the_code_is_shown_as_it_is_on_the_bus(tmp_path: Path) -> None:
     spec = tmp_path / "spec.yaml"
     spec.write_text(IN_THE_ID, "utf-8")
-    text = {output.path: output.text for output in docs.generate([specification(spec)], {})}["en/v1/commands/set.md"]
+    text = {output.path: output.text for output in DocsTarget().generate([specification(spec)], {})}[
+        "en/v1/commands/set.md"
+    ]
     request, reply = text.split("## Reply")
     assert "Id with the code" not in request, "a field varies it"
     assert "| Id | Id with the code | Nodes |" in reply
@@ -241,7 +256,7 @@ HOSTILE = (
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_texts_show_as_texts(tmp_path: Path, text: str) -> None:
+def test_markdown_in_texts_is_escaped(tmp_path: Path, text: str) -> None:
     assert _shown(markdown(text)) == text
     cell = _shown(f"| a | b |\n| --- | --- |\n| {markdown(text)} | x |\n")
     assert text in cell
@@ -249,7 +264,7 @@ def test_texts_show_as_texts(tmp_path: Path, text: str) -> None:
     spec = tmp_path / "spec.yaml"
     extra = f"    title: {quoted}\n    about: {quoted}\n    notes: [{quoted}]\n"
     spec.write_text(f"title: {quoted}\n" + MINIMAL.replace('    manual: "1"\n', extra), "utf-8")
-    for output in docs.generate([specification(spec)], {}):
+    for output in DocsTarget().generate([specification(spec)], {}):
         assert output.text.count("<script") == (2 if output.path.endswith(".html") else 0)
         if output.path.endswith(".svg"):
             ElementTree.fromstring(output.text)
@@ -263,9 +278,9 @@ def _shown(text: str) -> str:
     return html.unescape(re.sub(r"<[^>]*>", "", rendered)).replace("\u200b", "").strip()
 
 
-def test_what_fixed_frames_leave_over_says_so() -> None:
+def test_pages_of_commands_that_get_the_remaining_frames() -> None:
     joint = specification(ROOT / "tests/specs/joint/v1.yaml")
-    pages = {output.path: output.text for output in docs.generate([joint], {})}
+    pages = {output.path: output.text for output in DocsTarget().generate([joint], {})}
     said = "matches no other command"
     left_over = [path.rpartition("/")[2] for path, text in pages.items() if said in text]
     assert left_over == ["enable.md", "disable.md", "control.md"]  # the reply of all three is what `read_word` is not
@@ -273,13 +288,14 @@ def test_what_fixed_frames_leave_over_says_so() -> None:
 
 def test_a_multiple_of_a_number_is_shown_as_one() -> None:
     pages = {
-        output.path: output.text for output in docs.generate([specification(ROOT / "tests/specs/arm/v1.yaml")], {})
+        output.path: output.text
+        for output in DocsTarget().generate([specification(ROOT / "tests/specs/arm/v1.yaml")], {})
     }
     assert "| `u16 big-endian` | `rad` radian | `2/65535*p_max rad, offset -p_max rad` |" in pages["en/v1/types.md"]
     assert "| `0..1000` | `0..t_max N·m` |" in pages["en/v1/types.md"]
     assert "star: `-i_max..i_max A`<br>delta: `-327.67..327.67 A`" in pages["en/v1/types.md"]
     assert pages["en/v1/parameters.md"].count("so it must be greater than 0") == 4
-    worked = "| `p_max = 0.3`, `v_max = 45.7`, `t_max = 5.5` | `node = 15`<br>`position = 8193/218450 rad`"
+    worked = "| `p_max = 0.3`, `v_max = 45.7`, `t_max = 5.5` | `node = 15`<br>`position = ≈0.0375051 rad`"
     assert worked in pages["en/v1/commands/move.md"]
 
 
@@ -296,7 +312,7 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
     )
     for name, text in (("a", new), ("b", old)):
         (tmp_path / f"{name}.yaml").write_text(text, "utf-8")
-    made = docs.generate([specification(tmp_path / f"{name}.yaml") for name in "ab"], {})
+    made = DocsTarget().generate([specification(tmp_path / f"{name}.yaml") for name in "ab"], {})
     pages = {output.path: output.text for output in made}
     rows = [line for line in pages["en/index.md"].splitlines() if line.startswith("| [")]
     assert rows == [
@@ -310,7 +326,7 @@ def test_a_frame_is_written_as_can_utils_take_it() -> None:
     """They recognise a 29-bit id by its eight digits."""
     page_of_frame: dict[tuple[str, str], str] = {}
     for name in ("cells", "blower"):
-        for page in docs.generate([specification(ROOT / f"tests/specs/{name}/v1.yaml")], {}):
+        for page in DocsTarget().generate([specification(ROOT / f"tests/specs/{name}/v1.yaml")], {}):
             page_of_frame |= dict.fromkeys(
                 re.findall(r"^\| \[`([0-9A-F]+)#([0-9A-F]*|R)`\]", page.text, re.MULTILINE), page.path
             )
@@ -343,10 +359,10 @@ commands:
 """
 
 
-def test_what_pages_of_commands_state_in_sentences(tmp_path: Path) -> None:
+def test_sentences_on_pages_of_commands(tmp_path: Path) -> None:
     """Availability by the titles of values if all have one; shared fields by codes; what does not occur in a state."""
     (tmp_path / "spec.yaml").write_text(SENTENCES, "utf-8")
-    pages = {output.path: output.text for output in docs.generate([specification(tmp_path / "spec.yaml")], {})}
+    pages = {output.path: output.text for output in DocsTarget().generate([specification(tmp_path / "spec.yaml")], {})}
     expected = {
         "dim": ("\nAvailable on Model A, Model B\n", "| The request is returned unchanged |", "\nOther bits: 0\n"),
         "b": ("\nAvailable on `model A, C`\n", "| Same fields as the replies of `0x21` to `0x22`, `0x30` |"),
@@ -358,3 +374,16 @@ def test_what_pages_of_commands_state_in_sentences(tmp_path: Path) -> None:
             assert sentence in pages[f"en/v1/commands/{name}.md"], (name, sentence)
     state = "While [Dark](../states.md#states.dark), this does not occur: Glows"
     assert state in pages["en/v1/commands/dim.md"]
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_a_procedure_that_only_reads_decides_on_the_edition(language: str) -> None:
+    """A reply to 0x9A decides between three; only one of the others has 0x40. Written from the manuals."""
+    page = (ROOT / f"generated/docs/{language}/which-edition.md").read_text("utf-8").partition("## ")[0]
+    assert re.findall(r"`([0-9A-F]{3}#[0-9A-F]{16})` ?[(（]", page) == ["141#9A00000000000000", "141#40050A0000000000"]
+    rows = [line for line in page.splitlines() if line.strip().startswith("| [v2")]
+    assert [re.findall(r"`voltage` `([^`]+)`", row)[0] for row in rows] == [
+        "DATA[3..4] × 0.1 V",
+        *["DATA[2..3] × 0.01 V"] * 3,
+    ]
+    assert [re.findall(r"`(0x\w+) \+ node`", row)[0] for row in rows] == ["0x140", "0x140", "0x180", "0x180"]

@@ -15,8 +15,8 @@ from canwright.compare import CHANGES, compare
 from canwright.compare.change import Keyword, SentenceArgument
 from canwright.language.edition import EditionSpec, json_schema
 from canwright.project.loader import spec_files, specification
-from canwright.targets import docs
 from canwright.targets.base import EditionInput
+from canwright.targets.docs.target import DocsTarget
 from canwright.targets.examples import Examples
 from canwright.templating.markup import markdown
 from canwright.templating.resources import CHANGE_EXAMPLES
@@ -66,7 +66,7 @@ def _texts(part: Any, language: str, keys: set[str], path: str = "") -> Iterator
 
 def _missing(of: EditionInput, data: Any) -> list[str]:
     """Where the texts stand that are on no page."""
-    pages = list(docs.generate([of], {}))
+    pages = list(DocsTarget().generate([of], {}))
     keys = _text_keys()
     missing = []
     for language in of.edition.languages:
@@ -141,7 +141,7 @@ def test_a_change_is_told_in_the_language_of_its_page(rule: str, tmp_path: Path)
         file = tmp_path / f"{name}.yaml"
         file.write_text(json.dumps(data, ensure_ascii=False), "utf-8")
         specs.append(specification(file))
-    pages = {page.path: page.text for page in docs.generate(specs, {})}
+    pages = {page.path: page.text for page in DocsTarget().generate(specs, {})}
     rows = [line for line in pages["zh/current/changes.md"].splitlines() if line.startswith("| ")]
     assert rows or rule == "languages-changed"  # both are in two languages here
     for row in rows:
@@ -150,7 +150,7 @@ def test_a_change_is_told_in_the_language_of_its_page(rule: str, tmp_path: Path)
 
 
 def test_chinese_pages_are_chinese_throughout() -> None:
-    made = docs.generate([specification(spec) for spec in spec_files(ROOT / "spec")], {})
+    made = DocsTarget().generate([specification(spec) for spec in spec_files(ROOT / "spec")], {})
     pages = {page.path: page.text for page in made if page.path.startswith("zh/") and page.path.endswith(".md")}
     assert "zh/v2.36-2025-03/changes.md" in pages
     del pages["zh/glossary.md"]  # names in both languages

@@ -16,10 +16,12 @@ import pytest
 from canwright.model import formatting
 from canwright.model.golden_frames import GoldenFrame
 from canwright.project.loader import specification
-from canwright.targets import c, docs, python
 from canwright.targets.base import CodeExample, EditionInput, Output, Target, WorkedExchange
+from canwright.targets.c.target import CTarget
 from canwright.targets.docs import common
+from canwright.targets.docs.target import DocsTarget, folders
 from canwright.targets.examples import Examples
+from canwright.targets.python.target import PythonTarget
 
 from ..compilers import WARNINGS, ZIG
 from ..spec_texts import MINIMAL, SPECS
@@ -40,7 +42,9 @@ def specifications() -> list[EditionInput]:
 @pytest.fixture(scope="module")
 def programs(specifications: list[EditionInput]) -> Mapping[tuple[str, str], str]:
     """The programs by page and language."""
-    pages = {output.path: output.text for output in docs.generate(specifications, {}) if "/commands/" in output.path}
+    pages = {
+        output.path: output.text for output in DocsTarget().generate(specifications, {}) if "/commands/" in output.path
+    }
     by_page = {}
     for path, text in pages.items():
         for language, program in re.findall(r"^```(c|python)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
@@ -51,13 +55,13 @@ def programs(specifications: list[EditionInput]) -> Mapping[tuple[str, str], str
 @pytest.fixture(scope="module")
 def expected(specifications: list[EditionInput]) -> Mapping[str, Expected]:
     """What the programs of each English page show."""
-    folders = docs.folders([edition_input.edition for edition_input in specifications])
+    names = folders([edition_input.edition for edition_input in specifications])
     by_page = {}
     for edition_input in specifications:
         examples = Examples(edition_input.edition, edition_input.frames)
         for command in edition_input.edition.commands:
             exchange = examples.select(command).exchange
-            path = f"en/{folders[edition_input.edition]}/commands/{command.spec_name}.md"
+            path = f"en/{names[edition_input.edition]}/commands/{command.spec_name}.md"
             if exchange and path not in by_page:
                 by_page[path] = Expected(exchange.request, exchange.reply)
     return by_page
@@ -93,7 +97,7 @@ def test_programs_in_c(
     specifications: list[EditionInput],
     tmp_path: Path,
 ) -> None:
-    _written(c.generate(specifications, {}), tmp_path)
+    _written(CTarget().generate(specifications, {}), tmp_path)
     pages = list(expected)
     unit, calls = [], []
     for i, page in enumerate(pages):
@@ -119,7 +123,7 @@ def test_programs_in_python(
     specifications: list[EditionInput],
     tmp_path: Path,
 ) -> None:
-    _written(python.generate(specifications, {}), tmp_path)
+    _written(PythonTarget().generate(specifications, {}), tmp_path)
     pages = list(expected)
     script = (
         "import contextlib, io, json, sys\n"
@@ -140,7 +144,7 @@ def test_programs_in_python(
         if (request := expected[page].request) is not None:
             id_, _, data = lines.pop(0).partition(" ")
             remote = "R" if request.remote else data.replace(" ", "")
-            assert f"{id_}#{remote}" == formatting.sent(request), page
+            assert f"{id_}#{remote}" == re.sub("##.", "#", formatting.sent(request)), page  # FD frames have flags
         if (reply := expected[page].reply) is not None:
             assert _shows(lines.pop(0), reply), f"{page}: {text}"
         assert lines == [], page
@@ -166,6 +170,6 @@ def test_a_target_of_another_package_shows_its_program(tmp_path: Path, monkeypat
         {"request": "dim", "node": 1, "id": 0x101, "data": "10" + " 00" * 7, "raw": {"level": 0}, "source": "manual"}
     ]
     (tmp_path / "lamp.frames.yaml").write_text(json.dumps(frames), "utf-8")
-    made = docs.generate([specification(tmp_path / "lamp.yaml")], {})
+    made = DocsTarget().generate([specification(tmp_path / "lamp.yaml")], {})
     page = next(output.text for output in made if output.path.endswith("commands/dim.md"))
     assert "### Wordy \\| &lt;b&gt;\n\n`````text\nbefore\n```\n# no heading\n````\nafter\n`````\n" in page

@@ -6,8 +6,8 @@ import re
 
 import pytest
 from canwright.project.loader import specification
-from canwright.targets import docs
 from canwright.targets.docs.picture import ROW
+from canwright.targets.docs.target import DocsTarget
 
 from ..spec_texts import ROOT
 
@@ -38,14 +38,16 @@ commands:
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     spec = tmp_path_factory.mktemp("spec") / "spec.yaml"
     spec.write_text(SHARED, "utf-8")
-    return {output.path.removeprefix("en/v1/"): output.text for output in docs.generate([specification(spec)], {})}
+    return {
+        output.path.removeprefix("en/v1/"): output.text for output in DocsTarget().generate([specification(spec)], {})
+    }
 
 
 def _row(page: str, field: str) -> str:
     return next(line for line in page.splitlines() if f"`{field}`" in line)
 
 
-def test_a_scale_is_told_for_the_values_that_have_the_command(pages: dict[str, str]) -> None:
+def test_a_scale_is_shown_for_parameter_values_with_the_command(pages: dict[str, str]) -> None:
     both, only_a, only_b = (_row(pages[f"commands/{name}.md"], "level") for name in ("both", "one", "other"))
     assert "A: `1/10 A`<br>B: `1/100 A`" in both
     assert "A: `1/10 A`" in only_a
@@ -54,7 +56,7 @@ def test_a_scale_is_told_for_the_values_that_have_the_command(pages: dict[str, s
     assert "`1/10 A`" not in only_b
 
 
-def test_a_section_is_told_where_it_is_not_that_of_the_command(pages: dict[str, str]) -> None:
+def test_a_manual_is_cited_where_it_differs_from_that_of_the_command(pages: dict[str, str]) -> None:
     for name, part, level in (("both", "Part", "Level (Manual 3)"), ("far", "Part (Manual 2)", "Level")):
         page = pages[f"commands/{name}.md"]
         assert _row(page, "part").endswith(f"| {part} |")
@@ -74,6 +76,6 @@ def test_a_layout_is_drawn_below_the_rows_that_an_id_has(pages: dict[str, str]) 
 def test_bits_are_called_reserved_where_they_are_data(pages: dict[str, str]) -> None:
     assert not [path for path, text in pages.items() if "Other bits: 0" in text]
     blower = specification(ROOT / "tests/specs/blower/v1.yaml")
-    asked = next(o.text for o in docs.generate([blower], {}) if o.path == "en/v1/commands/read_voltage.md")
+    asked = next(o.text for o in DocsTarget().generate([blower], {}) if o.path == "en/v1/commands/read_voltage.md")
     assert "remote frame, `4` data bytes" in asked
     assert "Other bits: 0" not in asked

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
-from canwright.targets import docs
+from canwright.targets.docs.target import DocsTarget
 
 from ..spec_texts import MINIMAL
 
@@ -50,7 +50,9 @@ errata:
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     spec = tmp_path_factory.mktemp("spec") / "spec.yaml"
     spec.write_text(TABLE, "utf-8")
-    return {output.path.removeprefix("en/v1/"): output.text for output in docs.generate([specification(spec)], {})}
+    return {
+        output.path.removeprefix("en/v1/"): output.text for output in DocsTarget().generate([specification(spec)], {})
+    }
 
 
 def test_the_overview_has_a_command_once_with_its_entries(pages: dict[str, str]) -> None:
@@ -81,7 +83,7 @@ def _entry(page: str, name: str) -> str:
     return section.partition('<a id="entries.')[0]
 
 
-def test_a_page_says_what_is_said_of_its_table_entry_and_command(pages: dict[str, str]) -> None:
+def test_a_page_of_a_table_command_has_the_notes_of_table_entry_and_command(pages: dict[str, str]) -> None:
     page = pages["commands/read_setting.md"]
     table = "[Things \\| set](../index.md#tables.settings): What the lamp starts with."
     for said in (table, "> [!NOTE]\n> - Stays\n> - Slow.\n", "| `0xA0` | [`gains`](#entries.gains) | Gains |"):

@@ -28,7 +28,7 @@ NOT_SHOWN = {
     "TypeSpec.plausible": "for `identify` and `decode`, see tests/recordings/test_identify.py",
     **{
         f"{concept}.renamed_from": "for `diff`, see tests/compare/test_renames.py"
-        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec")
+        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec", "NoValueSpec")
     },
 }
 
@@ -123,6 +123,7 @@ def _output(folder: Path, of_edition: Mapping[str, Any], of_frames: Mapping[str,
         "source": "manual",
         "id": 0x101,
         "data": "11 03 00 00 00 00 00 00",
+        "parameters": {"host_id": 1},
         "says": "unknown_id",
     }
     frames["refused"] += [read | {"extended": True}, read | {"remote": True}]
@@ -132,7 +133,7 @@ def _output(folder: Path, of_edition: Mapping[str, Any], of_frames: Mapping[str,
     for name, data in (("spec.yaml", spec), ("spec.frames.yaml", frames)):
         (folder / name).write_text(json.dumps(data, indent=1), "utf-8")
     try:
-        loaded = load(folder / "spec.yaml", "spec.yaml", golden=golden)
+        loaded = load(folder / "spec.yaml", "spec.yaml", for_output=golden)
     except SpecError as error:
         return {"check": str(error)}
     edition = replace(loaded.specification.edition, hash="0" * 64)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ast
 import gzip
+import itertools
 import json
 import re
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -17,10 +18,12 @@ import pytest
 import yaml
 from canwright.model import formatting
 from canwright.model.golden_frames import GoldenFrame, Value
+from canwright.model.message import Message
+from canwright.model.sending import Occasion
 from canwright.project.loader import specification
-from canwright.targets import c, python
-from canwright.targets.javascript.edition_source import EditionSpec
-from canwright.targets.javascript.page import FOLDER, explorer
+from canwright.targets.c.target import CTarget
+from canwright.targets.javascript.page import FOLDER, EditionSpec, explorer
+from canwright.targets.python.target import PythonTarget
 from canwright.templating.resources import TEMPLATES
 
 from ..compilers import WARNINGS, ZIG
@@ -64,13 +67,27 @@ def _question(frame: GoldenFrame) -> dict[str, Any]:
     return {"line": formatting.sent(frame), "parameters": {name: str(v) for name, v in frame.parameters.items()}}
 
 
+def _timing(message: Message) -> Iterator[str | float]:
+    """The labels of the occasions and times of a message, each time after its label."""
+    sending = message.sending
+    if sending is None:
+        return
+    for occasion in sending.occasions:
+        if occasion is Occasion.CYCLIC and sending.every_ms is not None:
+            yield from ("every", float(sending.every_ms))
+        else:
+            yield occasion.value
+    if sending.timeout_ms is not None:
+        yield from ("timeout", float(sending.timeout_ms))
+
+
 @pytest.mark.parametrize("spec", [MOTOR, *SPECS[4:]], ids=called)
 def test_golden_frames_and_their_code(spec: Path, tmp_path: Path) -> None:
     """Every golden frame is found with its raw integers; the code for one frame of each message writes its bytes."""
     item = specification(spec)
     assert item.frames is not None
     folder = write_files(explorer([EditionSpec(item)]), tmp_path)
-    frames = [frame for frame in item.frames.frames if len(frame.data) <= 8]
+    frames = item.frames.frames
     programs: dict[tuple[str, str], tuple[str, str, str]] = {}
     for frame, answer in zip(frames, interpret(folder, list(map(_question, frames))), strict=True):
         line = formatting.sent(frame)
@@ -84,12 +101,13 @@ def test_golden_frames_and_their_code(spec: Path, tmp_path: Path) -> None:
             if candidate["command"] == message.command and candidate["raw"] == dict(frame.raw)
         ]
         assert fitting, (line, same)
+        assert fitting[0]["timing"] == list(_timing(message))
         assert fitting[0]["cansend"] == f"cansend can0 {line}"
         if not fitting[0]["deviation"] and not fitting[0]["obstacle"] and not frame.decode_only:
             programs.setdefault((frame.direction.value, message.command), (line, fitting[0]["c"], fitting[0]["python"]))
     assert len(programs) > len(item.edition.all_messages()) // 2
-    _run_python(write_files(python.generate([item], {}), tmp_path), list(programs.values()))
-    _run_c(write_files(c.generate([item], {}), tmp_path), list(programs.values()))
+    _run_python(write_files(PythonTarget().generate([item], {}), tmp_path), list(programs.values()))
+    _run_c(write_files(CTarget().generate([item], {}), tmp_path), list(programs.values()))
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
@@ -101,9 +119,13 @@ def test_no_value_depends_on_a_parameter_that_is_not_given(spec: Path, tmp_path:
     frames = [frame for frame in item.frames.frames if frame.values and len(frame.data) <= 8]
     given = interpret(folder, list(map(_question, frames)))
     alone = interpret(folder, [{**_question(frame), "parameters": {}} for frame in frames])
-    for frame, answers in ((f, a) for f, *both in zip(frames, given, alone, strict=True) for a in both):
+    both = [*zip(frames, given, itertools.repeat(True)), *zip(frames, alone, itertools.repeat(False))]
+    for frame, answers, is_given in both:
         message = item.edition.command(frame.command).message(frame.direction)
         assert message is not None
+        if message.id.parameter is not None and not is_given:
+            assert not any(candidate["command"] == message.command for candidate in answers["found"])
+            continue
         raw, candidates = (
             dict(frame.raw),
             [(candidate["direction"], candidate["command"], candidate["raw"]) for candidate in answers["found"]],
@@ -125,6 +147,10 @@ def _same_value(wanted: Value, result: Mapping[str, Any], frame: GoldenFrame) ->
         assert value is None and reason, frame
     elif reason == "missing_parameter":
         assert value is None and frame.parameters, frame
+    elif reason == "no_value":
+        wants, numbers, names = (x if isinstance(x, list) else [x] for x in (wanted, value, result["noValue"]))
+        for expected, each, name in zip(wants, numbers, names, strict=True):
+            assert (each, name) == ((None, expected) if isinstance(expected, str) else (expected, None)), frame
     else:
         listed = wanted if isinstance(wanted, list) else [wanted]
         named = wanted == [] or isinstance(listed[0], str)  # bits without a name are in no golden value
@@ -157,7 +183,7 @@ commands:
     line = "100#0003010201000000"
     (answer,) = interpret(folder, [{"line": line, "parameters": {}}])
     (shown,) = answer["found"]
-    _run_python(write_files(python.generate([item], {}), tmp_path), [(line, shown["c"], shown["python"])])
+    _run_python(write_files(PythonTarget().generate([item], {}), tmp_path), [(line, shown["c"], shown["python"])])
 
 
 def test_a_case_outside_the_range_of_its_raw_integers_is_marked(tmp_path: Path) -> None:
@@ -224,7 +250,9 @@ def _run_c(folder: Path, programs: Sequence[tuple[str, str, str]]) -> None:
     show = "if (status != CANWRIGHT_OK) { return 1; } show(&frame);"
     functions = "\n".join(f"static int f{i}(void)\n{{\n{body}\n{show}\nreturn 0;\n}}" for i, body in enumerate(bodies))
     calls = " ".join(f"if (f{i}()) {{ return {i + 1}; }}" for i in range(len(bodies)))
-    printer = """static void show(const canwright_frame_t *frame)
+    kind = "canwright_fd_frame_t" if "canwright_fd_frame_t" in bodies[0] else "canwright_frame_t"
+    printer = f"static void show(const {kind} *frame)"
+    printer += """
 {
     printf("%X#", (unsigned)(frame->id & 0x1FFFFFFFu));
     for (int i = 0; i < frame->dlc && !(frame->id & CANWRIGHT_REMOTE); i++) {
@@ -247,7 +275,9 @@ def _run_c(folder: Path, programs: Sequence[tuple[str, str, str]]) -> None:
 
 def _same(written: str, wanted: str) -> bool:
     """Whether a program wrote the id and the data of a frame."""
-    (id_, data), (wanted_id, wanted_data) = (f"{line}#".split("#")[:2] for line in (written, wanted))
+    (id_, data), (wanted_id, wanted_data) = (
+        f"{line}#".replace("##0", "#").split("#")[:2] for line in (written, wanted)
+    )
     return int(id_, 16) == int(wanted_id, 16) and data.upper() == wanted_data.rstrip("R")
 
 
@@ -268,17 +298,56 @@ LINES = {
     "   0.001000 1  141             Rx   d 2 9C 00  Length = 0 BitCount = 0 ID = 321": ("141#9C00", False, "0.001000"),
     "0.5 1 141x Tx d 1 9C": ("00000141#9C", True, "0.5"),
     "0.5 1 141 Rx r": ("141#R", False, "0.5"),
-    "0.5 1 141 Rx d 2 9C": None,
-    "0.5 1 8141 Rx d 0": None,
-    "141": None,
-    "FFF 00": None,
-    "141 9C 0": None,
-    "141 000000000000000000": None,
-    "141#9C0": None,
-    "FFF#00": None,
-    "141#000000000000000000": None,
-    "can0 141 [8] 00": None,
-    "141##19C00": None,
+    "141##19C00": ("141#9C00", None, ""),
+    "(1.5) can0 00008001##5" + "9C" * 12 + " R": ("00008001##0" + "9C" * 12, False, "1.5"),
+}
+PASTED = {
+    "A1 00 00 00 64 00 00 00": "-#A100000064000000",
+    "A100000064000000": "-#A100000064000000",
+    "141 # A100000064000000": "141#A100000064000000",
+    "141# A1 00 00 00 64 00 00 00": "141#A100000064000000",
+    "0x141,0xA1,0x00": "141#A100",
+    "0.5,141,2,A1,00": "141#A100",
+    "141,08,A1,00,00,00,64,00,00,00": "141#A100000064000000",
+    "1700000000.000100,0x141,0,8,a1 00 00 00 64 00 00 00": "141#A100000064000000",
+    "1,接收,0x00000141,标准帧,数据帧,2,A1 00": "141#A100",
+    "{0xA1, 0x00, 0x00, 0x00, 0x64}": "-#A100000064",
+    "uint8_t data[5] = {0xA1, 0, 0, 0, 100};": "-#A100000064",
+    "{A1, 00, 10}": "-#A10010",
+    "{.id = 0x141, .data = {0xA1, 0x00}}": "141#A100",
+    '{"id": "0x141", "data": "A1 00"}': "141#A100",
+    "ID: 0x141 Data: A1 00 00 00 64 00 00 00": "141#A100000064000000",
+    "ID=141h, DLC=2, Data=A100": "141#A100",
+    "Timestamp: 1.5  ID: 141  S Rx  DL:  2  a1 00  Channel: can0": "141#A100",
+    "Timestamp: 1.5  ID: 00000141  X Rx  DL:  1  a1": "00000141#A1",
+    "１４１＃Ａ１００": "141#A100",
+    "帧ＩＤ：０ｘ１４１　数据：Ａ１、００": "141#A100",
+    "00000000  a1 00 00 00 64 00 00 00  |....d...|": "-#A100000064000000",
+    "00000000: a100 0000 6400 0000                      ....d...": "-#A100000064000000",
+    "0000: A1 00": "-#A100",
+}
+PROBLEMS = {
+    "141": ["no_frame"],
+    "nonsense": ["no_frame"],
+    "hello world 12": ["no_frame"],
+    "141#A1G0": ["bad_byte", 7, "G"],
+    "141#9C00 T x": ["bad_byte", 12, "x"],
+    "141 A1 0G 00": ["bad_byte", 8, "0G"],
+    "A1 00 G": ["bad_byte", 7, "G"],
+    "{0xA1, 0x300}": ["bad_byte", 8, "0x300"],
+    "141 9C 0": ["half_byte", 8, "0"],
+    "141#9C0": ["half_byte", 7, "0"],
+    "A10": ["no_frame"],
+    "A1000": ["half_byte", 5, "0"],
+    "  FFF#00": ["bad_id", 3, "FFF"],
+    "FFF 00": ["bad_id", 1, "FFF"],
+    "1#00": ["bad_id", 1, "1"],
+    "141 000000000000000000": ["bad_length", 5, 9],
+    "141#000000000000000000": ["bad_length", 5, 9],
+    "can0 141 [8] 00": ["bad_count", 11, 8, 1],
+    "0.5 1 141 Rx d 2 9C": ["bad_count", 16, 2, 1],
+    "ID=141, DLC=3, Data=A100": ["bad_count", 13, 3, 2],
+    "0.5 1 8141 Rx d 0": ["half_byte", 17, "0"],
 }
 
 
@@ -287,6 +356,29 @@ def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in LINES])
     parsed = [answer and (answer["frame"], answer["sent"], answer["time"]) for answer in answers]
     assert dict(zip(LINES, parsed, strict=True)) == LINES
+
+
+def test_what_people_paste(tmp_path: Path) -> None:
+    """Bytes without an id are the messages of the first node; a problem has its column."""
+    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    answers = interpret(folder, [{"line": line, "parameters": {}} for line in (*PASTED, *PROBLEMS)])
+    frames, problems = answers[: len(PASTED)], answers[len(PASTED) :]
+    assert {line: answer["frame"] for line, answer in zip(PASTED, frames, strict=True)} == PASTED
+    assert dict(zip(PROBLEMS, problems, strict=True)) == PROBLEMS
+    readings = [(each["direction"], each["command"], each["node"]) for each in frames[0]["found"]]
+    assert readings[:2] == [("request", "set_torque", 1), ("reply", "set_torque", 1)]
+    labels = yaml.safe_load((TEMPLATES / "javascript/labels.yaml").read_text("utf-8"))["en"]
+    assert {problem[0] for problem in problems} <= {*labels}
+
+
+def test_the_chosen_edition_leads(tmp_path: Path) -> None:
+    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    names = [specification(spec).edition.name for spec in SPECS[:4]]
+    questions = [{"line": "141#9C33640000000100", "parameters": {}, "leading": name} for name in names]
+    for name, answer in zip(names, interpret(folder, questions), strict=True):
+        editions = [each["edition"] for each in answer["found"]]
+        count = editions.count(name)
+        assert 0 < count < len(editions) and set(editions[:count]) == {name}
 
 
 def test_the_most_probable_message_is_first(tmp_path: Path) -> None:

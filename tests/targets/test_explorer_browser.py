@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from canwright.model import formatting
 from canwright.project.loader import specification
-from canwright.targets.javascript.edition_source import EditionSpec
-from canwright.targets.javascript.page import FOLDER, explorer
+from canwright.targets.javascript.page import FOLDER, EditionSpec, explorer
 
 from ..conformance.adapter import write_files
 from ..project.browser import PACKAGES, accessibility_violations, browser
@@ -77,7 +76,7 @@ def opened(chromium: Browser) -> Iterator[Open]:
     yield open_page
     for context in contexts:
         context.close()
-    assert problems == []
+    assert problems == [], problems
 
 
 REPLAY = """
@@ -127,7 +126,7 @@ def test_golden_frames_in_both_directions(page_of_motors: Path, opened: Open) ->
 
 def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open) -> None:
     page = opened(page_of_motors)
-    box = page.get_by_label("Frame, or a line")
+    box = page.get_by_label("Frame, or bytes")
     for line in ("141#A100000064000000", "can0  141   [8]  9C 00 00 00 00 00 00 00"):
         box.fill(line)
         assert page.locator("#found li").count() >= 4
@@ -172,7 +171,7 @@ def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
     )
     page.get_by_label("Raw integer of iq").fill("310")
     page.get_by_label("Raw integer of iq").press("Enter")
-    assert page.get_by_label("Frame, or a line").input_value() == "141#A1323601F4010080"
+    assert page.get_by_label("Frame, or bytes").input_value() == "141#A1323601F4010080"
     page.get_by_label("Motor series").select_option("MG")
     assert page.get_by_label("Value of iq", exact=True).input_value() == str(310 * 33 / 2048)
     assert (
@@ -243,7 +242,7 @@ def test_an_address_without_a_frame_shows_no_message(page_of_motors: Path, opene
         page.evaluate("(start) => { location.hash = start; }", start)
         page.wait_for_function("(start) => document.getElementById('chosen').hidden === !start", arg=start)
         page.evaluate("document.activeElement.blur()")
-        assert page.get_by_label("Frame, or a line").input_value() == start.partition("=")[2].replace("%23", "#")
+        assert page.get_by_label("Frame, or bytes").input_value() == start.partition("=")[2].replace("%23", "#")
         page.evaluate("(start) => { location.hash = start; }", TORQUE)
         page.wait_for_selector("#chosen-facts:text('set_torque')")
 
@@ -286,12 +285,47 @@ def test_a_log_is_listed(page_of_motors: Path, opened: Open, tmp_path: Path) -> 
     assert page.locator("#log-rows tr").first.inner_text().split("\t")[0::2] == ["1.0", "141#9C00000000000000"]
     page.get_by_role("button", name="Next").click()
     page.get_by_role("button", name="Next").click()
+    page.wait_for_selector("#log-position:text-is('201–251 / 251')")
+    page.wait_for_selector("#log-rows tr:nth-child(51)")
     assert page.locator("#log-rows tr").count() == 51
     page.locator("#log-rows button").last.click()
-    assert page.get_by_label("Frame, or a line").input_value() == "141#9C49640000000000"
+    assert page.get_by_label("Frame, or bytes").input_value() == "141#9C49640000000000"
     log.write_bytes(b"LOGG\x90\x00 no text")
     page.locator("#file").set_input_files(log)
     page.wait_for_selector("#log-summary:has-text('canwright decode')")
+
+
+def test_a_long_log_is_read_in_parts(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
+    """Each line ends somewhere else in a part: with a line end of two characters, after a character of three bytes."""
+    log = tmp_path / "long.log"
+    lines = [f"({n}.0) can0 141#9C{n % 100:02d}640000000000 ; {'测' * (n % 40)}" for n in range(20_000)]
+    log.write_bytes("\r\n".join([*lines, "damaged"]).encode())
+    page = opened(page_of_motors)
+    page.evaluate(
+        """() => {
+          window.shown = new Set();
+          const summary = document.getElementById("log-summary");
+          new MutationObserver(() => window.shown.add(summary.textContent)).observe(summary, { childList: true });
+        }"""
+    )
+    page.locator("#file").set_input_files(log)
+    page.wait_for_selector("#log-summary:text-is('long.log: 20000 frames, 1 lines without a frame')")
+    assert any("(reading, 50 %)" in summary for summary in page.evaluate("() => [...window.shown]"))
+    assert page.locator("#log-position").inner_text() == "1–100 / 20000"
+    page.wait_for_selector("#log-rows tr:nth-child(100)")
+    assert page.locator("#log-rows tr").last.inner_text().split("\t")[0::2] == ["99.0", "141#9C99640000000000"]
+
+
+def test_the_log_that_was_opened_last_is_shown(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
+    for name, count in (("first.log", 20_000), ("second.log", 3)):
+        (tmp_path / name).write_text(f"({count}.0) can0 141#9C{count % 100:02d}640000000000\n" * count, "utf-8")
+    page = opened(page_of_motors)
+    page.locator("#file").set_input_files(tmp_path / "first.log")
+    page.locator("#file").set_input_files(tmp_path / "second.log")
+    page.wait_for_selector("#log-summary:has-text('second.log')")
+    page.wait_for_timeout(500)
+    assert page.locator("#log-summary").inner_text() == "second.log: 3 frames, 0 lines without a frame"
+    assert page.locator("#log-rows tr").count() == 3
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -313,10 +347,79 @@ def test_the_code_is_copied(page_of_motors: Path, opened: Open) -> None:
     page = opened(page_of_motors, TORQUE)
     page.locator("[data-copy=cansend]").click()
     assert page.locator("#copied").inner_text() == "Copied"
-    page.get_by_label("Frame, or a line").focus()
+    page.get_by_label("Frame, or bytes").focus()
     page.keyboard.press("Control+A")
     page.keyboard.press("Control+V")
-    assert page.get_by_label("Frame, or a line").input_value() == "cansend can0 141#A1329B00F4010080"
+    assert page.get_by_label("Frame, or bytes").input_value() == "cansend can0 141#A1329B00F4010080"
+    for name in ("bytes", "c", "python", "link"):
+        page.locator(f"[data-copy={name}]").click()
+        assert page.evaluate("getSelection().toString()").strip() == page.locator(f"#{name}").inner_text().strip()
+    assert page.locator("#link").inner_text() == page.url
+
+
+def test_problems_name_the_column_and_bytes_need_no_id(page_of_motors: Path, opened: Open) -> None:
+    page = opened(page_of_motors, "#lang=zh")
+    page.locator("#frame").fill("１４１＃Ａ１Ｇ０")
+    assert page.locator("#problem").inner_text() == "第 7 列：G 不是字节。请写两位十六进制数，例如 0A。"
+    page.get_by_role("button", name="English").click()
+    assert page.locator("#problem").inner_text().startswith("Column 7: G is not a byte.")
+    page.locator("#frame").fill("{0x9C, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00}")
+    assert page.locator("#no-id").is_visible()
+    assert page.locator("#cansend").inner_text() == "cansend can0 141#9C00000000000000"
+    page.locator("#frame").fill("141#9C00000000000000")
+    assert not page.locator("#no-id").is_visible()
+
+
+PASTE = """(text) => {
+  const data = new DataTransfer();
+  data.setData("text", text);
+  document.getElementById("frame").dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, cancelable: true }));
+}"""
+
+
+def test_pasted_lines_are_a_log_or_one_frame(page_of_motors: Path, opened: Open) -> None:
+    page = opened(page_of_motors)
+    page.evaluate(PASTE, "uint8_t data[8] = {\n  0xA1, 0x00, 0x00, 0x00,\n  0x64, 0x00, 0x00, 0x00,\n};")
+    assert page.locator("#bytes").inner_text() == "A1 00 00 00 64 00 00 00"
+    page.evaluate(PASTE, "time,id,dlc,data\n0.5,0x141,8,9C 00 00 00 00 00 00 00\n0.6,0x142,8,9C 00 00 00 00 00 00 00")
+    page.wait_for_selector("#log-summary:text-is('Pasted text: 2 frames, 1 lines without a frame')")
+    assert page.locator("#frame").input_value() == "141#9C00000000000000"
+
+
+def test_the_same_frame_is_compared_in_two_editions(page_of_motors: Path, opened: Open) -> None:
+    """What differs is marked with a sign too; the address keeps the comparison."""
+    page = opened(page_of_motors, TORQUE)
+    assert not page.locator("#compared").is_visible()
+    page.get_by_label("The same frame in").select_option("v2.36-2025-03")
+    page.reload()
+    assert page.locator("#compare-head th").all_inner_texts() == ["Field", "v2.35", "v2.36-2025-03"]
+    rows = {row.split("\t")[0]: row.split("\t")[1:] for row in page.locator("#compare-rows tr").all_inner_texts()}
+    assert rows["Message ≠"] == ["0xA1 Torque control · reply", "0xA1 Torque control · request"]
+    assert rows["speed ≠"] == ["500 °/s · DATA[4..5] · °/s", "–"] and len(rows) == 5
+    assert page.locator("#compare-rows .differs").count() == 5
+    page.get_by_label("The same frame in").select_option("v2.35-2024-02")
+    texts = [row.split("\t") for row in page.locator("#compare-rows tr").all_inner_texts()]
+    assert ["Message", *["0xA1 Torque control · reply"] * 2] in texts
+    assert all(name.endswith("≠") == (left != right) for name, left, right in texts)
+    page.evaluate("location.hash = 'frame=141%23A300000010270000&edition=v2.35&direction=request&compare=v2.35'")
+    page.wait_for_selector("#chosen-facts:has-text('request')")
+    assert not page.locator("#compared").is_visible()
+
+
+def test_a_command_links_to_its_page(opened: Open, tmp_path: Path) -> None:
+    """On a site, which writes the folder of the pages into the page; an entry of a table is a section."""
+    made = write_files(explorer([EditionSpec(specification(SPECS[3]))]), tmp_path) / FOLDER / "index.html"
+    page = opened(made, TORQUE.replace("v2.35", "v2.36-2025-03"))
+    assert not page.locator("#page").is_visible()
+    made.write_text(made.read_text("utf-8").replace('data-pages=""', 'data-pages="../"'), "utf-8")
+    page = opened(made, TORQUE.replace("v2.35", "v2.36-2025-03") + "&lang=zh")
+    edition = specification(SPECS[3]).edition
+    entry = next(command for command in edition.commands if command.entry and command.request)
+    assert page.locator("#page").get_attribute("href") == f"../zh/{edition.name}/commands/set_torque.html"
+    page.get_by_label("或选择报文并填写数值").select_option(f"request {entry.name}")
+    assert entry.entry is not None
+    wanted = f"../zh/{edition.name}/commands/{entry.spec_name}.html#entries.{entry.entry.name}"
+    assert page.locator("#page").get_attribute("href") == wanted
 
 
 def test_hostile_texts_are_shown_as_text(opened: Open, tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from ..spec_texts import SPECS
 @pytest.mark.parametrize("name", default_targets())
 def test_exported_names_are_in_the_output(name: str) -> None:
     for file in SPECS:
-        specification = load(file, golden=False).specification
+        specification = load(file, for_output=False).specification
         edition = specification.edition
         words = set[str]()
         for output in target(name).generate([specification], {}, NO_OPTIONS):

@@ -16,10 +16,11 @@ from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.semantics.candidates import Candidates
 from canwright.semantics.frame import CanFrame
-from canwright.targets import javascript as target
 from canwright.targets.base import EditionInput
 from canwright.targets.javascript.package import RUNTIME, module_path
+from canwright.targets.javascript.target import REPOSITORY, JavaScriptTarget
 from canwright.targets.javascript.text import printed, quoted
+from canwright.targets.options import Options
 
 from ..conformance.adapter import write_files
 from ..conformance.adapters.javascript import JavaScriptAdapter
@@ -33,7 +34,7 @@ MOTOR = ROOT / "spec/mwd_motor/v2.35.yaml"
 
 def write(folder: Path, *specs: Path) -> Path:
     """The package of some specs."""
-    return write_files(target.generate([specification(spec) for spec in specs], {}), folder)
+    return write_files(JavaScriptTarget().generate([specification(spec) for spec in specs], {}), folder)
 
 
 def programs(folder: Path) -> list[str]:
@@ -58,7 +59,7 @@ def test_several_families_are_one_package(tmp_path: Path) -> None:
     folder = write(tmp_path, *SPECS)
     package = json.loads((folder / "package.json").read_text("utf-8"))
     paths = [path for entry in package["exports"].values() for path in entry.values()]
-    assert len(paths) == 4 * len(SPECS) and all((folder / path).is_file() for path in paths)
+    assert len(paths) == 4 * len(SPECS) + 2 and all((folder / path).is_file() for path in paths)
     imports = [f'await import("canwright_bindings{name[1:]}")' for name in package["exports"]]
     (folder / "all.mjs").write_text(f"for (const one of [{','.join(imports)}]) console.log(typeof one)", "utf-8")
     assert run(folder / "all.mjs", cwd=folder).split() == ["object"] * len(imports)
@@ -124,7 +125,7 @@ commands:
 
 def test_integers_above_53_bits_are_bigint(tmp_path: Path) -> None:
     item = EditionInput(edition(tmp_path, WIDE), None)
-    folder = write_files(target.generate([item], {}), tmp_path)
+    folder = write_files(JavaScriptTarget().generate([item], {}), tmp_path)
     program = f"""
         import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
         const dim = lamp.encodeRequest("dim", {{ node: 1, raw: {{ level: -(2n ** 55n) + 1n }} }});
@@ -147,12 +148,15 @@ def test_integers_above_53_bits_are_bigint(tmp_path: Path) -> None:
 def test_messages_are_json(tmp_path: Path) -> None:
     """Also those with BigInt; integers that no number holds are texts."""
     text = WIDE.replace("commands:", "parameters: {size: {number: {}}}\ncommands:")
-    folder = write_files(target.generate([EditionInput(edition(tmp_path, text), None)], {}), tmp_path)
+    folder = write_files(JavaScriptTarget().generate([EditionInput(edition(tmp_path, text), None)], {}), tmp_path)
     program = f"""
         import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
         const make = (count) => lamp.encodeRequest("count", {{ raw: {{ count }}, parameters: {{ size: 2n ** 60n }} }});
-        console.log(JSON.stringify([make(2n ** 64n - 1n), make(5)]));"""
-    first, second = json.loads(run(program))
+        const wide = make(2n ** 64n - 1n);
+        console.log(JSON.stringify([wide, make(5), wide.raw, wide.values, wide.fields, lamp.MESSAGES]));
+        if (Object.keys(wide.raw).join() !== "count") throw new Error("toJSON is visible");"""
+    first, second, raw, values, fields, messages = json.loads(run(program))
+    assert (raw, values, fields) == (first["raw"], first["values"], first["fields"]) and len(messages) == 2
     exact = {"count": str(2**64 - 1)}
     assert list(first) == [
         "family",
@@ -187,7 +191,7 @@ commands:
 
 def test_flags_without_a_name_are_kept(tmp_path: Path) -> None:
     """They follow the names as one integer; a message with them is not sent, as in all languages, and never without them."""
-    folder = write_files(target.generate([EditionInput(edition(tmp_path, FLAGS), None)], {}), tmp_path)
+    folder = write_files(JavaScriptTarget().generate([EditionInput(edition(tmp_path, FLAGS), None)], {}), tmp_path)
     program = f"""
         import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
         const values = (id, data) => lamp.decodeReply({{ id, data: [...data, ...Array(8 - data.length).fill(0)] }}).values;
@@ -221,7 +225,7 @@ commands: {dim: {request: {level: {at: 0, type: level}}, reply: none}}
 def test_bigints_are_rounded_to_floats_once(tmp_path: Path) -> None:
     """Next to a tie of 32-bit floats, which the nearest double is."""
     item = EditionInput(edition(tmp_path, FLOAT), None)
-    folder = write_files(target.generate([item], {}), tmp_path)
+    folder = write_files(JavaScriptTarget().generate([item], {}), tmp_path)
     tie = ((1 << 24) + 1) << 40
     values = [3 * tie + 3 * step for step in (-1, 0, 1)] + [-3 * tie - 3]
     program = f"""
@@ -249,6 +253,8 @@ def test_wrong_arguments_are_errors_and_messages_are_immutable(tmp_path: Path) -
           () => motor.encodeRequest("set_speed", {{ ...speed, parameters: {{ gear_ratio: 0.5 }} }}),
           () => motor.encodeRequest("set_speed", {{ ...speed, parameters: {{ gear_ratio: NaN }} }}),
           () => motor.encodeRequest("set_speed", {{ node: 33, values: {{ speed: 1 }} }}),
+          () => motor.encodeRequest("set_speed", {{ values: {{ speed: 1 }} }}),
+          () => motor.encodeRequest("set_speed", {{ node: "1", values: {{ speed: 1 }} }}),
           () => motor.encodeRequest("set_speed", {{ node: 1, values: {{ speed: "1" }} }}),
           () => motor.decodeRequest({{ id: 2 ** 29 }}),
           () => motor.decodeRequest({{ id: 0x141, data: [256] }}),
@@ -266,6 +272,128 @@ def test_wrong_arguments_are_errors_and_messages_are_immutable(tmp_path: Path) -
     assert lines == EXPECTED.splitlines(), "\n".join(lines)
 
 
+def test_a_change_of_the_callers_objects_counts_from_the_next_call_on(tmp_path: Path) -> None:
+    """Also of parameters, whose scales are kept as long as they are equal."""
+    folder = write(tmp_path, MOTOR)
+    program = f"""
+        import * as motor from {json.dumps((folder / "mwd_motor/v2_35.js").as_uri())};
+        const frame = {{ id: 0x141, data: Uint8Array.of(0xA2, 32, 0, 4, 1, 0, 0, 0) }};
+        const parameters = {{ series: "MG" }};
+        const first = motor.decodeReply(frame, parameters);
+        parameters.series = "MF";
+        frame.data[2] = 1;
+        const second = motor.decodeReply(frame, parameters);
+        console.log(first.values.iq, first.frame.data[2], first.parameters.series, second.values.iq, second.parameters.series);"""
+    assert run(program).splitlines() == ["16.5 0 MG 8.258056640625 MF"]
+
+
+def test_the_error_of_a_received_frame_has_no_stack_and_that_of_a_wrong_value_has_one(tmp_path: Path) -> None:
+    folder = write(tmp_path, MOTOR)
+    program = f"""
+        import {{ CodecError }} from {json.dumps((folder / "canwright-codec.js").as_uri())};
+        import * as motor from {json.dumps((folder / "mwd_motor/v2_35.js").as_uri())};
+        const thrown = (make) => {{ try {{ make(); }} catch (error) {{ return error; }} }};
+        const errors = [
+          thrown(() => motor.decodeReply({{ id: 0x7FF }})),
+          thrown(() => motor.encodeRequest("set_speed", {{ node: 1, values: {{ speed: 1e9 }} }})),
+        ];
+        for (const error of errors) {{
+          console.log(error instanceof CodecError, error instanceof Error, typeof error.stack, String(error));
+        }}"""
+    assert run(program).splitlines() == [
+        "true true undefined CodecError: no reply has the id 0x7FF",
+        "true true string CodecError: speed=1000000000 °/s is out of range -21474836.48..21474836.47 °/s (raw -2147483648..2147483647)",
+    ]
+
+
+RANGES = """\
+iq=100 A is out of range -33..33 A (raw -2048..2048)
+iq depends on series, which is not given; pass parameters: { series: ... }
+iq has no scale here; use its raw integer
+iq=raw 3000 is out of range -33..33 A (raw -2048..2048)
+iq=raw 3000 is out of range raw -2048..2048
+power=851 is out of range -850..850 (raw -850..850)
+speed=NaN is not a finite number
+spin_direction="left" is none of clockwise, counterclockwise
+spin_direction=5 is none of clockwise, counterclockwise
+"""
+
+
+def test_errors_have_value_unit_and_range(tmp_path: Path) -> None:
+    """The texts are those of Python where both languages have the same values."""
+    folder = write(tmp_path, MOTOR)
+    program = f"""
+        import * as motor from {json.dumps((folder / "mwd_motor/v2_35.js").as_uri())};
+        const say = ([command, content]) => {{
+          try {{ motor.encodeRequest(command, {{ node: 1, ...content }}); return "nothing"; }} catch (error) {{ return error.message; }}
+        }};
+        const turn = (spin_direction) => ["turn_to_angle", {{ values: {{ spin_direction, angle: 1 }} }}];
+        console.log([
+          ["set_torque", {{ values: {{ iq: 100 }}, parameters: {{ series: "MG" }} }}],
+          ["set_torque", {{ values: {{ iq: 1 }} }}],
+          ["set_torque", {{ values: {{ iq: 1 }}, parameters: {{ series: "MH" }} }}],
+          ["set_torque", {{ raw: {{ iq: 3000 }}, parameters: {{ series: "MG" }} }}],
+          ["set_torque", {{ raw: {{ iq: 3000 }} }}],
+          ["set_power", {{ values: {{ power: 851 }} }}],
+          ["set_speed", {{ values: {{ speed: NaN }} }}],
+          turn("left"),
+          turn(5),
+        ].map(say).join("\\n"));"""
+    assert run(program) == RANGES
+
+
+def test_buffers_and_views_are_data(tmp_path: Path) -> None:
+    """A view is the bytes that it shows; what has no bytes is an error, not a frame without data."""
+    folder = write(tmp_path, MOTOR)
+    program = f"""
+        import * as motor from {json.dumps((folder / "mwd_motor/v2_35.js").as_uri())};
+        const bytes = Uint8Array.of(0xFF, 0xA2, 32, 0, 4, 1, 0, 0, 0, 0xFF);
+        const read = (data) => {{
+          try {{ return motor.decodeReply({{ id: 0x141, data }}, {{ series: "MG" }}).values.temperature; }} catch (error) {{ return error.name; }}
+        }};
+        console.log([
+          bytes.slice(1, 9).buffer, new DataView(bytes.buffer, 1, 8), bytes.subarray(1, 9), Buffer.from(bytes.slice(1, 9)),
+          new DataView(bytes.buffer), {{}}, 5, null, "A2",
+        ].map(read).join());"""
+    errors = ["CodecError", "TypeError", "TypeError", "TypeError", "TypeError"]
+    assert run(program).strip().split(",") == ["32"] * 4 + errors
+
+
+def test_the_package_has_a_licence_a_repository_and_one_entry(tmp_path: Path) -> None:
+    items = [specification(spec) for spec in SPECS[:2]]
+    options = Options({REPOSITORY: "github:someone/motor"})
+    folder = write_files(JavaScriptTarget().generate(items, {}, options), tmp_path)
+    package = json.loads((folder / "package.json").read_text("utf-8"))
+    assert (package["license"], package["repository"]) == ("MIT", "github:someone/motor")
+    assert (folder / "LICENSE").read_text("utf-8") == (ROOT / "LICENSE").read_text("utf-8")
+    program = 'import * as motor from "mwd_motor"; console.log(Object.keys(motor).join(), motor.v2_35.EDITION)'
+    (folder / "all.mjs").write_text(program, "utf-8")
+    assert run(folder / "all.mjs", cwd=folder).split() == ["v2_35,v2_35_2024_02", "v2.35"]
+    with pytest.raises(ValueError, match="must be an address"):
+        REPOSITORY.parse("motor", [])
+    assert "repository" not in json.loads((write(tmp_path / "plain", MOTOR) / "package.json").read_text("utf-8"))
+
+
+@pytest.mark.tools
+def test_a_bundler_drops_what_is_not_used(tmp_path: Path) -> None:
+    """Nothing remains of an edition that a program does not use, also without `sideEffects` of package.json."""
+    folder = write(tmp_path, *SPECS[:2])
+    package = json.loads((folder / "package.json").read_text("utf-8"))
+    uses = {
+        "nothing": "1",
+        "part": "motor.v2_35.decodeReply",
+        "all": "motor.v2_35.decodeReply, motor.v2_35_2024_02.decodeReply",
+    }
+    for has_effects in (False, True):
+        (folder / "package.json").write_text(json.dumps({**package, "sideEffects": has_effects}), "utf-8")
+        sizes = {}
+        for name, used in uses.items():
+            (folder / "use.mjs").write_text(f'import * as motor from "mwd_motor"; globalThis.used = [{used}];', "utf-8")
+            esbuild = [tool("npm"), "exec", "--yes", "--package=esbuild@0.25", "--", "esbuild", "--bundle", "--minify"]
+            sizes[name] = len(run_tool(*esbuild, "--format=esm", "use.mjs", cwd=folder))
+        assert sizes["nothing"] < 100 and sizes["part"] < sizes["all"] - 10_000, (has_effects, sizes)
+
+
 EXPECTED = """\
 TypeError: there is no request of "set_sped"
 TypeError: the request of set_speed needs values, or raw integers, of: speed
@@ -275,6 +403,8 @@ RangeError: series is none of MS, MF, MH, MG; leave it out if it is unknown
 RangeError: gear_ratio must be from 1 to ∞; leave it out if it is unknown
 RangeError: gear_ratio is no number; leave it out if it is unknown
 CodecError: there is no node 33; nodes are 1..32
+TypeError: set_speed needs a node from 1..32
+TypeError: set_speed needs a node from 1..32
 TypeError: speed is no number
 TypeError: a frame has an id of at most 29 bits, and bytes as data
 TypeError: a frame has an id of at most 29 bits, and bytes as data
@@ -351,7 +481,7 @@ def test_reserved_names_of_packages(tmp_path: Path) -> None:
 def test_refusals_are_those_of_the_model() -> None:
     declared = (RUNTIME / "canwright-codec.d.ts").read_text("utf-8")
     names = re.search(r"type Refusal =([^;]*);", declared)
-    refusals = [*(refusal.value for refusal in Refusal), "not_available"]  # the reference has no such node
+    refusals = [refusal.value for refusal in Refusal]
     assert names and re.findall(r'"(\w+)"', names.group(1)) == refusals
 
 
@@ -372,6 +502,7 @@ if (any.command === "read_status_1") {
 }
 const title: string | undefined = TEXTS.commands["set_torque"]?.title?.en;
 motor.encodeRequest("motor_off", { node: 1 });
+motor.decodeReply({ id: 0x141, data: new DataView(new ArrayBuffer(8)) });
 motor.encodeRequest("set_speed", { node: 1, raw: { speed: 5n } });
 console.log(iq, command, wide, title, motor.MESSAGES[0]?.fields[0]?.type.unit);
 """
@@ -380,6 +511,8 @@ WRONG = """\
 motor.encodeRequest("set_sped", { node: 1 });
 motor.encodeRequest("set_speed", { node: 1, values: { sped: 1 } });
 motor.encodeRequest("set_speed", { node: 1 });
+motor.encodeRequest("set_speed", { values: { speed: 1 } });
+motor.encodeRequest("motor_off");
 motor.encodeRequest("set_speed", { node: 1, values: { speed: "1" } });
 motor.encodeRequest("set_speed", { node: 1, values: { speed: 1 }, parameters: { series: "XX" } });
 const number: number = multi.raw.angle;

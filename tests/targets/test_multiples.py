@@ -14,8 +14,8 @@ from canwright.model.refusal import Refusal
 from canwright.model.types import Linear, Type
 from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
-from canwright.targets import c
 from canwright.targets.base import EditionInput
+from canwright.targets.c.target import CTarget
 
 from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter
@@ -161,7 +161,7 @@ def test_thousandths(name: str, number: str, made: Made) -> None:
 
 
 def test_no_thousandths_where_64_bits_are_too_few(made: Made) -> None:
-    header = next(o.text for o in c.generate([made[0]], {}) if o.path.endswith("/v1.h"))
+    header = next(o.text for o in CTarget().generate([made[0]], {}) if o.path.endswith("/v1.h"))
     assert "longest_to_milli" not in header
     assert "No thousandths: 64 bits are too few to multiply with top" in " ".join(header.replace("*", " ").split())
 

@@ -13,7 +13,7 @@ from types import ModuleType
 import pytest
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.targets import python as target
+from canwright.targets.python.target import PythonTarget
 from canwright.targets.python.text import class_name
 
 from ..conformance.adapters.python import load
@@ -23,7 +23,7 @@ SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
 
 
 def write(folder: Path, spec: Path) -> Path:
-    for output in target.generate([specification(spec)], {}):
+    for output in PythonTarget().generate([specification(spec)], {}):
         file = folder / output.path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(output.text, "utf-8")
@@ -301,7 +301,7 @@ ENUM_AND_FLAGS = MINIMAL.replace(
 
 
 @pytest.mark.parametrize("wrong", [0.5, "dim", None])
-def test_what_is_no_integer_is_named_as_it_came(wrong: object, tmp_path: Path) -> None:
+def test_a_value_that_is_no_integer_is_shown_unchanged(wrong: object, tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"
     spec.write_text(ENUM_AND_FLAGS, "utf-8")
     lamp = load(write(tmp_path, spec), specification(spec).edition)

@@ -139,7 +139,7 @@ def test_a_broadcast_is_decoded_with_the_parameters_that_all_nodes_share(package
         assert (broadcast.iq_raw, broadcast.parameters) == ((63, 0, 0, -63), shared)
 
 
-def test_what_is_of_no_node(nodes: Any, package: dict[str, ModuleType]) -> None:
+def test_a_reply_of_an_unknown_node_is_rejected(nodes: Any, package: dict[str, ModuleType]) -> None:
     for can_id in (0x181, 0x143, 0x144, 0x7FF):
         with pytest.raises(package["_codec"].CodecError, match="no node of this bus") as caught:
             nodes.decode_reply(can_id, bytes.fromhex("9A 32 08 13 64 00 10 00"))
@@ -221,13 +221,13 @@ def test_a_full_bus_costs_no_more_than_its_editions(package: dict[str, ModuleTyp
 
     editions = [Counted(package[name]) for name in ("v2_35", "v2_36_2025_03")]
     bus = package["nodes"].Nodes([package["nodes"].Node(editions[n % 2], n) for n in range(1, 33)])
-    assert "node_of" not in asked
+    assert "node_bits_of" not in asked
     asked.clear()
     reply = bus.decode_reply(0x180 + 31, bytes.fromhex("9A 32 08 13 64 00 10 00"))
     assert (reply.node, reply.voltage) == (31, 48.72)
-    assert asked.count("node_of") == 2
+    assert asked.count("node_bits_of") == 2
     bus.decode_reply(0x180 + 31, bytes.fromhex("9A 32 08 13 64 00 10 00"))
-    assert asked.count("node_of") == 2
+    assert asked.count("node_bits_of") == 2
 
 
 def test_two_nodes_on_one_29_bit_id_are_refused(tmp_path: Path) -> None:

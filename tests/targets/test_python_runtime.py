@@ -23,7 +23,6 @@ import can
 import pytest
 from canwright.model import refusal
 from canwright.project.loader import specification
-from canwright.targets.python import RUNTIME, generate
 from canwright.targets.python.imports import NAMES, PUBLIC, Imports
 from canwright.targets.python.module import SHARED
 from canwright.targets.python.runtime import _codec, _dispatch
@@ -31,6 +30,7 @@ from canwright.targets.python.runtime._codec import (
     ArrayType,
     Bound,
     CodecError,
+    Counter,
     EnumType,
     FieldAbsent,
     FlagsType,
@@ -46,11 +46,15 @@ from canwright.targets.python.runtime._codec import (
     ToNode,
     check_choice,
     check_number,
+    checksum,
     constant,
+    crc_of,
     merge,
     nearest,
     rounded,
+    sum_of,
     to_odd,
+    xor_of,
 )
 from canwright.targets.python.runtime._dispatch import (
     Answer,
@@ -64,6 +68,7 @@ from canwright.targets.python.runtime._dispatch import (
 )
 from canwright.targets.python.runtime.nodes import Node, Nodes
 from canwright.targets.python.runtime.python_can import from_message, to_message
+from canwright.targets.python.target import RUNTIME, PythonTarget
 
 from ..spec_texts import ROOT
 
@@ -180,14 +185,13 @@ def rejected(refusal: Refusal, call: Callable[..., object], *arguments: object, 
 
 
 def test_the_reasons_for_rejection_are_those_of_golden_frames() -> None:
-    """And one that only `make` of a node with parameters has."""
     ours, model = ({r.name: r.value for r in reasons} for reasons in (Refusal, refusal.Refusal))
-    assert list(ours.items()) == [*model.items(), ("NOT_AVAILABLE", "not_available")]
+    assert list(ours.items()) == list(model.items())
 
 
 def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
     spec = ROOT / "tests/specs/valve/v1.yaml"
-    outputs = {o.path: o.text for o in generate([specification(spec)], {})}
+    outputs = {o.path: o.text for o in PythonTarget().generate([specification(spec)], {})}
     assert {path.name for path in RUNTIME.glob("*.py")} == {"__init__.py", *SHARED}
     for name in SHARED:
         first, rest = outputs[f"valve/{name}"].split("\n", 1)
@@ -208,16 +212,16 @@ def test_the_runtime_depends_on_the_standard_library_only() -> None:
         assert all(node.level <= 1 for node in imports if isinstance(node, ast.ImportFrom))
 
 
-def test_a_module_imports_what_was_used_from_where_it_is() -> None:
+def test_imports_contain_each_used_name_with_its_module() -> None:
     imports = Imports()
     for name in NAMES:
         assert imports.use(name) == name
-    for module, names in imports.runtime():
+    for module, names in imports.modules("runtime"):
         assert all(hasattr({"_codec": _codec, "_dispatch": _dispatch}[module], name) for name in names)
-    assert dict(imports.standard_library())["typing"] == [
+    assert dict(imports.modules("standard library"))["typing"] == [
         *("TYPE_CHECKING", "Any", "Literal", "NoReturn", "TypeAlias", "Union")
     ]
-    assert list(Imports().runtime()) == [("_codec", list(PUBLIC))]
+    assert list(Imports().modules("runtime")) == [("_codec", list(PUBLIC))]
     with pytest.raises(KeyError, match="Routes"):
         imports.use("Routes")
 
@@ -297,7 +301,7 @@ def test_integers_of_many_bits_become_the_nearest_raw_integer(
             assert number.raw(value, UNKNOWN, "it") == nearest(exact.numerator, exact.denominator)
 
 
-def test_what_is_larger_than_any_float() -> None:
+def test_numbers_beyond_the_range_of_floats() -> None:
     assert (rounded(10**400), rounded(-(10**400)), rounded(Fraction(1, 4))) == (math.inf, -math.inf, 0.25)
     said = rejected(Refusal.OUT_OF_RANGE, LEVEL.raw, 10**400, UNKNOWN, "it")
     assert said == f"it={10**400} % is out of range 0.0..100.0 % (raw 0..1000)"
@@ -309,6 +313,16 @@ def test_what_is_larger_than_any_float() -> None:
     assert small.raw(Fraction(3, 10**400), UNKNOWN, "it") == 3
     with pytest.raises(ValueError, match="top is larger than any float; leave it out"):
         check_number(10**400, "top", 1, None)
+
+
+@pytest.mark.parametrize("top", [1, Fraction(1, 2), 0.25, Decimal("0.001")])
+def test_a_scale_is_multiplied_by_any_number_above_0(top: Any) -> None:
+    number = Number(0, 255, scale=(1, 1, 0), times="top")
+    given = SimpleNamespace(top=top)
+    assert number.value(200, given, "it") == float(200 * Fraction(str(top)))
+    assert number.raw(200 * Fraction(str(top)), given, "it") == 200
+    for refused in (0, -1, Fraction(-1, 2)):
+        rejected(Refusal.OUT_OF_RANGE, number.value, 1, SimpleNamespace(top=refused), "it")
 
 
 class Count:
@@ -399,6 +413,8 @@ def test_a_float_is_its_bit_pattern(width: int, layout: str) -> None:
     too_large = rejected(Refusal.OUT_OF_RANGE, number.raw, 5.5, UNKNOWN, "it")
     assert too_large == "it=5.5 V is out of range -5.0..5.0"
     rejected(Refusal.OUT_OF_RANGE, number.check, 1 << width, UNKNOWN, "it")
+    rejected(Refusal.NOT_FINITE, number.check, (1 << width) - 1, UNKNOWN, "it")
+    assert number.check(0, UNKNOWN, "it") == 0
     rejected(Refusal.OUT_OF_RANGE, number.raw, 10**400, UNKNOWN, "it")
     assert number.raw_range(UNKNOWN) == (0, 2**width - 1)
     assert Float(width).value_range(UNKNOWN) == (-math.inf, math.inf)
@@ -472,6 +488,41 @@ def test_checks_of_enums_flags_arrays_and_constants() -> None:
     constant(5, 5, "group")
     assert rejected(Refusal.WRONG_CONSTANT, constant, 4, 5, "group") == "group is 0x4, always 0x5 in this frame"
     assert merge(0x0102, 0xA00000, 3) == bytes([0xA2, 0x01, 0x00])
+
+
+@pytest.mark.parametrize(
+    ("compute", "check_value"),
+    [
+        pytest.param(crc_of(8, 0x1D, 0xFF, 0xFF), 0x4B, id="CRC-8/SAE-J1850"),
+        pytest.param(crc_of(8, 0x8C, 0, 0, reflected=True), 0xA1, id="CRC-8/MAXIM-DOW"),
+        pytest.param(crc_of(8, 0x60, 0, 7, shift=5), 0x4, id="CRC-3/GSM"),
+        pytest.param(crc_of(8, 0x14, 0x1F, 0x1F, reflected=True), 0x19, id="CRC-5/USB"),
+        pytest.param(crc_of(15, 0x4599, 0, 0), 0x059E, id="CRC-15/CAN"),
+        pytest.param(crc_of(16, 0x1021, 0xFFFF, 0), 0x29B1, id="CRC-16/IBM-3740"),
+        pytest.param(crc_of(32, 0xEDB88320, 0xFFFFFFFF, 0xFFFFFFFF, reflected=True), 0xCBF43926, id="CRC-32"),
+        pytest.param(sum_of(8, 0, 0), 477 & 0xFF, id="sum"),
+        pytest.param(sum_of(8, 0xFF, 0xFF), -477 & 0xFF, id="sum_negated"),
+        pytest.param(sum_of(16, 1, 0xFFFF), 478 ^ 0xFFFF, id="sum of 16 bits"),
+        pytest.param(xor_of(0, 0), 0x31, id="xor"),
+        pytest.param(xor_of(0xF0, 0xFF), 0x31 ^ 0x0F, id="xor with other bits"),
+    ],
+)
+def test_check_values_of_checksums(compute: Callable[[bytes], int], check_value: int) -> None:
+    """Those of the public catalogue of CRC algorithms; the sum of the bytes of 123456789 is 477."""
+    assert compute(b"123456789") == check_value
+
+
+def test_a_checksum_is_compared() -> None:
+    checksum(5, 5, "crc")
+    text = "crc is 0x4, but the checksum of this frame is 0x1F"
+    assert rejected(Refusal.WRONG_CHECKSUM, checksum, 4, 0x1F, "crc") == text
+
+
+def test_a_counter_wraps_and_counts_missing_frames() -> None:
+    counter = Counter(1, 14)
+    assert [counter.next(value) for value in (0, 1, 13, 14, 15)] == [1, 2, 14, 1, 1]
+    steps = {(1, 2): 1, (14, 1): 1, (3, 3): 0, (13, 2): 3, (2, 1): 13, (0, 1): 0, (1, 0): 0, (15, 1): 0, (14, 15): 0}
+    assert {pair: counter.steps(*pair) for pair in steps} == steps
 
 
 def test_checks_of_parameters() -> None:
@@ -775,7 +826,7 @@ def speaking(name: str) -> Any:
         __name__=__name__,
         decode_request=DISPATCHER.requests.decode,
         decode_reply=DISPATCHER.replies.decode,
-        node_of=DISPATCHER.node_of,
+        node_bits_of=DISPATCHER.node_bits_of,
         has_node_in_data=DISPATCHER.has_node_in_data,
         ids_of=DISPATCHER.ids_of,
     )
@@ -798,10 +849,12 @@ def test_a_bus_finds_the_node_of_a_frame() -> None:
     mixed = Nodes([first, Node(newer_edition, 5)])
     said = rejected(Refusal.UNKNOWN_NODE, mixed.decode_request, 0x80, b"\x01")
     assert said == "0x80 is a request of Node(v1, 1) and of Node(v2, 5); decode it with one of these nodes"
-    edition.ids_of = lambda direction, node: ((0x200 + node, 0x0F, False, False),)
+    edition.ids_of = lambda direction, node, parameters: ((0x200 + node, 0x0F, False, False),)
     with pytest.raises(ValueError, match="both reply with the id 0x202"):
         Nodes([first, Node(edition, 2)])
-    edition.ids_of = lambda direction, node: ((0x200, 0x0F, False, False) if node == 1 else (0x205, 0, False, False),)
+    edition.ids_of = lambda direction, node, parameters: (
+        (0x200, 0x0F, False, False) if node == 1 else (0x205, 0, False, False),
+    )
     with pytest.raises(ValueError, match="both reply with the id 0x205"):
         Nodes([first, Node(edition, 2)])
 

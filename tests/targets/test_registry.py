@@ -1,8 +1,9 @@
-"""Targets of other packages that cannot be used: an error line that names the package, and no traceback."""
+"""The registered targets: those of canwright are tested as targets; one of another package may be unusable."""
 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -10,7 +11,19 @@ from pathlib import Path
 
 import pytest
 
+from ..conformance.adapters import ADAPTERS
 from ..spec_texts import MINIMAL, ROOT
+
+PROJECT = (ROOT / "pyproject.toml").read_text("utf-8")
+WITHOUT_ADAPTER = {
+    "handover": "its documents are for readers; tests/project/test_handover.py compares them with the edition"
+}
+
+
+def test_own_targets_replay_golden_frames_and_import_no_other_target() -> None:
+    own = set(re.findall(r'^(\w+) = "canwright\.targets\.', PROJECT, re.MULTILINE))
+    assert own == set(re.findall(r'^  "canwright\.targets\.(\w+)",$', PROJECT, re.MULTILINE))
+    assert own == set(WITHOUT_ADAPTER) | set(ADAPTERS) - {"reference", "cxx"}
 
 
 def install(folder: Path, package: str, entry_point: str) -> None:

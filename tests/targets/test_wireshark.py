@@ -14,7 +14,7 @@ from canwright.recordings.directions import Directions
 from canwright.recordings.log_frame import LogFrame
 from canwright.semantics.frame import CanFrame
 from canwright.targets.wireshark import text
-from canwright.targets.wireshark.filters import filters
+from canwright.targets.wireshark.family import filters
 from lupa import lua52, lua54
 
 from ..recordings import motor_bus
@@ -67,8 +67,7 @@ def test_requests_and_latencies_are_those_of_the_recordings() -> None:
     log = [sent.recorded for sent in Traffic(_edition(spec), "mixed", 2).frames(300)]
     wanted = [(result.request, result.latency, result.node) for result in Directions({}, _edition(spec)).classify(log)]
     actual = [
-        (result.exchange and result.exchange.number, result.latency and int(result.latency), result.node)
-        for result in judge(_edition(spec), log)
+        (result.request, result.latency and int(result.latency), result.node) for result in judge(_edition(spec), log)
     ]
     assert actual == wanted
     assert sum(request is not None for request, _, _ in wanted) > 200
@@ -89,7 +88,7 @@ def test_the_node_in_the_data() -> None:
         for i, (can_id, data, *_) in enumerate(NODES_IN_DATA)
     ]
     judged = judge(_edition("tests/specs/valve/v1.yaml"), log)
-    actual = [(result.node, result.exchange and result.exchange.number) for result in judged]
+    actual = [(result.node, result.request) for result in judged]
     assert actual == [(node, request) for *_, node, request in NODES_IN_DATA]
 
 

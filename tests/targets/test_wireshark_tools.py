@@ -17,9 +17,8 @@ from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.frame import CanFrame
 from canwright.targets.base import EditionInput, Output
-from canwright.targets.wireshark import generate
-from canwright.targets.wireshark.family import preference
-from canwright.targets.wireshark.filters import filters, flag_filter
+from canwright.targets.wireshark.family import filters, flag_filter, preference
+from canwright.targets.wireshark.target import WiresharkTarget
 
 from ..conformance.adapter import ExactValue
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
@@ -40,7 +39,7 @@ class Replay:
         self.edition, self.frames = item.edition, item.frames
         self._folder = folder
         self._script = folder / f"{item.edition.family}.lua"
-        texts = {output.path: output.text for output in generate([item], {})}
+        texts = {output.path: output.text for output in WiresharkTarget().generate([item], {})}
         self._script.write_text(texts[self._script.name], "utf-8")
         self._filters = filters([item.edition]).names
         self._decoder = Decoder(item.edition)
@@ -171,7 +170,7 @@ def test_golden_frames_through_tshark(spec: Path, tmp_path: Path) -> None:
 def test_editions_and_parameters_of_nodes(tmp_path: Path) -> None:
     """Two editions on one bus; other nodes are not decoded, and nothing is without settings."""
     specs = [specification(ROOT / f"spec/mwd_motor/{name}.yaml") for name in ("v2.35", "v2.35-2024-02")]
-    script = _script(tmp_path, generate(specs, {}))
+    script = _script(tmp_path, WiresharkTarget().generate(specs, {}))
     frames = [
         (0x141, "9A 32 00 E7 01 00 00 00"),
         (0x142, "9A 32 08 13 64 00 00 00"),
@@ -197,7 +196,7 @@ def test_editions_and_parameters_of_nodes(tmp_path: Path) -> None:
 
 def test_a_family_with_the_name_of_a_protocol_of_wireshark(tmp_path: Path) -> None:
     (tmp_path / "ip.yaml").write_text(MINIMAL.replace("family: lamp", "family: ip"), "utf-8")
-    script = _script(tmp_path, generate([specification(tmp_path / "ip.yaml")], {}))
+    script = _script(tmp_path, WiresharkTarget().generate([specification(tmp_path / "ip.yaml")], {}))
     captured = [Captured(START, CanFrame(0x102, bytes.fromhex("10 00 01 00 00 00 00 00")))]
     [dissected] = dissect(tmp_path, [script], "ip_can", captured, {})
     assert dissected is not None and dissected.one("ip_can.command") == "dim"

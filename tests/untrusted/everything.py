@@ -31,11 +31,13 @@ bus: {modes: {usual: {bit_rates_kbps: [500], default_kbps: 500}, broadcast: {bit
 addresses:
   lamp: {id: 0x100 + node, nodes: 1..4}
   all: {id: 0x200}
+  host: {request: 0x300 + host_id, reply: (host_id << 4) + node, nodes: 1..2, extended: true}
 selector: {at: 0, raw: u8}
 parameters:
   size: {values: {small: {}, big: {}}}
   count: {number: {min: 1, max: 9}}
   bits: {values: [14, 15]}
+  host_id: {number: {max: 9}}
 settings: {limit: {only: {size: [small]}}}
 effects: {glows: {level: note}, heats: {level: warning}, burns: {level: danger}}
 states: {bright: {entered_by: [dim]}, dark: {entered_by: [turn], prevents: [glows]}}
@@ -45,7 +47,9 @@ types:
   colour: {raw: u8, enum: {red: {value: 1, deprecated: {since: v1, until: v3}}, green: {value: 2}}}
   state: {raw: u8, flags: {hot: {bit: 0, deprecated: {since: v1}}, cold: {bit: 3}}}
   turns: {raw: u8, raw_range: 0..2*count+1}
+  label: {raw: utf8_4, padding: 32}
   share: {raw: u10, unit: A, scale: 1/512*count, offset: -count, range: -1/2*count..1/2*count}
+  heat: {raw: u8, unit: degC, no_value: {absent: {raw: 255, deprecated: {since: v1}}, faulty: {raw: 250..253}, hot: 254}}
 layouts:
   status: {fields: {state: {at: 1, type: state}, level: {at: 2, type: level}, turns: {at: 4, type: turns}}}
 tables:
@@ -72,6 +76,14 @@ commands:
   store: {code: 0x13, table: store, request: entry, reply: echo, only: {size: [big]}}
   all: {code: 0x14, address: all, mode: broadcast, reply: {layout: status, address: lamp, from_each: 1..3}}
   colours: {code: 0x15, reply: {colours: {at: 1, array: 1..3, type: colour}}}
+  heat: {code: 0x40, reply: {heat: {at: 1, type: heat}, cause: {at: [2..3, 4.5..4.7], raw: u19, byte_order: little}, rest: {at: 5, type: state}, step: {at: 5.5, raw: u2, byte_order: little}}}
+  beat: {code: 0x16, address: all, request: none, reply: {layout: status, every_ms: 100, timeout_ms: 500, sent: [cyclic, on_change]}}
+  seal: {code: 0x1C, request: {count: {at: 1, raw: u4, counter: 0..14}, crc: {at: 5, raw: u8, checksum: {poly: 7, over: 0..4}}}, reply: none}
+  parts: {code: 0x28, reply: {layout: {part: {at: 1, raw: u8}, serial: {at: 2, raw: u8, array: 1..4}}, frames: {part: 1..3}}, further_replies: [rest], alternative_replies: [refused]}
+  rest: {code: 0x29, request: none, reply: {rest: {at: 1, raw: u8}}}
+  refused: {code: 0x2A, request: none, reply: {cause: {at: 1, raw: u8}}}
+  greet: {code: 0x17, address: host, request: {host: {at: 1, raw: u8, constant: host_id}, level: {at: 2, type: level}, gain: {at: 4, entry: gain}}, reply: echo}
+  tag: {code: 0x2B, reply: {label: {at: 1, type: label}}}
 errata:
   - {id: wrong_level, where: [commands.dim, types.level]}
 """
@@ -85,7 +97,7 @@ frames:
   - {request: turn, source: manual, id: 0x101, node: 1, data: 12 64 00 00 00 02 00 00,
      parameters: {count: 3}, raw: {angle: 100, share: 512}, values: {angle: 2, share: 0}}
 refused:
-  - {decode: request, source: manual, id: 0x7FF, data: "", says: unknown_id}
+  - {decode: request, source: manual, id: 0x7FF, data: "", parameters: {host_id: 1}, says: unknown_id}
   - {encode: request, command: turn, source: manual, node: 1, values: {angle: 91, share: 0}, says: out_of_range}
 exchanges:
   - source: manual

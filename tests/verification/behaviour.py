@@ -26,8 +26,8 @@ from canwright.model.layout import Segment, Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Parameter
-from canwright.targets import python as target
 from canwright.targets.base import EditionInput
+from canwright.targets.python.target import RUNTIME, PythonTarget
 from canwright.targets.python.text import attribute, class_name
 
 SAFE, LOUD, SILENT = range(3)
@@ -118,7 +118,7 @@ class Side:
 def _runtime() -> ModuleType:
     """The runtime that every generated package contains."""
     package = ModuleType(PACKAGE)
-    package.__path__ = [str(target.RUNTIME)]
+    package.__path__ = [str(RUNTIME)]
     sys.modules[PACKAGE] = package
     return package
 
@@ -133,7 +133,7 @@ class Binding:
         _runtime()
         self.edition: Edition = item.edition
         path = f"{item.edition.family}/{item.edition.identifier}.py"
-        self.text = next(o.text for o in target.generate([item], {}) if o.path == path)
+        self.text = next(o.text for o in PythonTarget().generate([item], {}) if o.path == path)
         self.module = ModuleType(f"{PACKAGE}.edition_{next(_COUNT)}")
         self.module.__package__ = PACKAGE
         sys.modules[self.module.__name__] = self.module
@@ -246,7 +246,7 @@ def meaning(message: Any) -> Meaning:
 def _constants(message: Message) -> Iterator[tuple[str, Any]]:
     """The constants of a message with their values: numbers without a unit. That of a float is given by its bits."""
     yield from ((attribute(k.name), (k.value, "")) for k in message.keys if k.role is KeyRole.CONSTANT)
-    for constant in (f for f in message.layout.fields if f.role.is_checked):
+    for constant in (f for f in message.layout.fields if f.role.required_raw is not None):
         raw, type_ = constant.role.required_raw or 0, constant.type
         value = _float(raw, type_.width) if type_.encoding is Encoding.FLOAT else raw
         yield attribute(constant.name), (value, "")
@@ -327,7 +327,8 @@ def _values_of(parameter: Parameter, number: int = 0) -> list[Any]:
     if not parameter.is_choice:
         low = parameter.minimum or 0
         high = parameter.maximum if parameter.maximum is not None else low + 50
-        return [float(low + (high - low) * Fraction(2 + number % 8, 11))]
+        chosen = low + (high - low) * Fraction(2 + number % 8, 11)
+        return [int(chosen) if parameter.whole else float(chosen)]
     return [v.number if parameter.is_numeric else v.name for v in parameter.values]
 
 
@@ -558,7 +559,7 @@ class _Run:
             now = self.new_commands.get(self.now[command.name] or "")
             if now is None or now.request is None or class_name(now.request.name) not in self.changed:
                 continue
-            demanded = [f for f in now.request.layout.fields if f.role.is_checked and not f.is_array]
+            demanded = [f for f in now.request.layout.fields if f.role.required_raw is not None and not f.is_array]
             counts[command.name] = counts.get(command.name, 0) + 1
             if demanded and counts[command.name] <= VECTORS:
                 parts = [(f.space, f.elements[0].segments, f.role.required_raw or 0) for f in demanded]

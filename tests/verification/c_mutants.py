@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from .equivalents import is_repeated
+from .mutants import Change, Mutant, changed, make_mutant
 
 _TOKEN = re.compile(
     r"(?P<space>\s+)|(?P<comment>/\*.*?\*/|//[^\n]*)|(?P<directive>^[ \t]*#(?:\\\n|[^\n])*)|(?P<text>\"(?:\\.|[^\"\\])*\")"
@@ -55,29 +55,6 @@ class Function:
     parameters: tuple[str, ...]
     tokens: tuple[Token, ...]
     """Those of the body, without spaces, comments and directives."""
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """Some replacements in a header, in one function or outside of all."""
-
-    file: str
-    function: str
-    changes: tuple[tuple[int, int, str], ...]
-    """Start, end and new text."""
-    original: str
-    mutated: str
-    """The line of the first change, before and after it."""
-
-    @property
-    def is_runtime(self) -> bool:
-        """Whether the header is the same for every protocol."""
-        return self.file.startswith("canwright")
-
-    @property
-    def key(self) -> tuple[str, str, str]:
-        """What identifies it when the header is generated again."""
-        return self.function, self.original, self.mutated
 
 
 def tokens(text: str) -> list[Token]:
@@ -146,26 +123,20 @@ def mutants(file: str, text: str) -> list[Mutant]:
     for function in functions(text):
         inside.append((function.start, function.end))
         for changes in _in_function(function, siblings):
-            all_mutants.append(_mutant(file, text, function.name, text[function.start : function.end], changes))
+            all_mutants.append(line_mutant(file, text, function.name, text[function.start : function.end], changes))
     for start, end, new in _outside(text):
         if not any(low <= start < high for low, high in inside):
-            all_mutants.append(_mutant(file, text, "", text, ((start, end, new),)))
+            all_mutants.append(line_mutant(file, text, "", text, ((start, end, new),)))
     return list({(m.function, m.changes): m for m in all_mutants}.values())
 
 
-Change = tuple[int, int, str]
-
-
-def _mutant(file: str, text: str, function: str, scope: str, changes: tuple[Change, ...]) -> Mutant:
-    low, high, new = changes[0]
+def line_mutant(file: str, text: str, function: str, scope: str, changes: tuple[Change, ...]) -> Mutant:
+    """A mutant that is identified by the line of its first change; if that changes altogether, with the line before."""
+    low, high, _ = changes[0]
     start = text.rfind("\n", 0, low) + 1
-    end = text.find("\n", high)
-    if text[start:high].strip() == text[low:high]:  # as `break;`, which says little without the line before
+    if text[start:high].strip() == text[low:high]:  # as `break;`, which says little by itself
         start = text.rfind("\n", 0, start - 1) + 1
-    elif is_repeated(text[start:end], scope):
-        end = text.find("\n", end + 1)
-    mutated = text[start:low] + new + text[high:end]
-    return Mutant(file, function, changes, " ".join(text[start:end].split()), " ".join(mutated.split()))
+    return make_mutant(file, text, changes, (start, text.find("\n", high)), function=function, scope=scope)
 
 
 def used(text: str, program: str) -> set[str]:
@@ -364,12 +335,3 @@ def _copy(text: str, function: Function, mutant: Mutant, number: int) -> str:
     head = text[function.start : function.body]
     head = re.sub(rf"\b{function.name}\b", f"{function.name}_{number}", head)
     return head + changed(text, mutant.changes, function.body, function.end)
-
-
-def changed(text: str, changes: Sequence[Change], start: int = 0, end: int | None = None) -> str:
-    """A part of a text with some changes."""
-    result, done = "", start
-    for low, high, new in sorted(changes):
-        result += text[done:low] + new
-        done = high
-    return result + text[done:end]

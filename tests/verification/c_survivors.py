@@ -12,6 +12,7 @@ import os
 import random
 import re
 import resource
+import shutil
 import subprocess
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -21,28 +22,30 @@ from types import ModuleType
 from typing import ClassVar
 
 from canwright.model.edition import Edition
-from canwright.model.layout import Field, Space
+from canwright.model.layout import MAX_DATA_BYTES, Field, Space
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified, Rejection
 from canwright.semantics.encoder import Encoder
-from canwright.semantics.frame import node_of
-from canwright.targets import c as target
+from canwright.semantics.frame import node_of, with_checksum
 from canwright.targets.base import EditionInput
 from canwright.targets.c.names import layouts
+from canwright.targets.c.package import RUNTIME
+from canwright.targets.c.target import CTarget
 
 from ..compilers import SANITIZED, ZIG
 from ..conformance.adapter import Adapter, CanFrame, Decoded, Raw, Refused, assignment, write_files
-from ..conformance.adapters.c import CAdapter, NotAvailable
+from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_facts import Facts
 from ..conformance.adapters.c_harness import harness, header_text
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Questions
 from ..conformance.runner import Runner
 from . import floating, integers
-from .c_mutants import CHOICE, Mutant, changed, functions, merged, mutants, selectable, used
+from .c_mutants import CHOICE, functions, merged, mutants, selectable, used
 from .differential import compare
+from .mutants import Mutant, changed
 
 MAX_LINES = 40_000
 """So many lines of copies are compiled in one program."""
@@ -67,10 +70,6 @@ SOONEST = 500
 FRAMES = 4000
 """So many random frames are checked and printed."""
 
-
-PACKED = "#pragma pack(1)"
-"""Structs have no padding, as on an 8-bit machine, so that members of a union have different places."""
-
 LEAST = 200
 """The least limit of the processor time of a mutant, in milliseconds."""
 
@@ -80,7 +79,7 @@ class Asked:
     """Questions in a file, the answers of the original, and the limit of the processor time in milliseconds."""
 
     file: Path
-    answers: bytes | None
+    answers: bytes
     milliseconds: int
 
 
@@ -93,7 +92,9 @@ def time_of_programs() -> float:
 class Recorder(CAdapter):
     """Writes down what the program is asked."""
 
-    lines: list[str]
+    def __init__(self, edition: Edition, program: Path, header: str = "") -> None:
+        super().__init__(edition, program, header)
+        self.lines: list[str] = []
 
     def _ask(self, *words: str) -> list[str] | Refused:
         self.lines.append(" ".join(words))
@@ -103,6 +104,7 @@ class Recorder(CAdapter):
 class Program:
     """A program, the headers that it includes, below `family`, and questions to it."""
 
+    source: ClassVar[str] = "harness.c"
     level: ClassVar[tuple[str, ...]] = ("-O0",)
     jobs = 1
     """So many programs run at the same time."""
@@ -110,8 +112,8 @@ class Program:
     def __init__(self, folder: Path, family: str, headers: Mapping[str, str], harness: str) -> None:
         self.folder, self._family = folder, family
         self.headers = headers
-        self._harness = self.folder / "harness.c"
-        self._harness.write_text(harness.replace('#include "', f'{PACKED}\n#include "', 1), "utf-8")
+        self.harness = self.folder / self.source
+        self.harness.write_text(harness, "utf-8")
         (self.folder / "choice.h").write_text(CHOICE, "utf-8")
         self._programs = itertools.count()
         original, errors = self._compile(self.headers)
@@ -119,25 +121,29 @@ class Program:
         self.original = original
         self._asked: list[Asked] = []
 
-    def add_questions(self, lines: Sequence[str]) -> None:
-        """Adds lines that are asked of every mutant, after those added before."""
+    def add_questions(self, lines: Sequence[str]) -> bytes:
+        """Adds lines that are asked of every mutant, after those added before; returns the answers of the original."""
         file = self.folder / f"questions-{len(self._asked)}"
         file.write_text("\n".join(lines) + "\n", "utf-8")
         before = time_of_programs()
         answers = answers_of(self.original, 0, file)
         milliseconds = 1000 * SLOWER * (time_of_programs() - before)
+        assert answers is not None
         self._asked.append(Asked(file, answers, max(LEAST, int(milliseconds))))
+        return answers
 
     def mutants(self) -> list[Mutant]:
         """The mutants of the headers, without those of functions that no question reaches."""
-        reached = used("\n".join(self.headers.values()), self._harness.read_text("utf-8"))
+        reached = used("\n".join(self.headers.values()), self.harness.read_text("utf-8"))
         return [mutant for mutant in self.all_mutants() if not mutant.function or mutant.function in reached]
 
     def all_mutants(self) -> list[Mutant]:
-        """All mutants of the headers, without those of golden frames as a test."""
-        return [
-            mutant for name, text in self.headers.items() if "selftest" not in name for mutant in mutants(name, text)
-        ]
+        """All mutants of the headers."""
+        return [mutant for name, text in self.headers.items() for mutant in self.mutants_of(name, text)]
+
+    def mutants_of(self, name: str, text: str) -> list[Mutant]:
+        """The mutants of a header, without those of golden frames as a test."""
+        return [] if "selftest" in name else mutants(name, text)
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
         """Those of some mutants that answer as the original does."""
@@ -194,14 +200,21 @@ class Program:
         if program is not None and self._alive(program, [0]):
             alive = self._alive(program, macros)
             killed = {mutant for number, mutant in macros.items() if number not in alive}
+        yield from self.alone([mutant for mutant in chosen if mutant not in killed])
+
+    def alone(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
+        """Survivors of some mutants, each in a program of its own."""
         with ThreadPoolExecutor(self.jobs) as threads:
-            left = [mutant for mutant in chosen if mutant not in killed]
-            yield from itertools.compress(left, threads.map(self._survives_alone, left))
+            yield from itertools.compress(chosen, threads.map(self._survives_alone, chosen))
 
     def _survives_alone(self, mutant: Mutant) -> bool:
         text = changed(self.headers[mutant.file], mutant.changes)
         program, _ = self._compile({**self.headers, mutant.file: text})
-        return program is not None and not self._is_killed(program, 0)
+        if program is None:
+            return False
+        survives = not self._is_killed(program, 0)
+        shutil.rmtree(program.parent)
+        return survives
 
     def _alive(self, program: Path, numbers: Iterable[int]) -> list[int]:
         """The mutants of a program that survive."""
@@ -218,7 +231,16 @@ class Program:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, "utf-8")
         program = include / "program"
-        flags: tuple[str | Path, ...] = (
+        try:
+            self.build(include, program)
+        except AssertionError as error:
+            places = re.findall(r"^[^\n]*?([\w.]+\.h):(\d+):\d+: (?:fatal )?error:", str(error), re.MULTILINE)
+            return None, [(name, int(line)) for name, line in places]
+        return program, []
+
+    def build(self, include: Path, program: Path) -> None:
+        """Compiles the program with headers in a folder. Raises AssertionError."""
+        flags = (
             "-w",
             *self.level,
             "-g0",
@@ -226,17 +248,9 @@ class Program:
             *SANITIZED,
             "-fno-sanitize=alignment",
             "-fstrict-flex-arrays=3",  # an array at the end of a struct has bounds, too
-            f"-I{include}",
-            f"-I{include / self._family}",
-            "-include",
-            self.folder / "choice.h",
         )
-        try:
-            ZIG.run("gnu99", *flags, self._harness, "-o", program)
-        except AssertionError as error:
-            places = re.findall(r"^[^\n]*?([\w.]+\.h):(\d+):\d+: (?:fatal )?error:", str(error), re.MULTILINE)
-            return None, [(name, int(line)) for name, line in places]
-        return program, []
+        places = (f"-I{include}", f"-I{include / self._family}", "-include", self.folder / "choice.h")
+        ZIG.run("gnu99", *flags, *places, self.harness, "-o", program)
 
     def _is_killed(self, program: Path, number: int) -> bool:
         return any(
@@ -254,19 +268,23 @@ def answers_of(program: Path, number: int, questions: Path, milliseconds: int | 
     return None if done.returncode else done.stdout
 
 
+def packed(harness: str) -> str:
+    """A program whose structs have no padding, as on an 8-bit machine: members of a union have different places."""
+    return harness.replace('#include "', '#pragma pack(1)\n#include "', 1)
+
+
 class Subject(Program):
     """One edition: its headers, its program, and the questions to it."""
 
     def __init__(self, spec: Path, folder: Path) -> None:
         self.item = specification(spec)
         edition = self.item.edition
-        include = write_files(target.generate([self.item], {}), folder) / "include"
+        include = write_files(CTarget().generate([self.item], {}), folder) / "include"
         headers = {file.name: file.read_text("utf-8") for file in sorted((include / edition.family).glob("*.h"))}
-        super().__init__(folder, edition.family, headers, harness(edition, include))
-        recorder = Recorder(edition, self.original, header_text(edition, include))
+        super().__init__(folder, edition.family, headers, packed(harness(edition, include)))
         asked = []
         for ask in (_ask_everything, _ask_rounds):
-            recorder.lines = []
+            recorder = Recorder(edition, self.original, header_text(edition, include))
             ask(self.item, recorder)
             asked.append(recorder.lines)
         some = random.Random(1).sample(asked[0], min(len(asked[0]), SOONEST))
@@ -281,8 +299,8 @@ class RuntimeSubject(Program):
     """Also stops at an access beyond a variable, which the compiler can check only when it optimizes."""
 
     def __init__(self, asking: ModuleType, folder: Path) -> None:
-        headers = {file.name: file.read_text("utf-8") for file in sorted(target.RUNTIME.glob("*.h"))}
-        super().__init__(folder, "runtime", headers, asking.PROGRAM.read_text("utf-8"))
+        headers = {file.name: file.read_text("utf-8") for file in sorted(RUNTIME.glob("*.h"))}
+        super().__init__(folder, "runtime", headers, packed(asking.PROGRAM.read_text("utf-8")))
         cases = asking.cases(CASES, random.Random(1))
         wrong = floating.differences(self.original, cases)
         assert not wrong, wrong[:10]
@@ -363,6 +381,9 @@ def ask_unchecked(edition: Edition, adapter: CAdapter) -> None:
                 for raw, element in zip(each, field.elements, strict=True):
                     for s in element.segments:
                         bits[field.space] |= (raw >> s.raw_low & (1 << s.width) - 1) << s.low + 8 * s.byte
+            of_layout = edition.of_layout(layout)[0]
+            frame = CanFrame(bits[Space.ID], bits[Space.DATA].to_bytes(MAX_DATA_BYTES, "little")[: of_layout.dlc])
+            bits[Space.DATA] = int.from_bytes(with_checksum(of_layout, frame).data, "little")
             given: dict[str, Raw] = {f.name: raws[f.name] if f.is_array else raws[f.name][0] for f in fields}
             assert adapter.pack(layout, given, known) == (bits[Space.ID], bits[Space.DATA]), (layout.name, raws)
 
@@ -432,14 +453,8 @@ def _ask_frames(item: EditionInput, adapter: CAdapter) -> None:
             assert named == Refused(identified.reason), (direction, frame)
         elif named != (identified.message.command, _node(identified, frame)):  # a constant of the fields can be wrong
             assert isinstance(wanted, Refused) and named == Refused(wanted.says), (direction, frame)
-        try:
-            answer = adapter.check(direction, frame, known)
-        except NotAvailable:
-            assert isinstance(wanted, Decoded) and not item.edition.command(wanted.command).available(assignment(known))
-            assert direction is Direction.REQUEST
-            continue
+        answer = adapter.check(direction, frame, known)
         if isinstance(wanted, Decoded):
-            assert direction is Direction.REPLY or item.edition.command(wanted.command).available(assignment(known))
             encoded = reference.encode_raw(direction, wanted.command, wanted.node, wanted.raw, known)
             assert answer == (encoded if isinstance(encoded, Refused) else None), (direction, frame, known)
         else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from canwright.model.layout import MAX_DATA_BYTES
+from canwright.model.metadata import FrameFormat
 from canwright.targets.c.view import edition_view
 
 from ..conformance.adapters.c_signatures import Function, functions
@@ -79,7 +79,8 @@ class Calls:
 
 
 def _length(text: str) -> int:
-    return MAX_DATA_BYTES if text == "CANWRIGHT_MAX_DATA" else int(text)
+    formats = {"CANWRIGHT_MAX_DATA": FrameFormat.CLASSIC, "CANWRIGHT_FD_MAX_DATA": FrameFormat.FD}
+    return formats[text].max_data_bytes if text in formats else int(text)
 
 
 def _unions(header: Header) -> Mapping[str, Sequence[tuple[str, str, str]]]:

@@ -115,7 +115,7 @@ class Spec:
     def _load(self, text: str) -> Loaded:
         file = self.folder / "spec.yaml"
         file.write_text(text, "utf-8")
-        return load(file, golden=False)
+        return load(file)
 
     def edits(self) -> list[Edit]:
         return list(edits(self.data))

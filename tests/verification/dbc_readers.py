@@ -25,7 +25,7 @@ from canwright.model.golden_frames import GoldenFrame
 from canwright.model.layout import Element, Field, Space
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
-from canwright.targets.dbc.files import files, traffics
+from canwright.targets.dbc.files import files
 from canwright.targets.dbc.frames import Part
 from canwright.targets.dbc.printer import printed
 from canwright.targets.dbc.selection import NODES
@@ -88,7 +88,7 @@ def _case(
     command = edition.command(frame.command)
     message = command.message(frame.direction)
     assert message
-    part = Part(command, message, tuple(key.value for key in message.keys))
+    part = Part(command, message)
     if not command.available(known) or (len(part.selectors) > 1) is not is_of_table:
         return
     selector = next((s for s in view.signals if s.mux == "M"), None)
@@ -120,7 +120,11 @@ def _values(field: Field, frame: GoldenFrame, signals: Mapping[str, Signal]) -> 
         one_raw, one_value = (
             (raw[i], value[i] if isinstance(value, list) else None) if isinstance(raw, list) else (raw, value)
         )
-        if name in signals and (signals[name].unit == "raw" or field.type.enum) and not signals[name].float_kind:
+        if (
+            name in signals
+            and (signals[name].numbers.unit == "raw" or field.type.enum)
+            and not signals[name].numbers.float_kind
+        ):
             yield name, float(one_raw)
         elif name in signals and isinstance(one_value, Fraction):
             yield name, float(one_value)
@@ -133,7 +137,7 @@ def _element_name(field: Field, element: Element) -> str:
 def _raw(signal: Signal, data: bytes) -> int:
     """The raw integer of a signal."""
     value, bit = 0, signal.start
-    for i in range(signal.width):
+    for i in range(len(signal.bits)):
         digit = data[bit // 8] >> bit % 8 & 1
         value = value << 1 | digit if signal.big_endian else value | digit << i
         bit += (15 if bit % 8 == 0 else -1) if signal.big_endian else 1
@@ -142,7 +146,7 @@ def _raw(signal: Signal, data: bytes) -> int:
 
 def samples(item: EditionInput, options: Options) -> Iterator[tuple[File, Sequence[Case]]]:
     """The files of an edition that have golden frames."""
-    for file in files(item.edition, traffics(item.edition), {}, options):
+    for file in files(item.edition, {}, options):
         cases = cases_of(item, file)
         if cases:
             yield file, cases

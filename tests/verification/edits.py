@@ -610,8 +610,14 @@ def _split(data: Data) -> Iterator[Edit]:
     for path, fields, _ in _all_fields(data):
         for name, definition in fields.items():
             raw = _raw_of(data, definition)
-            width = int(raw[1:])
-            if raw[0] == "f" or width % 8 or isinstance(definition["at"], str) or {"holds", "array"} & set(definition):
+            width = int(raw[1:]) if raw[1:].isdigit() else 0  # a text or decimal digits
+            if (
+                raw[0] == "f"
+                or not width
+                or width % 8
+                or isinstance(definition["at"], str)
+                or {"holds", "array"} & set(definition)
+            ):
                 continue
             here, byte = (*path, name), definition["at"]
             texts = {k: v for k, v in definition.items() if k in ("title", "only", "constant", "reserved")}
@@ -647,7 +653,7 @@ def _other_constants(data: Data) -> Iterator[Edit]:
     for path, fields, _ in _all_fields(data):
         for name, definition in fields.items():
             raw = _raw_of(data, definition)
-            if raw[0] == "f" or {"holds", "array", "reserved"} & set(definition):
+            if raw[0] == "f" or not raw[1:].isdigit() or {"holds", "array", "reserved"} & set(definition):
                 continue
             here = (*path, name)
             order = {"byte_order": "big"} if _is_big(data, definition) and int(raw[1:]) > 8 else {}

@@ -6,14 +6,10 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import yaml
 
-
-class HasKey(Protocol):
-    @property
-    def key(self) -> tuple[str, str, str]: ...
+from .mutants import Mutant
 
 
 @dataclass(frozen=True)
@@ -26,7 +22,7 @@ class Equivalent:
     reason: str
     edition: str = ""
 
-    def matches(self, mutant: HasKey) -> bool:
+    def matches(self, mutant: Mutant) -> bool:
         """Whether a mutant is of this pattern. Texts that `...` stands for are alike in both lines, from the left."""
         function, original, mutated = mutant.key
         if not re.fullmatch(_pattern(self.function), function):
@@ -50,11 +46,6 @@ def _filled(text: str, groups: Sequence[str]) -> str:
     )
 
 
-def is_repeated(line: str, scope: str) -> bool:
-    """Whether a function has a line more than once; the next line then belongs to what identifies a mutant."""
-    return [another.strip() for another in scope.splitlines()].count(line.strip()) > 1
-
-
 def read(file: Path) -> list[Equivalent]:
     """The list of a file."""
     listed = yaml.safe_load(file.read_text("utf-8")) or []
@@ -65,12 +56,12 @@ def read(file: Path) -> list[Equivalent]:
 class Verdict:
     """What is wrong with a run: survivors that are not listed, entries that match a killed mutant, unneeded entries."""
 
-    unlisted: tuple[HasKey, ...]
-    killed: tuple[tuple[Equivalent, HasKey], ...]
+    unlisted: tuple[Mutant, ...]
+    killed: tuple[tuple[Equivalent, Mutant], ...]
     listed: int
 
 
-def judge(mutants: Iterable[HasKey], survivors: Iterable[HasKey], listed: Sequence[Equivalent]) -> Verdict:
+def judge(mutants: Iterable[Mutant], survivors: Iterable[Mutant], listed: Sequence[Equivalent]) -> Verdict:
     """Compares the survivors of some mutants with the list."""
     alive = set(survivors)
     unlisted = tuple(m for m in alive if not any(entry.matches(m) for entry in listed))

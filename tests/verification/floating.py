@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from canwright.model.types import Linear
-from canwright.targets.c import RUNTIME
+from canwright.targets.c.package import RUNTIME
 
 from ..compilers import build
 from ..float_rule import nearest_integer, quotient, raw_of_double

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from canwright.project.loader import specification
-from canwright.targets import c
 from canwright.targets.base import EditionInput
+from canwright.targets.c.target import CTarget
 
 from ..spec_texts import SPECS
 
@@ -45,7 +45,7 @@ def write_headers(folder: Path, specs: Sequence[Path] = SPECS) -> list[Header]:
     headers = []
     for family in dict.fromkeys(item.edition.family for item in specifications):
         members = [item for item in specifications if item.edition.family == family]
-        for output in c.generate(members, {}):
+        for output in CTarget().generate(members, {}):
             file = folder / family / output.path
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(output.text, "utf-8")

@@ -37,7 +37,7 @@ static void print(canwright_printer_t *printer, char operation, const uint64_t *
         frame.id = (uint32_t)given[1];
         frame.dlc = (uint8_t)given[2];
         memcpy(frame.data, &given[3], sizeof frame.data);
-        canwright_print_rejected(printer, (canwright_status_t)given[0], &frame);
+        canwright_print_rejected(printer, (canwright_status_t)given[0], frame.id, frame.dlc, frame.data, CANWRIGHT_MAX_DATA);
         break;
     }
 }
@@ -135,7 +135,7 @@ static void calculate_wide(char operation, const uint64_t *given)
 static void compare_frames(const uint64_t *given)
 {
     canwright_frame_t one;
-    canwright_frame_t other;
+    canwright_frame_t other = CANWRIGHT_ZERO;
     const canwright_filter_t filter = {(uint32_t)given[5], (uint32_t)given[6]};
     memset(&one, 0xFF, sizeof one);
     memcpy(one.data, &given[0], sizeof one.data);
@@ -185,6 +185,9 @@ static void calculate(char operation, const uint64_t *given)
         break;
     case 'X':
         result = canwright_signed64(given[0], (unsigned)given[1]);
+        break;
+    case 'Y':
+        result = canwright_signed_words((uint32_t)given[0], (uint32_t)given[1]);
         break;
     case 'O':
         result = (canwright_is_finite32((uint32_t)given[0]) ? 2 : 0) +

@@ -16,7 +16,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from canwright.model.refusal import Refusal
-from canwright.targets.c import RUNTIME
+from canwright.targets.c.package import RUNTIME
 
 from ..compilers import build
 from ..float_rule import nearest_integer
@@ -28,7 +28,7 @@ SIZE = 200
 """Size of the buffer of the program; no text is as long."""
 
 LARGEST = (1 << 64) - 1
-STATUSES = ("ok", *(refusal.value for refusal in Refusal), "not_available", "?")
+STATUSES = ("ok", *(refusal.value for refusal in Refusal), "?")
 EXTENDED, REMOTE = 1 << 31, 1 << 30
 
 
@@ -187,11 +187,15 @@ def _share(chance: random.Random) -> Case:
 
 def _bits(chance: random.Random) -> Case:
     """Signed numbers of any width; order and finiteness of numbers in floating point."""
-    operation, precision, width = chance.choice((("W", 0, 32), ("X", 0, 64), ("O", SINGLE, 32), ("P", DOUBLE, 64)))
+    operation, precision, width = chance.choice(
+        (("W", 0, 32), ("X", 0, 64), ("Y", 0, 64), ("O", SINGLE, 32), ("P", DOUBLE, 64))
+    )
     if not precision:
         bits = chance.randint(1, 32) if width == 32 else chance.randint(33, 64)
         ends = -(1 << bits - 1), (1 << bits - 1) - 1
         number = chance.choice((chance.randint(*ends), *ends))
+        if operation == "Y":
+            return Case(operation, (number >> 32 & 0xFFFFFFFF, number & 0xFFFFFFFF), str(number))
         return Case(operation, (number % (1 << bits), bits), str(number))
     infinity = (1 << width - precision) - 1 << precision - 1
     special = (0, infinity, infinity + 1, infinity - 1, 1 << width - 1)

@@ -28,6 +28,7 @@ from __future__ import annotations
 
 import argparse
 import functools
+import itertools
 import os
 import random
 import re
@@ -40,20 +41,11 @@ from pathlib import Path
 from typing import Any
 
 from ..spec_texts import SPECS, called
-from . import c_survivors, cxx_survivors, python_survivors, python_unit_tests
+from . import c_survivors, cxx_survivors, python_survivors
 from .equivalents import Equivalent, judge, read
+from .mutants import Mutant
 
-LANGUAGES: dict[str, Callable[[Path, Path], Any]] = {
-    "c": c_survivors.Subject,
-    "cxx": cxx_survivors.Subject,
-    "python": python_survivors.Subject,
-}
-RUNTIMES: dict[str, tuple[Callable[[Path], Any], ...]] = {
-    "c": c_survivors.RUNTIME_SUBJECTS,
-    "cxx": (),
-    "python": (python_unit_tests.Subject,),
-}
-"""What the mutants of the runtime are shown to before the editions."""
+LANGUAGES: dict[str, Any] = {"c": c_survivors, "cxx": cxx_survivors, "python": python_survivors}
 
 CONTEXT = 80
 """The characters that are shown before and after the change of a long line."""
@@ -100,9 +92,9 @@ Identity = tuple[tuple[str, str, str], int]
 """The key of a mutant, and which of the mutants with this key it is."""
 
 
-def _identified(mutants: Iterable[Any]) -> dict[Identity, Any]:
+def _identified(mutants: Iterable[Mutant]) -> dict[Identity, Mutant]:
     count: Counter[tuple[str, str, str]] = Counter()
-    identified: dict[Identity, Any] = {}
+    identified: dict[Identity, Mutant] = {}
     for mutant in mutants:
         count[mutant.key] += 1
         identified[mutant.key, count[mutant.key]] = mutant
@@ -117,7 +109,7 @@ class Choice:
     sample: int | None
     seed: int
 
-    def of(self, mutants: Iterable[Any]) -> list[Any]:
+    def of(self, mutants: Iterable[Mutant]) -> list[Mutant]:
         """The chosen ones of some mutants."""
         ours = [mutant for mutant in mutants if re.search(self.function, mutant.function)]
         if self.sample is None or len(ours) <= self.sample:
@@ -129,7 +121,7 @@ class Run:
     """The mutants of several editions, and of the runtime, which survive only if nothing kills them."""
 
     def __init__(self, language: str, equivalents: Sequence[Equivalent], choice: Choice, jobs: int) -> None:
-        self._language, self._equivalents = language, equivalents
+        self._name, self._language, self._equivalents = language, LANGUAGES[language], equivalents
         self._choice, self._jobs = choice, jobs
         self.failed = False
 
@@ -137,7 +129,7 @@ class Run:
         """Runs the mutants of the code of each edition."""
         for spec in specs:
             with tempfile.TemporaryDirectory() as folder:
-                subject = LANGUAGES[self._language](spec, Path(folder))
+                subject = self._language.Subject(spec, Path(folder))
                 subject.jobs = self._jobs
                 every = self._choice.of(mutant for mutant in subject.all_mutants() if not mutant.is_runtime)
                 reached = set(subject.mutants())
@@ -149,10 +141,10 @@ class Run:
         """Runs the mutants of the runtime; each subject sees those that survive the one before."""
         small_first = sorted(specs, key=lambda spec: spec.stat().st_size)
         editions: list[Callable[[Path], Any]] = [
-            functools.partial(LANGUAGES[self._language], spec) for spec in small_first
+            functools.partial(self._language.Subject, spec) for spec in small_first
         ]
-        subjects = [*RUNTIMES[self._language], *editions]
-        mutants: dict[Identity, Any] = {}
+        subjects = [*self._language.RUNTIME_SUBJECTS, *editions]
+        mutants: dict[Identity, Mutant] = {}
         reached: set[Identity] = set()
         left: set[Identity] = set()
         for create in subjects:
@@ -165,7 +157,7 @@ class Run:
                     mutants = {key: mutant for key, mutant in every.items() if mutant in chosen}
                     left = set(mutants)
                 own = set(subject.mutants())
-                shown = {every[key]: key for key in mutants if key in left and every[key] in own}
+                shown = {every[key]: key for key in mutants if key in left and every.get(key) in own}
                 reached |= set(shown.values())
                 left -= set(shown.values()) - {shown[mutant] for mutant in subject.survivors([*shown])}
             if not judge([], [mutants[key] for key in left], self._equivalents).unlisted:
@@ -174,10 +166,12 @@ class Run:
         unreached = [mutants[key] for key in mutants if key not in reached]
         self._report("runtime", run, [mutants[key] for key in left & reached], unreached)
 
-    def _report(self, name: str, mutants: Sequence[Any], survivors: Sequence[Any], unreached: Sequence[Any]) -> None:
+    def _report(
+        self, name: str, mutants: Sequence[Mutant], survivors: Sequence[Mutant], unreached: Sequence[Mutant]
+    ) -> None:
         listed = [entry for entry in self._equivalents if entry.edition in ("", name)]
         verdict = judge(mutants, survivors, listed)
-        print(f"{name} {self._language}: {len(mutants)} mutants, {len(survivors)} survive,", end=" ")
+        print(f"{name} {self._name}: {len(mutants)} mutants, {len(survivors)} survive,", end=" ")
         print(f"{verdict.listed} of them listed as equivalent")
         if unreached:
             names = ", ".join(sorted({mutant.function for mutant in unreached}))
@@ -205,9 +199,7 @@ def _around_the_change(original: str, mutated: str) -> tuple[str, str]:
 
 def _alike(first: str, second: str) -> int:
     """The number of characters that two texts have in common at the start."""
-    return next(
-        (i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b), min(len(first), len(second))
-    )
+    return sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], zip(first, second, strict=False)))
 
 
 if __name__ == "__main__":

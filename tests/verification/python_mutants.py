@@ -6,9 +6,8 @@ import ast
 import itertools
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 
-from .equivalents import is_repeated
+from .mutants import Mutant, make_mutant
 
 _ORDER = ((ast.Lt, ast.LtE), (ast.Gt, ast.GtE), (ast.Eq, ast.NotEq), (ast.Is, ast.IsNot), (ast.In, ast.NotIn))
 COMPARISONS: dict[type[ast.cmpop], ast.cmpop] = {
@@ -19,41 +18,9 @@ OPERATORS: dict[type[ast.operator], ast.operator] = {
     old: new() for pair in _PAIRS for old, new in itertools.permutations(pair)
 }
 OPERATORS |= {ast.Div: ast.Mult(), ast.Mod: ast.Mult(), ast.BitXor: ast.BitOr()}
-RUNTIME = ("_codec.py", "_dispatch.py", "nodes.py")
-"""The modules that are mutated besides the edition; the others convert for other packages."""
-
 WORDS = {"little": "big", "big": "little"}
 
 _FORMAT = re.compile(r"[<>][0-9xbBhHiIlLqQfds]+")
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """A replacement in a module; `line` is where the function that contains it starts, 0 outside of functions."""
-
-    file: str
-    function: str
-    line: int
-    start: int
-    end: int
-    new: str
-    original: str
-    mutated: str
-
-    @property
-    def is_runtime(self) -> bool:
-        """Whether the module is the same for every protocol."""
-        return self.file in RUNTIME
-
-    @property
-    def key(self) -> tuple[str, str, str]:
-        """What identifies it when the module is generated again."""
-        return self.function, self.original, self.mutated
-
-
-def changed(text: str, mutant: Mutant) -> str:
-    """The module with a mutant's change."""
-    return text[: mutant.start] + mutant.new + text[mutant.end :]
 
 
 def mutants(file: str, text: str) -> list[Mutant]:
@@ -140,11 +107,10 @@ class _Finder:
         whole = self._outside or node
         low = self._lines[whole.lineno - 1]
         high = self._text.find("\n", self._offset(whole.end_lineno or 0, whole.end_col_offset or 0))
-        if is_repeated(self._text[low:high], self._scope):
-            high = self._text.find("\n", high + 1)
-        original = " ".join(self._text[low:high].split())
-        mutated = " ".join((self._text[low:start] + new + self._text[end:high]).split())
-        return Mutant(self._file, function, line, start, end, new, original, mutated)
+        changes = ((start, end, new),)
+        return make_mutant(
+            self._file, self._text, changes, (low, high), function=function, scope=self._scope, line=line
+        )
 
 
 def _is_docstring(node: ast.stmt) -> bool:

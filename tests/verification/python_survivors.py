@@ -8,7 +8,9 @@ import importlib.abc
 import importlib.machinery
 import importlib.util
 import itertools
+import os
 import random
+import resource
 import signal
 import sys
 import time
@@ -17,8 +19,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import CodeType, FrameType, ModuleType
 
+import can
+import cantools
+import hypothesis
+import pytest
 from canwright.project.loader import specification
-from canwright.targets import python as target
+from canwright.targets.python.target import RUNTIME, PythonTarget
 
 from ..conformance.adapter import Cannot
 from ..conformance.adapters import modules
@@ -26,9 +32,11 @@ from ..conformance.adapters.python import PythonAdapter
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Answer, Question, Questions, disagreement
 from ..conformance.runner import Runner
+from ..spec_texts import ROOT
 from .forks import passing
+from .mutants import PYTHON_RUNTIME, Mutant, changed
 from .python_facts import check_package
-from .python_mutants import RUNTIME, Mutant, changed, mutants
+from .python_mutants import mutants
 
 SECONDS, SLOWER = 2, 10
 """A mutant that uses more processor time for one check, and so many times that of the original, is killed."""
@@ -37,21 +45,33 @@ QUICK, MOST = 1000, 50_000
 """So many random questions are asked of each mutant first, and at most so many of a round in all."""
 
 
-class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Imports a package whose modules are compiled already."""
+UNIT_TESTS = tuple(f"tests/targets/test_python_{name}.py" for name in ("runtime", "nodes"))
+"""The tests of the runtime, the quick ones first."""
 
-    def __init__(self, codes: Mapping[str, CodeType]) -> None:
-        self._codes = codes
+PRELOADED = (can, cantools, hypothesis)
+"""What these tests import, so that a fork need not."""
+
+TESTING = 60
+"""A mutant with which these tests use so many seconds of processor time is killed."""
+
+
+class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Imports modules that are compiled already; `code_of` gives the code of a full name, or None."""
+
+    def __init__(self, code_of: Callable[[str], CodeType | None]) -> None:
+        self._code_of = code_of
 
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        if fullname not in self._codes:
+        if self._code_of(fullname) is None:
             return None
         return importlib.util.spec_from_loader(fullname, self, is_package="." not in fullname)
 
     def exec_module(self, module: ModuleType) -> None:
-        exec(self._codes[module.__name__], module.__dict__)
+        code = self._code_of(module.__name__)
+        assert code is not None
+        exec(code, module.__dict__)
 
 
 @dataclass
@@ -75,7 +95,7 @@ class Subject:
         self._module = f"{edition.family}.{edition.identifier}"
         self._texts = {
             output.path.rpartition("/")[2]: output.text
-            for output in target.generate([self.item], {})
+            for output in PythonTarget().generate([self.item], {})
             if output.path.startswith(f"python/{edition.family}/") or output.path.startswith(f"{edition.family}/")
         }
         self._codes = {
@@ -114,7 +134,7 @@ class Subject:
             with self._imported(self._codes) as module:
                 of_import = set(called)
                 same: dict[frozenset[tuple[str, int]], frozenset[tuple[str, int]]] = {}
-                adapter = PythonAdapter(self.item.edition, module)
+                adapter = PythonAdapter(self.item.edition, module, sys.modules[f"{self.item.edition.family}.nodes"])
                 for check in self._checks:
                     called.clear()
                     before = time.process_time()
@@ -129,7 +149,7 @@ class Subject:
     @contextlib.contextmanager
     def _imported(self, codes: Mapping[str, CodeType]) -> Iterator[ModuleType]:
         """Imports the package; it is removed at the end, so that later imports find the files of others."""
-        finder = _Finder(codes)
+        finder = _Finder(codes.get)
         with modules.without_modules(self.item.edition.family):
             sys.meta_path.insert(0, finder)
             try:
@@ -146,7 +166,7 @@ class Subject:
 
     def all_mutants(self) -> list[Mutant]:
         """All mutants of the edition and the runtime."""
-        files = (*RUNTIME, f"{self.item.edition.identifier}.py")
+        files = (*PYTHON_RUNTIME, f"{self.item.edition.identifier}.py")
         return [mutant for file in files for mutant in mutants(file, self._texts[file])]
 
     def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
@@ -156,9 +176,9 @@ class Subject:
     def _ask_mutant(self, mutant: Mutant) -> None:
         """Raises an error for a wrong answer; a mutant that takes too long stops the process."""
         signal.setitimer(signal.ITIMER_PROF, SECONDS)
-        code = compile(changed(self._texts[mutant.file], mutant), mutant.file, "exec")
+        code = compile(changed(self._texts[mutant.file], mutant.changes), mutant.file, "exec")
         with self._imported({**self._codes, self._name(mutant.file): code}) as module:
-            adapter = PythonAdapter(self.item.edition, module)
+            adapter = PythonAdapter(self.item.edition, module, sys.modules[f"{self.item.edition.family}.nodes"])
             for check in self._checks_of(mutant):
                 signal.setitimer(signal.ITIMER_PROF, check.seconds)
                 check.ask(adapter, module)
@@ -168,6 +188,44 @@ class Subject:
         function = mutant.file, mutant.line
         is_of_import = not mutant.line or function in self._of_import
         return (check for check in self._checks if is_of_import or function in check.calls)
+
+
+class RuntimeSubject:
+    """The modules that are the same for every protocol, and their unit tests."""
+
+    jobs = 1
+    """So many mutants are tested at the same time."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._texts = {file: (RUNTIME / file).read_text("utf-8") for file in PYTHON_RUNTIME}
+        assert list(passing([None], self._test, 1)), "the unit tests of the Python runtime fail"
+
+    def all_mutants(self) -> list[Mutant]:
+        """All mutants of the runtime."""
+        return [mutant for file, text in self._texts.items() for mutant in mutants(file, text)]
+
+    mutants = all_mutants
+
+    def survivors(self, chosen: Sequence[Mutant]) -> Iterator[Mutant]:
+        """Those of some mutants with which every test passes."""
+        return passing(chosen, self._test, self.jobs)
+
+    def _test(self, mutant: Mutant | None) -> None:
+        """Raises AssertionError if a test fails, of the runtime or of its copies in generated packages."""
+        resource.setrlimit(resource.RLIMIT_CPU, (TESTING, TESTING))
+        os.chdir(ROOT)
+        if mutant is not None:
+            for name in [name for name in sys.modules if name.startswith("canwright.targets.python")]:
+                del sys.modules[name]
+            code = compile(changed(self._texts[mutant.file], mutant.changes), mutant.file, "exec")
+            ending = f".{mutant.file.removesuffix('.py')}"
+            sys.meta_path.insert(0, _Finder(lambda name: code if name.endswith(ending) else None))
+        temporary = f"--basetemp={self._folder / str(os.getpid())}"
+        assert not pytest.main(["-x", "-q", "-n0", "-p", "no:cacheprovider", temporary, *UNIT_TESTS])
+
+
+RUNTIME_SUBJECTS = (RuntimeSubject,)
 
 
 def _is_code(file: str) -> bool:

@@ -17,10 +17,16 @@
 
 #define SIZE 160u
 
+#ifdef CANWRIGHT_FD_H
+typedef canwright_fd_frame_t frame_t;
+#else
+typedef canwright_frame_t frame_t;
+#endif
+
 typedef struct {
     uint32_t id;
     uint8_t dlc;
-    uint8_t data[8];
+    uint8_t data[sizeof((frame_t *)0)->data];
 } golden_t;
 
 static const uint8_t *input;
@@ -36,11 +42,11 @@ static void take(void *to, size_t size)
     left -= some;
 }
 
-static void take_frame(canwright_frame_t *frame);
+static void take_frame(frame_t *frame);
 
 #include "calls.h"
 
-static void take_frame(canwright_frame_t *frame)
+static void take_frame(frame_t *frame)
 {
     uint8_t choice[4];
     take(choice, sizeof choice);
@@ -50,7 +56,7 @@ static void take_frame(canwright_frame_t *frame)
         frame->id = golden->id;
         frame->dlc = golden->dlc;
         memcpy(frame->data, golden->data, sizeof frame->data);
-        frame->data[choice[2] & 7u] ^= choice[3];
+        frame->data[choice[2] % sizeof frame->data] ^= choice[3];
     }
 }
 

@@ -59,7 +59,7 @@ def build(header: Header, sanitizer: Sanitizer, program: Path) -> Path:
 
 def _calls(header: Header) -> str:
     def fill(name: str, kind: str) -> str:
-        return f"take_frame(&{name});" if kind == "canwright_frame_t" else f"take(&{name}, sizeof {name});"
+        return f"take_frame(&{name});" if kind.endswith("frame_t") else f"take(&{name}, sizeof {name});"
 
     bodies = Calls(header, fill, "CHECK({0});".format).bodies()
     calls = "".join(f"static void call_{number}(void)\n{{\n{body}}}\n\n" for number, body in enumerate(bodies))

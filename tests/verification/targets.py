@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from canwright.project.loader import specification
-from canwright.targets import c
 from canwright.targets.base import EditionInput
+from canwright.targets.c.target import CTarget
 
 from ..spec_texts import SPECS, called
 from .machines import Avr, Emulated, Machine
@@ -81,7 +81,7 @@ static void number(uint16_t value)
 
 int main(void)
 {{
-    canwright_selftest_t result;
+    canwright_{fd}selftest_t result;
     start();
     (void){function}(&result);
     number(result.cases);
@@ -109,7 +109,7 @@ class Result(NamedTuple):
 
 def write(item: EditionInput, folder: Path) -> Path:
     """Writes the headers and the program of an edition; returns the source of the program."""
-    for output in c.generate([item], {}):
+    for output in CTarget().generate([item], {}):
         file = folder / output.path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(output.text, "utf-8")
@@ -117,7 +117,8 @@ def write(item: EditionInput, folder: Path) -> Path:
     header = f"{edition.family}/{edition.identifier}_selftest.h"
     function = f"{edition.family}_{edition.identifier}_selftest".lower()
     source = folder / "selftest.c"
-    source.write_text(PROGRAM.format(header=header, function=function), "utf-8")
+    fd = "fd_" if edition.bus.frame_format.is_fd else ""
+    source.write_text(PROGRAM.format(header=header, function=function, fd=fd), "utf-8")
     return source
 
 

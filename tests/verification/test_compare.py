@@ -25,16 +25,16 @@ def _case(family: str, name: str, folder: Path) -> Case:
 @pytest.mark.parametrize(
     ("family", "edit", "sending", "receiving"),
     [
-        ("winch", "codes of wind and hold swapped", LOUD, SAFE),
+        ("windlass", "codes of wind and hold swapped", LOUD, SAFE),
         ("oven", "id of addresses stop_all and start_all swapped", SILENT, SAFE),
         ("oven", "status must be requested", SAFE, LOUD),
-        ("winch", "enum mode: parking added", SAFE, SILENT),
+        ("windlass", "enum mode: parking added", SAFE, SILENT),
         ("pump", "scale of current times 10", SILENT, SAFE),
         ("pump", "set_duty renamed", SAFE, SAFE),
         ("arm", "parameter p_max renamed", SAFE, SAFE),
         ("pump", "commands.status.reply.current narrowed to 8 bits, a field beside it", SAFE, SILENT),
-        ("winch", "commands.wind.request.speed becomes the constant 1: plain", SILENT, SAFE),
-        ("winch", "settings: names of top_speed and brake_delay swapped", SILENT, SAFE),
+        ("windlass", "commands.wind.request.speed becomes the constant 1: plain", SILENT, SAFE),
+        ("windlass", "settings: names of top_speed and brake_delay swapped", SILENT, SAFE),
         ("joint", "commands.get_limit.reply.layout.limit becomes a constant", SAFE, SAFE),
     ],
 )
@@ -52,7 +52,7 @@ def test_the_largest_value_of_a_parameter_is_tried(tmp_path: Path) -> None:
 
 
 def test_a_sample_of_all_edits(tmp_path: Path) -> None:
-    files = [f for f in (*OWN, *SMALL) if f.parent.name in ("blower", "oven", "pump", "winch")]
+    files = [f for f in (*OWN, *SMALL) if f.parent.name in ("blower", "oven", "pump", "windlass")]
     totals = run(files, tmp_path, sample=5)
     assert [c.name for c in totals.cases if c.is_wrong] == []
     assert totals.cases
@@ -60,7 +60,7 @@ def test_a_sample_of_all_edits(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", ["beside it", "top bit", "becomes the constant", "names of", "in another order"])
 def test_verdicts_of_a_sample_of_each_kind_agree_with_generated_code(kind: str, tmp_path: Path) -> None:
-    files = [f for f in (*OWN, *SMALL) if f.parent.name in ("arm", "cells", "winch", "valve")]
+    files = [f for f in (*OWN, *SMALL) if f.parent.name in ("arm", "cells", "windlass", "valve")]
     totals = run(files, tmp_path, sample=3, only=kind)
     wrong = [c.name for c in totals.cases if c.dangerous or c.wrong_witnesses or c.ordered or c.missing]
     assert wrong == []

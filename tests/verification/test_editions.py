@@ -30,7 +30,7 @@ def test_all_simulated_buses_are_identified(monkeypatch: pytest.MonkeyPatch) -> 
     assert editions.main() == 0
 
 
-def test_the_frame_from_which_another_edition_fits() -> None:
+def test_the_frame_after_which_a_node_has_another_edition() -> None:
     identifier = Identifier([specification(file).edition for file in spec_files(ROOT / "spec")])
     motors = (Motor(1, V235, until=100), Motor(1, V235B, since=100, first=()), Motor(2, V235B))
     log = list(buses.frames(motors, 200, 1))

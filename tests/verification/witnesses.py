@@ -14,7 +14,8 @@ from typing import Any
 from canwright.compare import Change, Witness
 from canwright.compare.change import SentenceArgument, with_facts
 from canwright.model.edition import Edition
-from canwright.model.message import Direction
+from canwright.model.layout import ReservedRole, Space
+from canwright.model.message import Direction, Message
 from canwright.model.types import Assignment
 from canwright.targets.python.text import attribute
 
@@ -113,6 +114,7 @@ def _as(
     if definition is None or message is None:
         return None
     cls = binding.of(message)
+    ignored = 0 if is_sender else _reserved_bits_of_id(message)
     nodes = range(cls.NODES[0], cls.NODES[1] + 1) if hasattr(cls, "NODES") else [None]
     accepted: Meaning | None = None
     for node in nodes:
@@ -121,13 +123,19 @@ def _as(
             sent = not is_sender or message.accepted_codes or definition.is_echoed or decoded.encode() == frame.data
             if not sent or cls.EXTENDED is not frame.extended:
                 continue
-            if decoded.can_id == frame.id:
+            if not (decoded.can_id ^ frame.id) & ~ignored:
                 return meaning(decoded)
             if message.accepted_codes and accepted is None:  # its id can contain another code
                 accepted = meaning(decoded)
         except ValueError:
             continue
     return accepted
+
+
+def _reserved_bits_of_id(message: Message) -> int:
+    """The bits of the id that a receiver ignores."""
+    reserved = (f for f in message.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole))
+    return sum(1 << bit for field in reserved for element in field.elements for bit in element.bits)
 
 
 def _differences(text: str, decoded: Meaning) -> Iterator[str]:

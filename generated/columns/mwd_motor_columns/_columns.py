@@ -50,6 +50,7 @@ class Refusal(IntEnum):
     WRONG_CONSTANT = -4
     MISSING_PARAMETER = -5
     UNKNOWN_DIRECTION = -6
+    WRONG_CHECKSUM = -7
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -112,11 +113,15 @@ def words_of(lengths: Array) -> int:
 
 
 class Parameter(NamedTuple):
-    """A property of a node that no frame contains: one of `choices`, or a number between two limits."""
+    """A property of a node that no frame contains: one of `choices`, or a number between two limits.
+
+    A `whole` number is a part of ids or constants.
+    """
 
     choices: tuple[str, ...] = ()
     minimum: Fraction | None = None
     maximum: Fraction | None = None
+    whole: bool = False
 
     def check(self, name: str, value: ParameterValue) -> None:
         """Raises ValueError for a value that is not allowed."""
@@ -128,6 +133,8 @@ class Parameter(NamedTuple):
             number = Fraction(value)
         except (ValueError, OverflowError):
             raise ValueError(f"{name} is {value!r}, but must be a finite number") from None
+        if self.whole and number.denominator != 1:
+            raise ValueError(f"{name} is {value!r}, but must be a whole number")
         if (self.minimum is not None and number < self.minimum) or (self.maximum is not None and number > self.maximum):
             raise ValueError(f"{name} is {value!r}, but must be between {self.minimum} and {self.maximum}")
 
@@ -136,7 +143,7 @@ Parameters = Mapping[str, ParameterValue]
 
 
 class Scale(NamedTuple):
-    """A conversion to a value: (raw * factor + addend) / divisor, multiplied by the parameter `times` if it is set."""
+    """A conversion to a value: (raw * factor + addend) / divisor, multiplied by `times` if it is set: parameters as in `a*b/c`."""
 
     factor: int
     addend: int
@@ -147,9 +154,13 @@ class Scale(NamedTuple):
         """The scale under some parameters; None if its parameter is missing or not above 0."""
         if not self.times:
             return self
-        number = Fraction(parameters.get(self.times, 0))
-        if number <= 0:
-            return None
+        number = Fraction(1)
+        above, _, below = self.times.partition("/")
+        for name in filter(None, (*above.split("*"), below)):
+            value = Fraction(parameters.get(name, 0))
+            if value <= 0:
+                return None
+            number = number / value if name == below else number * value
         return Scale(self.factor * number.numerator, self.addend * number.numerator, self.divisor * number.denominator)
 
     @property
@@ -177,7 +188,8 @@ class Type:
     """The conversion from raw integers to values.
 
     `scale` has one scale for each value of the parameter `scale_by`, or one under the empty key; None is an unknown scale.
-    `names` are those of the members of an enum by code, or of flags by bit number.
+    `names` are those of the members of an enum by code, or of flags by bit number. `no_values` are the first and the last
+    raw integer of each name for no value of a number; its values are NaN.
     """
 
     unit: str = ""
@@ -186,6 +198,24 @@ class Type:
     is_float: bool = False
     is_flags: bool = False
     names: Mapping[int, str] | None = None
+    no_values: Mapping[str, tuple[int, int]] | None = None
+
+    def no_value_names(self, raw: Array) -> Array:
+        """The name for which each raw integer has no value; an empty text for a number."""
+        names = np.full(raw.shape, "", f"<U{max(map(len, self.no_values or ('',)))}")
+        for name, (first, last) in (self.no_values or {}).items():
+            names[(raw >= first) & (raw <= last)] = name
+        return names
+
+    text: tuple[str, int] | None = None
+    """The encoding and the padding, if the elements of a field are the bytes of a text."""
+    is_digits: bool = False
+    """Whether the elements of a field are the decimal digits of a number."""
+
+    @property
+    def is_joined(self) -> bool:
+        """Whether all elements of a field are one value."""
+        return self.text is not None or self.is_digits
 
     def scale_at(self, parameters: Parameters) -> Scale | None:
         """The scale under some parameters; None if it is unknown or depends on a missing parameter."""
@@ -212,13 +242,77 @@ class Field:
     count: int = 0
     only: tuple[str, ...] = ()
 
+    def has_other_values(self, scale: Scale | None) -> bool:
+        """Whether its values under a scale are not its raw integers."""
+        of = self.type
+        return scale is not None and (of.is_float or of.is_joined or bool(of.no_values) or not scale.is_identity)
+
 
 class Constant(NamedTuple):
-    """Bits that must have one value; any other is rejected."""
+    """Bits that must have one value, or that of a parameter; any other is rejected."""
 
     read: Callable[[Words, Words], Array]
     value: int
     only: tuple[str, ...] = ()
+    parameter: str = ""
+
+
+class Checksum:
+    """The checksum of each frame, in a register of `width` bits: `poly` and `init` are aligned to it.
+
+    `read` reads the field, `inputs` the bytes in their order; the arithmetic is `crc`, `sum` or `xor`.
+    """
+
+    def __init__(
+        self,
+        read: Callable[[Words, Words], Array],
+        inputs: Callable[[Words, Words], tuple[Array | int, ...]],
+        arithmetic: str,
+        width: int,
+        *,
+        poly: int = 0,
+        init: int = 0,
+        reflected: bool = False,
+        shift: int = 0,
+        xor_out: int = 0,
+    ) -> None:
+        self._read, self._inputs, self._arithmetic, self._width = read, inputs, arithmetic, width
+        self._init, self._reflected, self._shift, self._xor_out = init, reflected, shift, xor_out
+        self._mask = np.uint64((1 << width) - 1)
+        self._table = self._of_bytes(np.uint64(poly)) if arithmetic == "crc" else None
+
+    def is_correct(self, words: Words, ids: Words) -> Array:
+        """Whether the field of each frame is its checksum."""
+        register = np.full(ids.shape, self._init, np.uint64)
+        for byte in self._inputs(words, ids):
+            register = self._next(register, np.asarray(byte, np.uint64))
+        correct: Array = (register >> np.uint64(self._shift) ^ np.uint64(self._xor_out)) == self._read(words, ids)
+        return correct
+
+    def _next(self, register: Array, byte: Array) -> Array:
+        """The registers after one more byte."""
+        after: Array
+        if self._table is None:
+            after = register ^ byte if self._arithmetic == "xor" else register + byte & self._mask
+        elif self._reflected:
+            after = register >> np.uint64(8) ^ self._table[(register ^ byte) & np.uint64(0xFF)]
+        else:
+            index = register >> np.uint64(self._width - 8) ^ byte
+            after = register << np.uint64(8) & self._mask ^ self._table[index]
+        return after
+
+    def _of_bytes(self, poly: np.uint64) -> Array:
+        """The register after each byte, if it was 0 before."""
+        one, top = np.uint64(1), np.uint64(self._width - 1)
+        register = np.arange(256, dtype=np.uint64)
+        if not self._reflected:
+            register = register << np.uint64(self._width - 8)
+        for _ in range(8):
+            if self._reflected:
+                register = register >> one ^ (register & one) * poly
+            else:
+                register = register << one & self._mask ^ (register >> top) * poly
+        return register
 
 
 @dataclass(frozen=True)
@@ -228,13 +322,16 @@ class Layout:
     name: str
     fields: tuple[Field, ...] = ()
     constants: tuple[Constant, ...] = ()
+    checksum: Checksum | None = None
     parameter: str = ""
 
 
 class Message(NamedTuple):
     """A request or a reply; its number is its position in `MESSAGES`. `code` is -1 without one.
 
-    `node` reads the node from the data; None if the id has it, or if there is none.
+    `node` reads the node from the data; None if the id has it, or if there is none. `sent` are the occasions on which it is
+    sent, if they are stated: `cyclic`, `on_change`, `on_request`, `event`. A receiver treats a silence of `timeout_ms` as a
+    failure. `frames` are the field with the number of the frame and the numbers, if there are several.
     """
 
     command: str
@@ -242,6 +339,10 @@ class Message(NamedTuple):
     code: int
     layout: int
     node: Callable[[Words, Words], Array] | None = None
+    sent: tuple[str, ...] = ()
+    every_ms: float | None = None
+    timeout_ms: float | None = None
+    frames: tuple[str, range] | None = None
 
 
 @dataclass(frozen=True)
@@ -298,7 +399,10 @@ Node = int | Select
 
 @dataclass(frozen=True)
 class Route:
-    """The messages of one id rule and kind of frame; `mask` are the bits of the id that keys and fields fill."""
+    """The messages of one id rule and kind of frame; `mask` are the bits of the id that keys and fields fill.
+
+    If `parameter` is set, `times` the value of that parameter is added to `base`.
+    """
 
     base: int
     step: int
@@ -306,6 +410,15 @@ class Route:
     then: Node
     mask: int = 0
     kind: int = 0
+    parameter: str = ""
+    times: int = 1
+
+    def at(self, parameters: Parameters) -> Route:
+        """The route with the value of its parameter, if that is known."""
+        if not self.parameter or self.parameter not in parameters:
+            return self
+        offset = int(Fraction(parameters[self.parameter])) * self.times
+        return replace(self, base=self.base + offset, parameter="")
 
     def nodes_of(self, ids: Words) -> tuple[Array, Array]:
         """Which ids belong to this rule, and the node of each; -1 without nodes."""
@@ -386,6 +499,7 @@ class Decoder:
                     f"{edition.family} {edition.name} has no parameter {name}; its parameters are: {known}"
                 )
             edition.parameters[name].check(name, value)
+        self._routes = [[route.at(self.parameters) for route in way] for way in (edition.requests, edition.replies)]
         self.columns = {layout.name: self._columns(layout, raw) for layout in edition.layouts}
         """The columns of each layout, without those of the frame; None where a parameter that decides is missing."""
         self._layout_of = np.array([message.layout for message in edition.messages], np.int16)
@@ -410,6 +524,11 @@ class Decoder:
                 if table is not None and table.rows.size:
                     tables[layout.name] = table
         return Decoded(tables, message)
+
+    def nodes(self, frames: Frames) -> NDArray[np.int32]:
+        """The node of each frame, from its id or its data; -1 without one, and for a frame of no message or direction."""
+        frames = self._with_words(frames)
+        return self._dispatch(frames, frames.id.astype(np.uint64), frames.direction)[1]
 
     def with_directions(self, frames: Frames) -> Frames:
         """The same frames, with a direction for those of unknown direction that only one direction has.
@@ -440,12 +559,15 @@ class Decoder:
     def _dispatch(self, frames: Frames, ids: Words, direction: Array) -> tuple[NDArray[np.int16], NDArray[np.int32]]:
         message = np.full(ids.size, Refusal.UNKNOWN_DIRECTION, np.int16)
         node = np.full(ids.size, -1, np.int32)
-        for number, routes in enumerate((self.edition.requests, self.edition.replies)):
+        for number, routes in enumerate(self._routes):
             rows = np.flatnonzero(direction == number)
-            message[rows] = Refusal.UNKNOWN_ID
+            unknown = np.isin(frames.kind[rows], [route.kind for route in routes if route.parameter])
+            message[rows] = np.where(unknown, np.int16(Refusal.MISSING_PARAMETER), np.int16(Refusal.UNKNOWN_ID))
             for route in routes:
                 if not rows.size:
                     break
+                if route.parameter:
+                    continue
                 own = ids[rows]
                 valid, nodes = route.nodes_of(own)
                 valid &= frames.kind[rows] == route.kind
@@ -477,25 +599,30 @@ class Decoder:
             scale = field.type.scale_at(self.parameters)
             if scale is not None:
                 columns.append(Column(field.name, field, scale, False))
-            if scale is None or (raw and (field.type.is_float or not scale.is_identity)):
+            is_kept = raw or field.type.no_values  # the raw integers have the reason for no value
+            if scale is None or (is_kept and field.has_other_values(scale)):
                 columns.append(Column(field.raw_name, field, None, True))
         return tuple(columns)
 
     def _table(self, layout: Layout, rows: Array, data: Words, ids: Words, message: Array, node: Array) -> Table | None:
         words, own = data[rows], ids[rows]
         columns = self.columns[layout.name]
-        value = self.parameters.get(layout.parameter)
-        correct = np.ones(rows.size, np.bool_)
-        for constant in layout.constants:
-            if not constant.only or str(value) in constant.only:
-                same = constant.read(words, own) == constant.value
-                correct &= same if same.ndim == 1 else same.all(axis=1)
-        if not correct.all():
-            message[rows[~correct]] = Refusal.WRONG_CONSTANT
-            rows, words, own = rows[correct], words[correct], own[correct]
+        reasons = self._rejections(layout, words, own)
+        message[rows] = np.where(reasons < 0, reasons, message[rows])
+        correct = reasons == 0
         if columns is None:
-            message[rows] = Refusal.MISSING_PARAMETER
+            message[rows[correct]] = Refusal.MISSING_PARAMETER
             return None
+        value = str(self.parameters.get(layout.parameter))
+        for constant in (c for c in layout.constants if c.parameter and (not c.only or value in c.only)):
+            if constant.parameter not in self.parameters:
+                message[rows[correct]] = Refusal.MISSING_PARAMETER
+                return None
+            same = _same(constant, int(Fraction(self.parameters[constant.parameter])), words, own)
+            message[rows[correct & ~same]] = Refusal.WRONG_CONSTANT
+            correct &= same
+        if not correct.all():
+            rows, words, own = rows[correct], words[correct], own[correct]
         arrays: dict[str, Array] = {}
         raws: dict[str, Array] = {}
         for column in columns:
@@ -505,17 +632,62 @@ class Decoder:
             arrays[column.name] = values(raws[field.name], field.type, column.scale)
         return Table(layout, rows, message[rows], node[rows], arrays)
 
+    def _rejections(self, layout: Layout, words: Words, ids: Words) -> Array:
+        """The refusal of each frame because of a constant or the checksum, in the order of the checks; 0 without one."""
+        reasons = np.zeros(ids.shape, np.int32)
+
+        def check(correct: Array, refusal: Refusal) -> None:
+            reasons[(reasons == 0) & ~correct] = refusal
+
+        def check_constants(constants: Iterable[Constant]) -> None:
+            for constant in constants:
+                if not constant.parameter:
+                    check(_same(constant, constant.value, words, ids), Refusal.WRONG_CONSTANT)
+
+        value = str(self.parameters.get(layout.parameter))
+        check_constants(constant for constant in layout.constants if not constant.only)
+        if layout.checksum is not None:
+            check(layout.checksum.is_correct(words, ids), Refusal.WRONG_CHECKSUM)
+        check_constants(constant for constant in layout.constants if value in constant.only)
+        return reasons
+
+
+def _same(constant: Constant, value: int, words: Words, ids: Words) -> Array:
+    """Which frames have the value of a constant, in each element of an array."""
+    same: Array = constant.read(words, ids) == value
+    every: Array = same if same.ndim == 1 else np.all(same, axis=1)
+    return every
+
 
 def values(raw: Array, type_: Type, scale: Scale | None) -> Array:
-    """The values of raw integers; the integers themselves without a scale. NaN is a float that is no finite number."""
+    """The values of raw integers; the integers themselves without a scale.
+
+    NaN is a raw integer without a value, a float that is no finite number, and a number of decimal digits of which one
+    exceeds 9.
+    """
     if scale is None:
         return raw
+    if type_.no_values:
+        return np.where(type_.no_value_names(raw) == "", scale.apply(raw), np.nan)
+    if type_.text is not None:
+        return texts(raw, *type_.text)
+    if type_.is_digits:
+        number = raw.astype(np.float64) @ 10.0 ** np.arange(raw.shape[1] - 1, -1, -1)
+        return np.where((raw > 9).any(axis=1), np.nan, number)
     if type_.is_float:
         with np.errstate(invalid="ignore"):  # a signaling NaN
             numbers = raw.view(f"f{raw.itemsize}").astype(np.float64)
         finite = np.isfinite(numbers)
         return np.where(finite, scale.apply(np.where(finite, numbers, 0.0)), np.nan)
     return raw if scale.is_identity else scale.apply(raw)
+
+
+def texts(raw: Array, encoding: str, padding: int) -> Array:
+    """The texts of rows of bytes: each ends before the first 0, and before the padding at its end."""
+    found = np.empty(len(raw), object)
+    end = bytes([padding])
+    found[:] = [row.tobytes().partition(b"\0")[0].rstrip(end).decode(encoding, "replace") for row in raw]
+    return found
 
 
 def signed(raw: Array, width: int) -> Array:

@@ -32,7 +32,8 @@ INPUT = pa.schema(
 
 
 def schema(decoder: Decoder, table: str) -> pa.Schema:
-    """The columns of a table. Metadata of a column: `unit`, and the names of codes or of bits as JSON.
+    """The columns of a table. Metadata of a column: `unit`, and as JSON the names of codes, of bits, or of raw integers
+    without a value.
 
     Raises ValueError for an unknown table, and for one whose columns depend on a parameter that is not given.
     """
@@ -43,18 +44,20 @@ def schema(decoder: Decoder, table: str) -> pa.Schema:
         layout = next(layout for layout in decoder.edition.layouts if layout.name == table)
         raise ValueError(f"the columns of {table} depend on the parameter {layout.parameter}; give it to the decoder")
     edition = decoder.edition
-    return pa.schema(
-        [
-            pa.field("time", pa.int64(), metadata={"unit": "ns"}),
-            pa.field("bus", pa.string()),
-            pa.field("node", pa.int32()),
-            pa.field("direction", pa.string()),
-            pa.field("command", pa.string()),
-            pa.field("code", pa.int64()),
-            *map(_field, columns),
-        ],
-        metadata={"family": edition.family, "edition": edition.name, "spec": edition.spec_hash, "table": table},
-    )
+    frame = [
+        pa.field("time", pa.int64(), metadata={"unit": "ns"}),
+        pa.field("bus", pa.string()),
+        pa.field("node", pa.int32()),
+        pa.field("direction", pa.string()),
+        pa.field("command", pa.string()),
+        pa.field("code", pa.int64()),
+    ]
+    return table_schema([*frame, *map(_field, columns)], edition.family, edition.name, edition.spec_hash, table)
+
+
+def table_schema(columns: Sequence[pa.Field], family: str, edition: str, spec_hash: str, table: str) -> pa.Schema:
+    """The columns of a table, with its origin as metadata."""
+    return pa.schema(columns, metadata={"family": family, "edition": edition, "spec": spec_hash, "table": table})
 
 
 def _field(column: Column) -> pa.Field:
@@ -64,13 +67,17 @@ def _field(column: Column) -> pa.Field:
         metadata["unit"] = field.type.unit
     if field.type.names and not column.is_raw:
         metadata["flags" if field.type.is_flags else "enum"] = json.dumps(field.type.names)
-    is_raw = column.scale is None or (column.scale.is_identity and not field.type.is_float)
-    element = pa.from_numpy_dtype(np.dtype(field.dtype)) if is_raw else pa.float64()
+    if field.type.no_values:
+        metadata["no_value"] = json.dumps(field.type.no_values)
+    if field.type.is_joined and column.scale is not None:
+        return pa.field(column.name, pa.string() if field.type.text else pa.float64())
+    is_float = field.has_other_values(column.scale)
+    element = pa.float64() if is_float else pa.from_numpy_dtype(np.dtype(field.dtype))
     return pa.field(column.name, pa.list_(element, field.count) if field.count else element, metadata=metadata or None)
 
 
 def batch(decoder: Decoder, frames: Frames, table: Table) -> pa.RecordBatch:
-    """A table as a batch; a value that is no finite number is null."""
+    """A table as a batch; no value, and a value that is no finite number, are null."""
     messages = decoder.edition.messages
     columns = [
         frames.time[table.rows],
@@ -99,33 +106,45 @@ def _array(values: Array) -> pa.Array:
     return flat if values.ndim == 1 else pa.FixedSizeListArray.from_arrays(flat, values.shape[1])
 
 
-class ParquetWriter:
-    """Writes one Parquet file for each table into a folder, as a context: `FOLDER/TABLE.parquet`.
+class TableFiles:
+    """Writes one Parquet file for each table into a folder: `FOLDER/TABLE.parquet`. Each batch is a row group."""
 
-    Frames are added in blocks; each block of a table is a row group.
-    """
-
-    def __init__(self, decoder: Decoder, folder: str | Path) -> None:
-        self._decoder, self._folder = decoder, Path(folder)
+    def __init__(self, folder: str | Path) -> None:
+        self._folder = Path(folder)
         self._writers: dict[str, pq.ParquetWriter] = {}
         self._open = contextlib.ExitStack()
 
+    def write(self, table: str, rows: pa.RecordBatch) -> None:
+        """Adds rows to a table. Raises OSError."""
+        if table not in self._writers:
+            path = self._folder / f"{table}.parquet"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._writers[table] = self._open.enter_context(pq.ParquetWriter(path, rows.schema))
+        self._writers[table].write_batch(rows)
+
+    def close(self) -> None:
+        """Completes the files."""
+        self._open.close()
+
+
+class ParquetWriter:
+    """Decodes frames and writes their tables as `TableFiles`, as a context. Frames are added in blocks."""
+
+    def __init__(self, decoder: Decoder, folder: str | Path) -> None:
+        self._decoder = decoder
+        self._files = TableFiles(folder)
+
     def __enter__(self) -> ParquetWriter:
-        self._folder.mkdir(parents=True, exist_ok=True)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._open.close()
+        self._files.close()
 
     def add(self, frames: Frames) -> Decoded:
         """Decodes some frames and writes their tables. Raises OSError."""
         decoded = self._decoder.decode(frames)
         for name, table in decoded.tables.items():
-            if name not in self._writers:
-                path = self._folder / f"{name}.parquet"
-                writer = pq.ParquetWriter(path, schema(self._decoder, name))
-                self._writers[name] = self._open.enter_context(writer)
-            self._writers[name].write_batch(batch(self._decoder, frames, table))
+            self._files.write(name, batch(self._decoder, frames, table))
         return decoded
 
 

@@ -12,8 +12,8 @@ from enum import Enum, IntEnum, IntFlag
 from fractions import Fraction
 from functools import lru_cache
 from math import floor
-from operator import index
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from operator import attrgetter, index
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -42,15 +42,29 @@ class Refusal(str, Enum):
     UNKNOWN_NODE = "unknown_node"
     NOT_ANSWER = "not_answer"
     NOT_AVAILABLE = "not_available"
+    WRONG_CHECKSUM = "wrong_checksum"
+    NO_VALUE = "no_value"
 
 
 class CodecError(ValueError):
-    """A frame or a value is rejected: the reason as text and as `refusal`, and the `field` where one caused it."""
+    """A frame or a value is rejected: the reason as text and as `refusal`, and the `field` where one caused it.
 
-    def __init__(self, refusal: Refusal, message: str, field: str | None = None) -> None:
-        super().__init__(message)
+    The text about a frame is a function that computes it when it is read: programs that skip foreign frames do not.
+    """
+
+    __slots__ = ("field", "refusal")
+
+    def __init__(self, refusal: Refusal, message: str | Callable[[], str], field: str | None = None) -> None:
+        self.args = (message,)
         self.refusal = refusal
         self.field = field
+
+    def __str__(self) -> str:
+        (message,) = self.args
+        return message if isinstance(message, str) else message()
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.refusal!r}, {str(self)!r}, {self.field!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.refusal, str(self), self.field)
@@ -79,11 +93,11 @@ def shown_choice(value: object) -> str:
     return str(value) if isinstance(value, Enum) else repr(value)
 
 
-def known(parameters: object, name: str, what: str) -> Any:
-    """The value of a parameter. Raises CodecError (missing_parameter) when it is unknown."""
+def known(parameters: object, name: str, field: str | None, what: str = "") -> Any:
+    """The value of a parameter on which a field depends, or else `what`. Raises CodecError (missing_parameter)."""
     value = getattr(parameters, name)
     if value is None:
-        raise missing(name, what)
+        raise missing(name, field, what)
     return value
 
 
@@ -94,13 +108,15 @@ def check_choice(value: object, name: str, *values: object) -> None:
         raise ValueError(f"{name}={value!r} is none of {names}; leave it out when it is not known")
 
 
-def check_number(value: Real | None, name: str, low: Real | None, high: Real | None) -> None:
+def check_number(value: Real | None, name: str, low: Real | None, high: Real | None, *, is_whole: bool = False) -> None:
     """Raises ValueError when a known parameter is outside its limits or too large, TypeError when it is no number."""
     if value is not None:
         try:
             number = Fraction(*ratio(value, name))
         except OverflowError:
             raise ValueError(f"{name} is larger than any float; leave it out when not known") from None
+        if is_whole and number.denominator != 1:
+            raise ValueError(f"{name}={value!r} has to be a whole number; leave it out when not known")
         if (low is not None and number < low) or (high is not None and number > high):
             ends = (f"at least {low}" if low is not None else "", f"at most {high}" if high is not None else "")
             raise ValueError(
@@ -108,11 +124,15 @@ def check_number(value: Real | None, name: str, low: Real | None, high: Real | N
             )
 
 
-def missing(name: str, what: str) -> CodecError:
-    """The error for a message or field that depends on an unknown parameter."""
-    return CodecError(
-        Refusal.MISSING_PARAMETER, f"{what} depends on {name}, which is not given; pass Parameters({name}=...)", what
-    )
+def whole(parameters: object, name: str, field: str | None, what: str = "") -> int:
+    """The value of a parameter that ids or constants contain. Raises CodecError (missing_parameter) when it is unknown."""
+    return int(known(parameters, name, field, what))
+
+
+def missing(name: str, field: str | None, what: str = "") -> CodecError:
+    """The error for a field, or else for `what`, that depends on an unknown parameter."""
+    text = f"{what or field} depends on {name}, which is not given; pass Parameters({name}=...)"
+    return CodecError(Refusal.MISSING_PARAMETER, text, field)
 
 
 @lru_cache(maxsize=64, typed=True)
@@ -122,8 +142,26 @@ def _exact(value: Real) -> tuple[int, int]:
     return number.numerator, number.denominator
 
 
-def above_zero(parameters: object, name: str, field: str) -> tuple[int, int]:
-    """Numerator and denominator of a parameter that multiplies a scale. Raises CodecError unless it is above 0."""
+def above_zero(parameters: object, times: str, field: str) -> tuple[int, int]:
+    """Numerator and denominator of the factor of a scale: a parameter, or several as in `a*b/c`.
+
+    Raises CodecError unless all are above 0.
+    """
+    if times.isidentifier():
+        return _above_zero(parameters, times, field)
+    above, _, below = times.partition("/")
+    numerator, denominator = 1, 1
+    for name in filter(None, above.split("*")):
+        factor, divisor = _above_zero(parameters, name, field)
+        numerator, denominator = numerator * factor, denominator * divisor
+    if below:
+        divisor, factor = _above_zero(parameters, below, field)
+        numerator, denominator = numerator * factor, denominator * divisor
+    return numerator, denominator
+
+
+def _above_zero(parameters: object, name: str, field: str) -> tuple[int, int]:
+    """The same of one parameter."""
     value = known(parameters, name, field)
     try:
         numerator, denominator = _exact(value)
@@ -207,6 +245,9 @@ class FieldType(ABC):
 
     __slots__ = ("unit",)
 
+    takes_none: ClassVar[bool] = False
+    """Whether None is a value."""
+
     def __init__(self, unit: str = "") -> None:
         self.unit = unit
 
@@ -225,6 +266,10 @@ class FieldType(ABC):
     @abstractmethod
     def raw_range(self, parameters: object) -> tuple[int, int]:
         """Smallest and largest raw integer under these parameters."""
+
+    def no_value(self, raw: Any) -> Any:
+        """The name for which a raw integer is no number, such as `not_available`; None for one with a value."""
+        return None
 
     def value_range(self, parameters: object) -> tuple[float, float]:
         """Smallest and largest value under these parameters. Raises CodecError when there is no scale."""
@@ -590,6 +635,68 @@ class Float(Number):
         return (None, None) if limits is None else (limits[0].at(parameters), limits[1].at(parameters))
 
 
+class OptionalNumber(FieldType):
+    """A number whose value can be None: `no_values` are the names of raw integers without one, from the first to the last."""
+
+    __slots__ = ("no_values", "number")
+
+    takes_none = True
+
+    def __init__(self, number: Number, no_values: Mapping[str, tuple[int, int]]) -> None:
+        super().__init__(number.unit)
+        self.number = number
+        self.no_values = no_values
+
+    def no_value(self, raw: int) -> str | None:
+        """The name for which a raw integer has no value; None for a number."""
+        return next((name for name, (first, last) in self.no_values.items() if first <= raw <= last), None)
+
+    def value(self, raw: int, parameters: object, field: str) -> Any:
+        """The value of a raw integer; None without one. Raises CodecError as that of the number does."""
+        return self.number.value(raw, parameters, field) if self.no_value(raw) is None else None
+
+    def raw(self, value: Real | str | None, parameters: object, field: str) -> int:
+        """The raw integer of a value, or the last one of a name; None stands for the first name.
+
+        Raises CodecError for another name, and for a number whose nearest raw integer has no value.
+        """
+        if value is not None and not isinstance(value, str):
+            return self.number.raw(value, parameters, field)
+        name = next(iter(self.no_values)) if value is None else value
+        if name not in self.no_values:
+            text = f"{field}={name!r} is no number and none of the names {', '.join(self.no_values)}"
+            raise CodecError(Refusal.OUT_OF_RANGE, text, field)
+        return self.no_values[name][1]
+
+    def check(self, raw: int, parameters: object, field: str) -> int:
+        """The raw integer itself. Raises CodecError when it has neither a value in range nor a name."""
+        return index(raw) if self.no_value(integer(raw, field)) else self.number.check(raw, parameters, field)
+
+    def raw_range(self, parameters: object) -> tuple[int, int]:
+        """The range of raw integers with a value."""
+        return self.number.raw_range(parameters)
+
+
+class Counter(NamedTuple):
+    """A field that the sender increments with each frame."""
+
+    first: int
+    last: int
+
+    def next(self, value: int) -> int:
+        """The value in the next frame: `first` after `last`, and after a value outside of both."""
+        return value + 1 if self.first <= value < self.last else self.first
+
+    def steps(self, previous: int, value: int) -> int:
+        """So many increments lead from one value to another: 1 if no frame is missing, 0 if the frame is repeated.
+
+        0 also if one of them is outside of the range.
+        """
+        if not (self.first <= previous <= self.last and self.first <= value <= self.last):
+            return 0
+        return (value - previous) % (self.last - self.first + 1)
+
+
 E = TypeVar("E", bound=IntEnum)
 F = TypeVar("F", bound=IntFlag)
 
@@ -680,6 +787,11 @@ class ArrayType(FieldType):
         """The raw integers themselves. Raises CodecError when one is out of range or their number is wrong."""
         return tuple(self.type.check(one, parameters, field) for one in self._all(raw, field))
 
+    def no_value(self, raw: Iterable[int]) -> tuple[Any, ...] | None:
+        """The name for which each element has no value, None for one with a value; None alone if all have one."""
+        names = tuple(map(self.type.no_value, raw))
+        return names if any(names) else None
+
     def raw_range(self, parameters: object) -> tuple[int, int]:
         """The range of each element."""
         return self.type.raw_range(parameters)
@@ -697,6 +809,61 @@ class ArrayType(FieldType):
             text = f"{field} has {len(found)} elements, but needs {self.count}"
             raise CodecError(Refusal.OUT_OF_RANGE, text, field)
         return found
+
+
+class TextType(ArrayType):
+    """A text of some bytes. It ends before the first 0, and before the padding at its end; an invalid byte is U+FFFD."""
+
+    __slots__ = ("encoding", "padding")
+
+    def __init__(self, type_: FieldType, count: int, encoding: str, padding: int) -> None:
+        super().__init__(type_, count)
+        self.encoding = encoding
+        self.padding = bytes([padding])
+
+    def value(self, raw: Iterable[int], parameters: object, field: str) -> Any:
+        """The text."""
+        return bytes(raw).partition(b"\0")[0].rstrip(self.padding).decode(self.encoding, "replace")
+
+    def raw(self, value: Any, parameters: object, field: str) -> tuple[int, ...]:
+        """The bytes of a text. Raises CodecError when it is too long, or would be read as another."""
+        if not isinstance(value, str):
+            raise TypeError(f"{field}={value!r} is no text")
+        try:
+            raw = tuple(value.encode(self.encoding).ljust(self.count, self.padding))
+        except UnicodeEncodeError:
+            raw = ()
+        if len(raw) != self.count or self.value(raw, parameters, field) != value:
+            text = f"{field}={value!r} is no text of at most {self.count} bytes in {self.encoding}"
+            raise CodecError(Refusal.OUT_OF_RANGE, text, field)
+        return raw
+
+
+class DigitsType(ArrayType):
+    """A number in decimal digits, from the most significant one on."""
+
+    __slots__ = ()
+
+    def value(self, raw: Iterable[int], parameters: object, field: str) -> Any:
+        """The number. Raises CodecError when a digit exceeds 9."""
+        number = 0
+        for digit in raw:
+            if digit > 9:
+                raise CodecError(Refusal.OUT_OF_RANGE, f"{field} has the digit {digit}; use {field}_raw", field)
+            number = 10 * number + digit
+        return number
+
+    def raw(self, value: Any, parameters: object, field: str) -> tuple[int, ...]:
+        """The digits of the integer nearest to a value, ties away from zero. Raises CodecError when it has none."""
+        whole = nearest(*ratio(value, field))
+        if not 0 <= whole < 10**self.count:
+            text = f"{field}={shown(value)} is out of range 0..{10**self.count - 1}"
+            raise CodecError(Refusal.OUT_OF_RANGE, text, field)
+        return tuple(int(digit) for digit in f"{whole:0{self.count}}")
+
+    def value_range(self, parameters: object) -> tuple[float, float]:
+        """The smallest and the largest number."""
+        return 0, 10**self.count - 1
 
 
 def node_in(node: int | None, first: int, last: int) -> int:
@@ -742,6 +909,10 @@ class Message:
     """The CAN id, without the node."""
     NODE_STEP: ClassVar[int] = 1
     """The distance between the CAN ids of neighbouring nodes."""
+    ID_PARAMETER: ClassVar[str] = ""
+    """The parameter in the CAN id; empty without one."""
+    ID_PARAMETER_STEP: ClassVar[int] = 1
+    """The factor of that parameter, which is added to `ID`."""
     NODES: ClassVar[tuple[int, int]]
     """First and last node in the id."""
     NODE_FIELD: ClassVar[str] = ""
@@ -750,6 +921,13 @@ class Message:
     """The bits of the node that `NODE_FIELD` has."""
     CODE: ClassVar[int]
     """The selector's value."""
+    SENT: ClassVar[tuple[str, ...]] = ()
+    """When it is sent, if the manual states more than that a reply answers its request: `cyclic`, `on_change`,
+    `on_request`, `event`."""
+    EVERY_MS: ClassVar[float | None] = None
+    """The nominal period of a cyclic frame."""
+    TIMEOUT_MS: ClassVar[float | None] = None
+    """The silence that the receiver treats as a failure."""
     TITLE: ClassVar[str] = ""
     """The title of the command. This and the next four are set on requests, and on replies without a request."""
     MANUAL: ClassVar[str] = ""
@@ -766,10 +944,16 @@ class Message:
     """True when the id is a 29-bit one."""
     REMOTE: ClassVar[bool] = False
     """True for a remote frame."""
+    FD: ClassVar[bool] = False
+    """True for a frame of CAN FD."""
+    BIT_RATE_SWITCH: ClassVar[bool] = False
+    """True when the data are sent with the higher bit rate of CAN FD."""
     DEPENDS: ClassVar[tuple[str, ...]] = ()
     """The parameters on which fields, values or ranges depend."""
     TYPES: ClassVar[Mapping[str, FieldType]] = {}
     """The type of each field by name, in the order of the specification: its unit, range and conversions."""
+    COUNTERS: ClassVar[Mapping[str, Counter]] = {}
+    """The counters among the fields, by name."""
     VARIANTS: ClassVar[tuple[tuple[str | None, ...], ...]] = ()
     """The field of each raw integer in each variant, where that depends on a parameter; None where there is none."""
     VARIANT_BY: ClassVar[str] = ""
@@ -805,8 +989,12 @@ class Message:
 
     @property
     def can_id(self) -> int:
-        """The CAN id of this frame."""
-        return self.ID + (self._node or 0) * self.NODE_STEP
+        """The CAN id of this frame. Raises CodecError (missing_parameter) if it contains an unknown parameter."""
+        return self.ID + (self._node or 0) * self.NODE_STEP + (self._id_offset() if self.ID_PARAMETER else 0)
+
+    def _id_offset(self) -> int:
+        """The part of the id that is a parameter. Raises CodecError (missing_parameter)."""
+        return whole(self._parameters, self.ID_PARAMETER, None, type(self).__name__) * self.ID_PARAMETER_STEP
 
     def encode(self) -> bytes:
         """The data bytes of this frame; reserved bits are 0. Raises CodecError as `check` does."""
@@ -829,6 +1017,8 @@ class Message:
         Messages from constructors, `from_raw` and `replace` have been checked already; decoded ones have not.
         """
         self._known_node(self._node)
+        if self.ID_PARAMETER:
+            self._id_offset()
         raws = self.raw()
         for name in self._in_order_of_checks():
             self.TYPES[name].check(raws[name], self._parameters, name)
@@ -849,14 +1039,17 @@ class Message:
         self = new(cls)
         self._node = self._known_node(node)
         self._parameters = cls.DEFAULTS if parameters is None else parameters
-        names = self._in_order_of_checks()
-        for name in raw:
-            if name in cls.TYPES and name not in names:
-                raise self._absent(name)
-        if set(raw) != set(names):
+        if cls.ID_PARAMETER:
+            self._id_offset()
+        places, types = self._places(), cls.TYPES
+        names = [name for name in types if name in places]
+        if raw.keys() != {*names}:
+            for name in raw:
+                if name in types and name not in names:
+                    raise self._absent(name)
             raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(names) or 'no field'}")
-        checked = {name: cls.TYPES[name].check(raw[name], self._parameters, name) for name in names}
-        self._raws = tuple(None if name is None else checked[name] for name in self._places())
+        checked: dict[str | None, Any] = {name: types[name].check(raw[name], self._parameters, name) for name in names}
+        self._raws = tuple(map(checked.get, places))
         self._checked = True
         return self
 
@@ -884,7 +1077,8 @@ class Message:
         return {name: raw for name, raw in zip(self._places(), self._raws, strict=True) if name is not None}
 
     def values(self) -> dict[str, Any]:
-        """The value of every field that exists under the parameters; None where it has no scale or a parameter is unknown."""
+        """The value of every field that exists under the parameters; None without one: see `no_values`, or it has no scale
+        or depends on an unknown parameter."""
         found: dict[str, Any] = {}
         for name in self.fields():
             try:
@@ -892,6 +1086,14 @@ class Message:
             except CodecError:
                 found[name] = None
         return found
+
+    def no_values(self) -> dict[str, Any]:
+        """The fields that mean that there is no value, each with its name of the specification, such as `not_available`.
+
+        For an array, it is a tuple with None for each element that has a value.
+        """
+        names = {name: self.TYPES[name].no_value(raw) for name, raw in self.raw().items()}
+        return {name: named for name, named in names.items() if named is not None}
 
     def _places(self) -> tuple[str | None, ...]:
         """The field of each raw integer under the parameters. Raises CodecError (missing_parameter)."""
@@ -905,10 +1107,12 @@ class Message:
         return [name for name in self.TYPES if name in there]
 
     def _variant(self) -> int:
-        return self.VARIANT_OF[known(self._parameters, self.VARIANT_BY, type(self).__name__)]
+        return self.VARIANT_OF[known(self._parameters, self.VARIANT_BY, None, type(self).__name__)]
 
     def _known_node(self, node: int | None) -> int | None:
         """The node itself. Raises CodecError (unknown_node), and TypeError where the id has no node."""
+        if node.__class__ is int and node in self._nodes:
+            return node
         name = type(self).__name__
         if not self.COMMAND:
             raise TypeError(f"{name} is only a base class; use the class of a request or a reply")
@@ -919,19 +1123,22 @@ class Message:
         return None
 
     def _raws_of(self, **values: Any) -> tuple[Any, ...]:
-        """The raw integers of the values of all fields, where None stands for a field that does not exist.
+        """The raw integers of the values of all fields, where None stands for a field that does not exist, or for no value.
 
         Raises CodecError, TypeError (a field is missing), FieldAbsent (a field does not exist).
         """
-        places = self._places()
+        places, types, parameters = self._places(), self.TYPES, self._parameters
         for name, value in values.items():
-            if value is None and name in places:
-                raise TypeError(f"{type(self).__name__} needs {name} under {self._parameters}")
-            if value is not None and name not in places:
-                raise FieldAbsent(f"{type(self).__name__} has no {name} under {self._parameters}")
-        names = self._in_order_of_checks()
-        raws = {name: self.TYPES[name].raw(values[name], self._parameters, name) for name in names}
-        return tuple(None if name is None else raws[name] for name in places)
+            if (value is None) is (name in places) and not (value is None and types[name].takes_none):
+                if value is None:
+                    raise TypeError(f"{type(self).__name__} needs {name} under {parameters}")
+                raise FieldAbsent(f"{type(self).__name__} has no {name} under {parameters}")
+        raws: dict[str | None, Any] = {
+            name: types[name].raw(value, parameters, name)
+            for name, value in values.items()
+            if value is not None or (name in places and types[name].takes_none)
+        }
+        return tuple(map(raws.get, places))
 
     def _absent(self, name: str) -> FieldAbsent:
         """The error for a field that does not exist under the parameters."""
@@ -940,9 +1147,14 @@ class Message:
 
     def __repr__(self) -> str:
         parts = [f"node={self._node}"] if self._node is not None else []
+        no_values = self.no_values()
         for name, raw in self.raw().items():
             try:
-                parts.append(f"{name}={getattr(self, name)!r}")
+                value: Any = getattr(self, name)
+                named: Any = no_values.get(name)
+                if named.__class__ is tuple:
+                    value = tuple(one if why is None else why for one, why in zip(value, named, strict=True))
+                parts.append(f"{name}={(named if isinstance(named, str) else value)!r}")
             except CodecError:
                 parts.append(f"{name}_raw={raw!r}")
         if any(getattr(self._parameters, name) is not None for name in self.DEPENDS):
@@ -962,6 +1174,10 @@ class Message:
         return hash((type(self), self._node, self._raws))
 
 
+id_node: Callable[[Message], int | None] = attrgetter("_node")
+"""The node in the id of a message; `node` may be read from a field instead."""
+
+
 R = TypeVar("R", bound=Message)
 
 
@@ -975,6 +1191,36 @@ class Reply(Message):
     """A frame from node to host."""
 
     __slots__ = ()
+
+    FRAME_FIELD: ClassVar[str] = ""
+    """The attribute with the number of the frame, if there are several; empty if there is one."""
+    FRAMES: ClassVar[range] = range(1)
+    """The numbers of the frames."""
+
+
+Part = TypeVar("Part", bound=Reply)
+V = TypeVar("V")
+
+
+def join(frames: Iterable[Part], values: Callable[[Part], Iterable[V]], *, last: int | None = None) -> list[V]:
+    """The values of a reply of several frames, in the order of their numbers, in which they need not be given.
+
+    `values` returns those of one frame, for example `lambda frame: frame.cells`. `last` is the number of the last frame, if
+    the node sends fewer than it can. Raises ValueError if a frame is missing, unexpected, or given twice.
+    """
+    by_number: dict[int, Part] = {}
+    expected = range(0)
+    for frame in frames:
+        number = getattr(frame, frame.FRAME_FIELD) if frame.FRAME_FIELD else 0
+        expected = frame.FRAMES if last is None else range(frame.FRAMES.start, last + 1)
+        if number in by_number or number not in expected:
+            reason = "is given twice" if number in by_number else f"is none of {expected.start} to {expected.stop - 1}"
+            raise ValueError(f"frame {number} {reason}")
+        by_number[number] = frame
+    missing = [number for number in expected if number not in by_number]
+    if missing or not by_number:
+        raise ValueError(f"frame {missing[0]} is missing" if missing else "there are no frames")
+    return [value for number in expected for value in values(by_number[number])]
 
 
 class Bare(Message):
@@ -1027,6 +1273,61 @@ def constant(found: int, wanted: int, field: str) -> None:
     """Checks a field that always has the same value. Raises CodecError (wrong_constant)."""
     if found != wanted:
         raise CodecError(Refusal.WRONG_CONSTANT, f"{field} is 0x{found:X}, always 0x{wanted:X} in this frame", field)
+
+
+def checksum(found: int, computed: int, field: str) -> None:
+    """Checks the checksum of a frame. Raises CodecError (wrong_checksum)."""
+    if found != computed:
+        text = f"{field} is 0x{found:X}, but the checksum of this frame is 0x{computed:X}"
+        raise CodecError(Refusal.WRONG_CHECKSUM, text, field)
+
+
+def crc_of(
+    width: int, poly: int, init: int, xor_out: int, *, shift: int = 0, reflected: bool = False
+) -> Callable[[bytes], int]:
+    """The function that computes a CRC with a register of `width` bits, at least 8; the result is shifted right."""
+    mask, high = (1 << width) - 1, width - 8
+    table: list[int] = []
+    for byte in range(256):
+        register = byte if reflected else byte << high
+        for _ in range(8):
+            if reflected:
+                register = register >> 1 ^ (poly if register & 1 else 0)
+            else:
+                register = (register << 1 & mask) ^ (poly if register >> (width - 1) else 0)
+        table.append(register)
+
+    def reflected_crc(data: bytes) -> int:
+        register = init
+        for byte in data:
+            register = register >> 8 ^ table[register & 0xFF ^ byte]
+        return register ^ xor_out
+
+    def crc(data: bytes) -> int:
+        register = init
+        for byte in data:
+            register = register << 8 & mask ^ table[register >> high ^ byte]
+        return register >> shift ^ xor_out
+
+    return reflected_crc if reflected else crc
+
+
+def sum_of(width: int, init: int, xor_out: int) -> Callable[[bytes], int]:
+    """The function that adds bytes, modulo `2 ** width`."""
+    mask = (1 << width) - 1
+    return lambda data: (init + sum(data) & mask) ^ xor_out
+
+
+def xor_of(init: int, xor_out: int) -> Callable[[bytes], int]:
+    """The function that combines bytes with exclusive or."""
+
+    def combined(data: bytes) -> int:
+        result = init
+        for byte in data:
+            result ^= byte
+        return result ^ xor_out
+
+    return combined
 
 
 def merge(little: int, big: int, length: int) -> bytes:

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union, cast
 
-from ._codec import CodecError, Message, Refusal, Request
+from ._codec import CodecError, Message, Refusal, Request, id_node, missing
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -47,15 +47,19 @@ Node = Union[Select, type[Message], Refusal]  # noqa: UP007 - `Node` in `Select`
 Unpack = Callable[[int | None, int, bytes, Any], Any]
 """`unpack` of a message, or a function that finds the message and calls its `unpack`."""
 
-Table = tuple[int, Mapping[int, Unpack]]
+Table = tuple[int, Sequence[Unpack]]
 """The position of a data byte, and `unpack` of the message for each value of that byte."""
+
+BYTES = range(256)
+"""The values of a data byte."""
 
 
 class Route:
     """The messages that share one rule from node to CAN id, and the decisions between them.
 
     `mask` are the bits of the id that messages fill in. `answers` are messages that a frame can be only if their
-    request is known; without it, the frame is another message of that code.
+    request is known; without it, the frame is another message of that code. `parameter_step` times the value of a
+    `parameter` is added to each id.
     """
 
     def __init__(
@@ -69,19 +73,32 @@ class Route:
         extended: bool = False,
         remote: bool = False,
         answers: tuple[type[Message], ...] = (),
+        parameter: str = "",
+        parameter_step: int = 1,
     ) -> None:
         self.base = base
+        self.parameter = parameter
+        self.parameter_step = parameter_step
         self.step = step
         self.nodes = nodes
         self.then = then
         self.mask = mask
-        self.extended = extended
-        self.remote = remote
+        self.kind = extended, remote
         self.classes = frozenset((*_classes(then), *answers))
 
-    def node(self, can_id: int) -> tuple[bool, int | None]:
+    def offset(self, parameters: Any) -> int | None:
+        """The part of the ids that is a parameter; None where that is unknown."""
+        if not self.parameter:
+            return 0
+        value = getattr(parameters, self.parameter, None)
+        return None if value is None else int(value) * self.parameter_step
+
+    def node(self, can_id: int, parameters: Any = None) -> tuple[bool, int | None]:
         """Whether an id belongs to this route, and its node."""
-        rest = (can_id & ~self.mask) - self.base
+        offset = self.offset(parameters)
+        if offset is None:
+            return False, None
+        rest = (can_id & ~self.mask) - self.base - offset
         if self.nodes is None:
             return rest == 0, None
         node = rest // self.step
@@ -98,7 +115,8 @@ class Route:
         while isinstance(node, Select):
             node = node.cases.get(node.read(can_id, data), node.otherwise)
         if isinstance(node, Refusal):
-            raise CodecError(node, self._refusal_text(node, can_id, data))
+            refusal = node
+            raise CodecError(refusal, lambda: self._refusal_text(refusal, can_id, data))
         return node
 
     def unpack(self, node: int | None, can_id: int, data: bytes, parameters: Any) -> Any:
@@ -118,17 +136,18 @@ class Route:
         if isinstance(node, Refusal):
             return None
         if not isinstance(node, Select):
-            return 0, dict.fromkeys(range(256), node.unpack)
+            return 0, [node.unpack] * len(BYTES)
         if not isinstance(node.read, DataByte) or node.read.position >= length:
             return None
-        return node.read.position, {value: self._unpack_below(then, length) for value, then in node.cases.items()}
+        below = {value: self._unpack_below(then, length) for value, then in node.cases.items()}
+        return node.read.position, [below.get(value, self.unpack) for value in BYTES]
 
     def _unpack_below(self, node: Node, length: int) -> Unpack:
         """What unpacks the frames that belong to a node."""
         if not isinstance(node, (Select, Refusal)):
             return node.unpack
         table = self._table(node, length)
-        return self.unpack if table is None else _unpack_by(*table, self.unpack)
+        return self.unpack if table is None else _unpack_by(*table)
 
     def _refusal_text(self, refusal: Refusal, can_id: int, data: bytes) -> str:
         path = [self.then]
@@ -144,11 +163,11 @@ class Route:
         return f"0x{can_id:X} has the unknown code {codes}"
 
 
-def _unpack_by(position: int, cases: Mapping[int, Unpack], otherwise: Unpack) -> Unpack:
+def _unpack_by(position: int, cases: Sequence[Unpack]) -> Unpack:
     """The function that decides by a data byte."""
 
     def unpack(node: int | None, can_id: int, data: bytes, parameters: Any) -> Any:
-        return cases.get(data[position], otherwise)(node, can_id, data, parameters)
+        return cases[data[position]](node, can_id, data, parameters)
 
     return unpack
 
@@ -187,11 +206,13 @@ class Router(Generic[P, M]):
         self._listed: dict[tuple[int, bool, bool], tuple[Route, int | None]] = {}
         kinds = [(extended, remote) for extended in (False, True) for remote in (False, True)]
         self._by_kind: dict[tuple[bool, bool], dict[int, Tables]] = {kind: {} for kind in kinds}
-        for route in takewhile(_can_be_listed, self.routes):
-            tables = {} if route.remote else route.tables()
+        listed = tuple(takewhile(_can_be_listed, self.routes))
+        self._unlisted = self.routes[len(listed) :]
+        for route in listed:
+            tables = {} if route.kind[1] else route.tables()
             for can_id, node in route.ids():
-                self._listed.setdefault((can_id, route.extended, route.remote), (route, node))
-                self._by_kind[route.extended, route.remote].setdefault(can_id, (node, tables))
+                self._listed.setdefault((can_id, *route.kind), (route, node))
+                self._by_kind[route.kind].setdefault(can_id, (node, tables))
         self._by_id = self._by_kind[False, False]
 
     def decode(
@@ -205,50 +226,60 @@ class Router(Generic[P, M]):
             data = bytes(memoryview(data))
         if parameters is None:
             parameters = self._unknown
-        node: int | None
-        unpack: Unpack | None
-        try:
-            by_id = self._by_kind[extended, remote] if extended or remote else self._by_id
-            node, tables = by_id[can_id]
-            position, cases = tables[len(data)]
-            unpack = cases[data[position]]
-        except KeyError:
-            node = unpack = None
-        if unpack is None:
-            route, node = self.find(can_id, extended, remote)
-            unpack = route.unpack
-        message: M = unpack(node, can_id, data, parameters)
+        by_id = self._by_kind[extended, remote] if extended or remote else self._by_id
+        known = by_id.get(can_id)
+        table = known[1].get(len(data)) if known is not None else None
+        message: M
+        if known is not None and table is not None:
+            position, cases = table
+            message = cases[data[position]](known[0], can_id, data, parameters)
+        else:
+            route, node = self.find(can_id, extended, remote, parameters)
+            message = route.unpack(node, can_id, data, parameters)
         return message
 
-    def find(self, can_id: int, extended: bool, remote: bool) -> tuple[Route, int | None]:
-        """The route and the node of an id. Raises CodecError (unknown_id)."""
+    def find(self, can_id: int, extended: bool, remote: bool, parameters: Any = None) -> tuple[Route, int | None]:
+        """The route and the node of an id. Raises CodecError: unknown_id, or missing_parameter if it may have an id then."""
         listed = self._listed.get((can_id, extended, remote))
         if listed is not None:
             return listed
-        for route in self.routes:
-            if (route.extended, route.remote) == (extended, remote):
-                ours, node = route.node(can_id)
+        unknown = ""
+        for route in self._unlisted:
+            if route.kind == (extended, remote):
+                ours, node = route.node(can_id, parameters)
                 if ours:
                     return route, node
+                if route.offset(parameters) is None:
+                    unknown = unknown or route.parameter
+        if unknown:
+            raise missing(unknown, None, f"whether 0x{can_id:X} is an id of a {self.direction}")
+        raise CodecError(Refusal.UNKNOWN_ID, lambda: self._unknown_id_text(can_id, extended, remote))
+
+    def _unknown_id_text(self, can_id: int, extended: bool, remote: bool) -> str:
+        """Why no route has an id, and with which kind of frame one would."""
         kind = ("29-bit " if extended else "") + ("remote " if remote else "")
         text = f"no {self.direction} has the {kind}id 0x{can_id:X}"
-        other = next((route for route in self.routes if route.node(can_id)[0]), None)
-        if other is not None:
-            given = (("extended", extended, other.extended), ("remote", remote, other.remote))
-            wanted = ", ".join(f"{name}={there}" for name, here, there in given if here != there)
-            text += f"; with {wanted} there is one"
-        raise CodecError(Refusal.UNKNOWN_ID, text)
-
-    def ids(self, node: int) -> Iterator[tuple[int, int, bool, bool]]:
-        """The ids of a node, each with its mask, whether it has 29 bits, and whether it is for remote frames."""
         for route in self.routes:
-            if route.nodes is not None and node in route.nodes:
-                yield route.base + node * route.step, route.mask, route.extended, route.remote
+            if route.node(can_id)[0]:
+                given = zip(("extended", "remote"), (extended, remote), route.kind, strict=True)
+                wanted = ", ".join(f"{name}={there}" for name, here, there in given if here != there)
+                return f"{text}; with {wanted} there is one"
+        return text
+
+    def ids(self, node: int, parameters: Any = None) -> Iterator[tuple[int, int, bool, bool]]:
+        """The ids of a node, each with its mask, whether it has 29 bits, and whether it is for remote frames.
+
+        Those with an unknown parameter are left out.
+        """
+        for route in self.routes:
+            offset = route.offset(parameters)
+            if route.nodes is not None and node in route.nodes and offset is not None:
+                yield route.base + node * route.step + offset, route.mask, *route.kind
 
 
 def _can_be_listed(route: Route) -> bool:
     """Whether all ids of a route are few enough to be listed."""
-    return not route.mask and (route.nodes is None or len(route.nodes) <= MAX_IDS)
+    return not route.mask and not route.parameter and (route.nodes is None or len(route.nodes) <= MAX_IDS)
 
 
 @dataclass(frozen=True)
@@ -267,24 +298,65 @@ class Answer:
     unused: int = 0
     request_node: tuple[Reader, int] | None = None
     reply_node: tuple[Reader, int] | None = None
+    further: tuple[Answer, ...] = ()
+    """The other replies that follow this one or come instead, each without further ones."""
+
+    def fitting(self, check: Callable[[Answer], object]) -> Answer:
+        """The first of the replies for which `check` raises no CodecError; this one if there is none."""
+        for answer in (self, *self.further) if self.further else ():
+            try:
+                check(answer)
+            except CodecError:
+                continue
+            return answer
+        return self
+
+    def check(
+        self,
+        sent: type[Message],
+        to: int | None,
+        request_id: int,
+        request: bytes,
+        node: int | None,
+        reply_id: int,
+        reply: bytes,
+    ) -> None:
+        """Checks that a reply answers a request, which went to node `to`. Raises CodecError (not_answer).
+
+        `node` is that of the id of the reply.
+        """
+        mask = -1
+        if self.request_node:
+            to, mask = self.request_node[0](request_id, request), self.request_node[1]
+        self.check_source(sent, to, mask, node, reply_id, reply)
+        if self.echo and reply != request:
+            raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
 
     def check_source(
-        self, request: type[Message], to: int | None, mask: int, node: int | None, can_id: int, data: bytes
+        self, sent: type[Message], to: int | None, mask: int, node: int | None, can_id: int, data: bytes
     ) -> None:
         """Checks that a reply comes from the right node. Raises CodecError (not_answer).
 
-        `node` is that of the id of the reply. The request went to node `to`, of which the bits of `mask` are known; None
-        when its node is unknown.
+        Of node `to` the bits of `mask` are known; it is None when the node of the request is unknown.
         """
-        expected, known = (self.nodes, -1) if self.nodes else (() if to is None else (to,), mask)
-        sources = [(node, known)]
+        if self.nodes:
+            expected, known = self.nodes, -1
+        elif to is not None:
+            expected, known = (to,), mask
+        else:
+            return
+        if node is not None and node not in expected:
+            _check_node(sent, node, expected, known)
         if self.reply_node:
             read, bits = self.reply_node
-            sources.append((read(can_id, data), known & bits))
-        for source, bits in sources:
-            if source is not None and expected and all((source ^ one) & bits for one in expected):
-                listed = " or ".join(map(str, expected))
-                raise not_answer(f"{request.__name__} went to node {listed}, this came from node {source}")
+            _check_node(sent, read(can_id, data), expected, known & bits)
+
+
+def _check_node(sent: type[Message], node: int, expected: tuple[int, ...], mask: int) -> None:
+    """Checks that a node agrees with an expected one in the bits of a mask. Raises CodecError (not_answer)."""
+    if all((node ^ number) & mask for number in expected):
+        listed = " or ".join(map(str, expected))
+        raise not_answer(f"{sent.__name__} went to node {listed}, this came from node {node}")
 
 
 Q = TypeVar("Q", bound=Message)
@@ -314,35 +386,65 @@ class Dispatcher(Generic[P, Q, M]):
         direction: str,
         can_id: int,
         data: Buffer | None = None,
+        parameters: P | None = None,
         *,
         extended: bool = False,
         remote: bool = False,
     ) -> int | None:
         """The node in the id of a `request` or a `reply`, or else in its data; None without one.
 
-        Raises CodecError: unknown_id; with `data`, also unknown_code and wrong_length.
+        Raises CodecError: unknown_id, missing_parameter; with `data`, also unknown_code and wrong_length.
         """
-        route, node = self._router(direction).find(can_id, extended, remote)
-        if node is not None or data is None:
-            return node
-        data = bytes(memoryview(data))
-        read = self._nodes_in_data.get(route.message(can_id, data))
-        return None if read is None else read(can_id, data)
+        node, mask = self.node_bits_of(direction, can_id, data, parameters, extended=extended, remote=remote)
+        return node if mask == -1 else None
 
-    def has_node_in_data(self, direction: str, can_id: int, *, extended: bool = False, remote: bool = False) -> bool:
-        """Whether requests or replies with this id have their node in the data. Raises CodecError (unknown_id)."""
-        route, _ = self._router(direction).find(can_id, extended, remote)
+    def node_bits_of(
+        self,
+        direction: str,
+        can_id: int,
+        data: Buffer | None = None,
+        parameters: P | None = None,
+        *,
+        extended: bool = False,
+        remote: bool = False,
+    ) -> tuple[int, int]:
+        """The node as `node_of` has it, or the low bits of it that the data contains; and a mask of the known bits.
+
+        The mask is -1 if the node is known, 0 if nothing of it is. Raises CodecError as `node_of` does.
+        """
+        route, node = self._router(direction).find(can_id, extended, remote, parameters)
+        if node is not None or data is None:
+            return (0, 0) if node is None else (node, -1)
+        data = bytes(memoryview(data))
+        message = route.message(can_id, data)
+        read = self._nodes_in_data.get(message)
+        return (0, 0) if read is None else (read(can_id, data), message.NODE_MASK)
+
+    def has_node_in_data(
+        self,
+        direction: str,
+        can_id: int,
+        parameters: P | None = None,
+        *,
+        extended: bool = False,
+        remote: bool = False,
+    ) -> bool:
+        """Whether requests or replies with this id have their node, or its low bits, in the data.
+
+        Raises CodecError (unknown_id, missing_parameter).
+        """
+        route, _ = self._router(direction).find(can_id, extended, remote, parameters)
         return not route.classes.isdisjoint(self._nodes_in_data)
 
     def _router(self, direction: str) -> Router[P, Any]:
         return self.requests if direction == "request" else self.replies
 
-    def ids_of(self, direction: str, node: int) -> tuple[tuple[int, int, bool, bool], ...]:
+    def ids_of(self, direction: str, node: int, parameters: P | None = None) -> tuple[tuple[int, int, bool, bool], ...]:
         """The ids of a node, as a `request` or a `reply`, each with a mask of the bits that messages fill in.
 
-        The last two items are True for a 29-bit id, and for remote frames.
+        The last two items are True for a 29-bit id, and for remote frames. Ids with an unknown parameter are left out.
         """
-        return tuple(self._router(direction).ids(node))
+        return tuple(self._router(direction).ids(node, parameters))
 
     def decode_answer(
         self,
@@ -360,17 +462,56 @@ class Dispatcher(Generic[P, Q, M]):
         other nodes; for a class, the reason for which the frame is not its reply. Raises TypeError when `data` is not
         bytes-like.
         """
-        data = bytes(memoryview(data))
-        if isinstance(request, type):
-            answer = self._answer(request)
-            node = self._node_of_answer(answer, can_id, data, extended, remote)
-            answer.check_source(request, None, -1, node, can_id, data)
+        if type(data) is not bytes:
+            data = bytes(memoryview(data))
+        message = None if isinstance(request, type) else request
+        sent: type[Message] = request if isinstance(request, type) else type(request)
+        answer = self._answers.get(sent) or self._answer(sent)
+        if answer.further:
+            answer = self._fitting(answer, request, can_id, data, (extended, remote), parameters)
+        reply: Any = None
+        if answer.reply_node is None:
+            try:
+                reply = self.replies.decode(can_id, data, parameters, extended=extended, remote=remote)
+            except CodecError:
+                reply = None  # what follows says why the frame is no answer
+        if type(reply) is answer.reply:  # it identifies itself without the request, as most replies do
+            node = id_node(reply)
         else:
-            answer = self._answer(type(request))
-            sent = (type(request), request.node, request.can_id, request.encode())
-            node = self._answering_node(*sent, can_id, data, extended, remote)
-        known = self._unknown if parameters is None else parameters
-        return cast(R, answer.reply.unpack(node, can_id, data, known))
+            reply = None
+            kind = extended, remote
+            node = self._node_of_answer(answer, None if message is None else sent, can_id, data, kind, parameters)
+        if message is None:
+            answer.check_source(sent, None, -1, node, can_id, data)
+        elif answer.echo or answer.request_node:
+            answer.check(sent, message.node, message.can_id, message.encode(), node, can_id, data)
+        else:
+            answer.check_source(sent, id_node(message), -1, node, can_id, data)
+        if reply is None:
+            reply = answer.reply.unpack(node, can_id, data, self._unknown if parameters is None else parameters)
+        return cast(R, reply)
+
+    def _fitting(
+        self,
+        answer: Answer,
+        request: type[Message] | Message,
+        can_id: int,
+        data: bytes,
+        kind: tuple[bool, bool],
+        parameters: P | None,
+    ) -> Answer:
+        """The reply to a request, or to any of a class, that a frame is; the first one if it is none."""
+
+        def check(each: Answer) -> None:
+            if isinstance(request, type):
+                node = self._node_of_answer(each, None, can_id, data, kind, parameters)
+                each.check_source(request, None, -1, node, can_id, data)
+            else:
+                sent = type(request)
+                node = self._node_of_answer(each, sent, can_id, data, kind, parameters)
+                each.check(sent, request.node, request.can_id, request.encode(), node, can_id, data)
+
+        return answer.fitting(check)
 
     def check_reply(
         self,
@@ -378,6 +519,7 @@ class Dispatcher(Generic[P, Q, M]):
         request: Buffer,
         reply_id: int,
         reply: Buffer,
+        parameters: P | None = None,
         *,
         extended: bool = False,
         remote: bool = False,
@@ -387,13 +529,19 @@ class Dispatcher(Generic[P, Q, M]):
         """Checks that a frame answers a request. Raises CodecError (not_answer, or why the request is rejected).
 
         `extended` and `remote` describe the request; `reply_extended` is needed where the reply has another kind of id.
+        Of the parameters, only those in ids matter.
         """
         request, reply = bytes(memoryview(request)), bytes(memoryview(reply))
-        route, to = self.requests.find(request_id, extended, remote)
+        route, to = self.requests.find(request_id, extended, remote, parameters)
         sent = route.message(request_id, request)
         self._check_constants(sent, to, request_id, request)
         kind = (extended if reply_extended is None else reply_extended, reply_remote)
-        self._answering_node(sent, to, request_id, request, reply_id, reply, *kind)
+
+        def check(answer: Answer) -> None:
+            node = self._node_of_answer(answer, sent, reply_id, reply, kind, parameters)
+            answer.check(sent, to, request_id, request, node, reply_id, reply)
+
+        check(self._answer(sent).fitting(check))
 
     def _check_constants(self, sent: type[Message], to: int | None, request_id: int, request: bytes) -> None:
         """Checks the constants of a request, whatever its parameters are. Raises CodecError (wrong_constant)."""
@@ -403,31 +551,6 @@ class Dispatcher(Generic[P, Q, M]):
             if error.refusal is not Refusal.MISSING_PARAMETER:
                 raise
 
-    def _answering_node(
-        self,
-        sent: type[Message],
-        to: int | None,
-        request_id: int,
-        request: bytes,
-        reply_id: int,
-        reply: bytes,
-        extended: bool,
-        remote: bool,
-    ) -> int | None:
-        """The node that answers a request which was sent to node `to`. Raises CodecError (not_answer)."""
-        answer = self._answer(sent)
-        try:
-            node = self._node_of_answer(answer, reply_id, reply, extended, remote)
-        except CodecError as error:
-            raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
-        mask = -1
-        if answer.request_node:
-            to, mask = answer.request_node[0](request_id, request), answer.request_node[1]
-        answer.check_source(sent, to, mask, node, reply_id, reply)
-        if answer.echo and reply != request:
-            raise not_answer(f"{sent.__name__} comes back as it was sent, this differs")
-        return node
-
     def _answer(self, request: type[Message]) -> Answer:
         """The reply to a request. Raises CodecError (not_answer) when it has none."""
         answer = self._answers.get(request)
@@ -435,15 +558,34 @@ class Dispatcher(Generic[P, Q, M]):
             raise not_answer(f"{request.__name__} has no reply")
         return answer
 
-    def _node_of_answer(self, answer: Answer, can_id: int, data: bytes, extended: bool, remote: bool) -> int | None:
+    def _node_of_answer(
+        self,
+        answer: Answer,
+        sent: type[Message] | None,
+        can_id: int,
+        data: bytes,
+        kind: tuple[bool, bool],
+        parameters: P | None,
+    ) -> int | None:
+        """The node in the id of an answer. Raises CodecError when the frame is not the reply: not_answer if it was `sent`."""
+        try:
+            return self._node_of_reply(answer, can_id, data, kind, parameters)
+        except CodecError as error:
+            if sent is None:
+                raise
+            raise not_answer(f"{sent.__name__} is not answered by this: {error}") from error
+
+    def _node_of_reply(
+        self, answer: Answer, can_id: int, data: bytes, kind: tuple[bool, bool], parameters: P | None
+    ) -> int | None:
         """The node that sent the reply of an answer. Raises CodecError when the frame is not this reply."""
         reply = answer.reply
-        route, node = self.replies.find(can_id, extended, remote)
+        route, node = self.replies.find(can_id, *kind, parameters)
         if reply not in route.classes:
             raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {reply.__name__}")
         if can_id & answer.unused:
             raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} has bits that are 0 in every {reply.__name__}")
-        if len(data) != reply.DLC and not remote:
+        if len(data) != reply.DLC and not kind[1]:
             raise CodecError(Refusal.WRONG_LENGTH, f"0x{can_id:X} has {len(data)} data bytes, not {reply.DLC}")
         for read, codes in answer.selectors:
             if read(can_id, data) not in codes:

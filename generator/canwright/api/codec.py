@@ -35,7 +35,7 @@ class Decoder:
 
     def check_reply(self, request: CanFrame, reply: CanFrame) -> Identified | Rejection:
         """The reply to a request that a frame is; rejected if it is not one, or if the request is rejected."""
-        return exchange.check_reply(self._decoder, request, reply)
+        return exchange.check_reply(self._decoder, request, reply, self._assignment)
 
 
 class Encoder:

@@ -18,14 +18,16 @@ COULD_NOT_RUN = 2
 
 COMMANDS = {
     "check": ("generate", "Check the specs, and compare the output with them."),
-    "copy": ("copy", "Start the edition NEW as a copy of OLD, with its golden frames."),
+    "copy": ("copy", "Copy an edition with its golden frames: start a new one, or edit one of the package."),
     "decode": ("decode", "Decode a log, or explain one frame."),
     "diff": ("diff", "Show what changed from OLD to NEW, and who is affected."),
     "editions": ("diff", "List the editions: family, name, date, commands, title."),
     "explain": ("explain", "Explain a RULE by example, or the meaning of a KEY."),
+    "frames": ("frames", "Print an entry for each request and reply of SPEC without a golden frame."),
     "generate": ("generate", "Write the bindings and documents of the specs."),
-    "handover": ("handover", "Write documents to hand over: HTML, and the command matrix as CSV and Excel."),
+    "handover": ("handover", "Write documents to hand over: HTML, PDF, Excel, and the command matrix as CSV."),
     "identify": ("identify", "Show which editions a recorded exchange fits, and why."),
+    "init": ("init", "Start the spec of a new protocol FAMILY, with golden frames."),
     "schema": ("schema", "Print the JSON Schema of the language, for editors."),
     "show": ("show", "Show one COMMAND, by name, by code (0x10), or by the CAN id of a broadcast."),
     "site": ("site", "Build the pages into a website with search, in every language."),
@@ -41,12 +43,15 @@ HELP = """Usage: canwright [OPTIONS] COMMAND [ARGS]...
     canwright check                                 compare generated/ with spec/
     canwright explain RULE                          explain a rule or a key
     canwright copy OLD NEW                          start a new edition
+    canwright copy FAMILY/EDITION                   copy an edition of the package
     canwright decode LOG                            decode a log, both directions
     canwright diff OLD NEW                          show changes between editions and who is affected
     canwright identify LOG                          identify the edition of recorded frames
     canwright editions                              list the editions
     canwright show COMMAND                          show one command in the terminal
     canwright site                                  build the pages into a website
+    canwright init FAMILY                           start the spec of your own protocol
+    canwright frames SPEC                           print golden frames to fill in
     canwright generate --spec my.yaml --out out     generate your own protocol
 
   `canwright COMMAND --help` lists the options of a command.

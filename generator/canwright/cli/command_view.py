@@ -15,9 +15,9 @@ from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field, Layout, ReservedRole
+from ..model.layout import ChecksumRole, CounterRole, Field, Layout, ReservedRole
 from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
-from ..model.metadata import Level
+from ..model.metadata import FrameFormat, Level
 from ..semantics.dispatch import node_of_id
 from ..targets.base import EditionInput
 
@@ -81,14 +81,15 @@ def _parts(edition: Edition, command: Command, language: str) -> Iterator[Render
         head.append(f"  0x{command.code:02X}")
     head.append(f"  {visible(command.title[language])}")
     yield head
-    manual = f", manual {command.manual}" if command.manual else ""
+    cited = formatting.cited(command.manual, visible(command.manual_name))
+    manual = f", manual {cited}" if cited else ""
     yield RichText(f"{edition.family} {edition.name}{manual}", "dim")
     if command.about[language]:
         yield Padding(RichText(command.about[language]), (1, 0, 0, 0))
     yield from _facts(command, language)
     for title, message in (("Request", command.request), ("Reply", command.reply)):
         note = "" if title == "Request" else _reply_form(command)
-        yield Padding(RichText(f"{title}  {_frame(message, note)}", "bold"), (1, 0, 0, 0))
+        yield Padding(RichText(f"{title}  {_frame(message, note, edition.bus.frame_format)}", "bold"), (1, 0, 0, 0))
         if message is not None:
             yield _table(command, message, language)
     for erratum in edition.errata_of(command):
@@ -117,7 +118,7 @@ def _facts(command: Command, language: str) -> Iterator[RichText]:
 
 def _reply_form(command: Command) -> str:
     form = ""
-    for reply in command.replies:
+    for reply in command.replies[:1]:
         if isinstance(reply, EchoReply):
             form = "echo of the request"
         elif isinstance(reply, OtherReply):
@@ -125,22 +126,31 @@ def _reply_form(command: Command) -> str:
         elif isinstance(reply, SharedReply):
             form = f"the shared layout {reply.message.layout.name}"
     each = f"one from each of {', '.join(map(str, command.from_each))}, in this order" if command.from_each else ""
-    return ", ".join(part for part in (form, each) if part)
+    return ", ".join(part for part in (form, each, *formatting.further_replies(command)) if part)
 
 
-def _frame(message: Message | None, note: str) -> str:
+def _frame(message: Message | None, note: str, frame_format: FrameFormat) -> str:
     if message is None:
         return "none"
     keys = ", ".join(f"{formatting.place(k.space, k.segments)} = 0x{k.value:02X}" for k in message.keys)
     accept = "".join(f" or 0x{value:02X}" for value in message.accepted_codes)
-    parts = (f"id {id_rule(message.id)}", f"{message.dlc} bytes", keys + accept, note)
+    sending = formatting.sending(message.sending) if message.sending else ""
+    numbers = formatting.frame_numbers(message.sequence) if message.sequence else ""
+    parts = (
+        f"id {id_rule(message.id)}",
+        f"{message.dlc} bytes{' of CAN FD' if frame_format.is_fd else ''}",
+        keys + accept,
+        note,
+        sending,
+        numbers,
+    )
     return ", ".join(part for part in parts if part)
 
 
 def id_rule(rule: IdRule) -> str:
     """An id rule with its nodes: `0x100 + node (1..32)`."""
     if rule.nodes is None:
-        return f"0x{rule.base:X}"
+        return formatting.id_rule(rule)
     return f"{formatting.id_rule(rule)} ({rule.nodes[0]}..{rule.nodes[-1]})"
 
 
@@ -153,11 +163,13 @@ def _table(command: Command, message: Message, language: str) -> RenderableType:
     for field in message.layout.fields:
         for name, segments in formatting.elements(field):
             table.add_row(
-                "  " + formatting.place(field.space, segments),
+                "  " + formatting.place(field.space, segments, order=field.type.order),
                 name + (f" ({', '.join(field.only)})" if field.only else ""),
                 formatting.raw_format(field.type),
                 *_meaning(field, _relevant(command, message.layout, field)),
-                visible(field.title[language]) + (f" (deprecated {field.deprecated})" if field.deprecated else ""),
+                visible(field.title[language])
+                + (f" ({visible(field.manual_name)})" if field.manual_name else "")
+                + (f" (deprecated {field.deprecated})" if field.deprecated else ""),
             )
     return table
 
@@ -173,12 +185,18 @@ def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]
 
 def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
     type_ = field.type
+    if isinstance(field.role, ChecksumRole):
+        return f"checksum: {formatting.checksum(field.role)}", ""
     if not field.role.is_value:
-        return "reserved, sent as" if isinstance(field.role, ReservedRole) else "constant", str(field.role.sent_raw)
+        fixed = formatting.fixed(field.role) if field.role.sent_raw is None else str(field.role.sent_raw)
+        return "reserved, sent as" if isinstance(field.role, ReservedRole) else "constant", fixed
     if type_.enum:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:
         return "\n".join(f"bit {m.value} {m.name}" for m in type_.flags), ""
+    if isinstance(field.role, CounterRole):
+        return "counter", f"{field.role.first}..{field.role.last}"
     scale = "\n".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_, among))
-    limits = "\n".join(f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_))
-    return scale, limits
+    limits = [f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_)]
+    limits += [f"{formatting.raws(no_value.raws)} {no_value.name}" for no_value in type_.no_values]
+    return scale, "\n".join(limits)

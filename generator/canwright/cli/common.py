@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -14,6 +14,7 @@ import click
 from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
+from ..output.new_files import write_new
 from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
 from ..project.loader import Loaded, all_loaded, frames_file, spec_files, specs_below
 from ..targets.base import EditionInput
@@ -112,16 +113,21 @@ def configuration() -> tuple[Configuration, Path]:
 
 
 def read(specs: Sequence[Path], printer: str = "text", *, packaged: bool = False) -> list[EditionInput]:
-    """The editions of the given specs, or of all specs. Errors are printed and exit the command.
+    """The editions of the given specs, or of all specs, without golden frames. Errors are printed and exit the command.
 
     If `packaged`, the editions in the package are the default where there is no spec.
     """
-    if packaged and not specs and not spec_files(SPEC_FOLDER):
-        specs = spec_files(SPECS)
-    return [item.specification for item in load(specs, printer)]
+    return [item.specification for item in load(or_packaged(specs) if packaged else specs, printer, for_output=False)]
 
 
-def load(specs: Sequence[Path], printer: str = "text", record: RunRecord | None = None) -> list[Loaded]:
+def or_packaged(specs: Sequence[Path]) -> Sequence[Path]:
+    """The given specs; without any, and without a folder of specs, those in the package."""
+    return specs if specs or spec_files(SPEC_FOLDER) else spec_files(SPECS)
+
+
+def load(
+    specs: Sequence[Path], printer: str = "text", record: RunRecord | None = None, *, for_output: bool = True
+) -> list[Loaded]:
     """The given specs, or all specs, with their warnings and documents. Errors are printed and exit the command."""
     files = list({file.resolve(): file for file in specs}.values()) or spec_files(SPEC_FOLDER)
     if not files:
@@ -130,7 +136,7 @@ def load(specs: Sequence[Path], printer: str = "text", record: RunRecord | None 
         record.watch([*(file for spec in specs or files for file in (spec, frames_file(spec))), *candidates()])
     settings = configuration()[0].check
     try:
-        loaded = all_loaded(files)
+        loaded = all_loaded(files, for_output=for_output)
     except SpecError as error:
         show_findings(settings.applied(error.diagnostics), printer)
         sys.exit(FINDINGS)
@@ -163,6 +169,20 @@ def show(printed: Printed) -> None:
     """Prints on standard error, then on standard output; in colour on a terminal."""
     print_text(printed.error, error=True, styled=True)
     print_data(printed.out)
+
+
+def write_new_files(files: Mapping[Path, str]) -> None:
+    """Writes files and prints their names; stops if one of them exists. Raises OSError, with nothing written."""
+    existing = next((file for file in files if file.exists()), None)
+    try:
+        if existing is None:
+            write_new(files)
+    except FileExistsError as error:
+        existing = Path(error.filename)
+    if existing is not None:
+        stop(f"{existing.as_posix()} exists already; nothing was written, choose another name or remove it")
+    for file in files:
+        print_text(f"wrote {file.as_posix()}\n")
 
 
 def stop(message: str) -> NoReturn:

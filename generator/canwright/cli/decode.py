@@ -7,7 +7,7 @@ import itertools
 import os
 import stat
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +20,7 @@ from ..model.message import Direction
 from ..recordings import candump, plot as pictures, split as split_logs
 from ..recordings.directions import Directions
 from ..recordings.doubts import copies, doubts
-from ..recordings.exports import CsvLines, bus_name, json_line
+from ..recordings.exports import CsvLines, JsonLines, bus_name
 from ..recordings.identify import Identifier
 from ..recordings.log_frame import Counts, LogFrame, SkippedPart
 from ..recordings.new_files import is_overwritten, new_file, new_folder, same_path
@@ -34,11 +34,11 @@ from ..semantics.frame import CanFrame
 from .common import FINDINGS, FilePath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
-from .node_settings import direction_of, node_settings, recorder_option
+from .node_settings import bus_of, direction_of, recorder_option
 from .terminal import print_data, print_text, progress
 
 BLOCK = 500
-"""The number of rows that are printed at once."""
+"""The maximum number of rows that are printed at once."""
 
 
 class LogOrFrame(click.Path):
@@ -150,14 +150,14 @@ def decode(
     the request that it answers. The edition of a node is given by --set, or identified: from the whole log if it is a
     file, and while it is read if it is a stream. If several editions fit, a row lists all, and is decoded with the first.
 
-    At the end, a summary lists missing, late, unexpected and rejected frames for each node, implausible values, and
+    At the end, a summary lists missing, late, unexpected and rejected frames for each node (with the longest gap of
+    frames that have a period or a time-out), implausible values, and
     everything that was skipped. With --split or --plot, rows are printed only if --format is given.
 
     Exit status: 0 if every line and every frame of the nodes is decoded, no frame has another meaning in another edition
     that fits, no edition changes, every value is plausible, and the directions are certain; 1 if not; 2 if it could not run.
     """
-    editions = [item.edition for item in read(specs, packaged=True)]
-    set_ = node_settings(editions, settings)
+    editions, set_ = bus_of([item.edition for item in read(specs, packaged=True)], settings)
     if isinstance(log, CanFrame):
         if form or out or split or plot:
             raise click.UsageError("--format, --out, --split and --plot are for logs, not for a single frame")
@@ -225,14 +225,14 @@ def _decode(
     window: float | None,
     recorder: Direction,
 ) -> None:
-    frames: Iterator[LogFrame] = iter(log)
+    frames: Iterable[LogFrame] = log
     common = common_edition(editions, settings)
     if common is not None:
         nodes = Nodes([common], settings, common)
     elif log.is_file:
         nodes = nodes_of(_identified(log.name, editions, recorder), settings)
     else:
-        nodes, frames = follow(frames, editions, settings, recorder)
+        nodes, frames = follow(log, editions, settings, recorder)
     _check_fields(outputs.fields, nodes.family)
     directions = Directions(
         nodes.editions,
@@ -245,12 +245,14 @@ def _decode(
     )
     rows = RowReader(nodes.assignment, nodes.label).rows(directions.classify(frames))
     summary = Summary()
-    remarks = _write(rows, outputs, summary)
+    remarks = _write(log, rows, outputs, summary)
     summary.finish()
     print_text(summary_text(summary, nodes, log.counts), error=outputs.prints_rows and outputs.form != "text")
     behaviours = directions.behaviours or {}
     doubtful = [*doubts(summary, behaviours)]
-    for remark in [*remarks, *copies(summary, behaviours), *doubtful]:
+    unknown = dict.fromkeys(name for e in editions for m in e.all_messages() for name in m.parameters)
+    unset = [f"ids or constants contain `{name}`, which is unknown: --set {name}=NUMBER" for name in unknown]
+    for remark in [*remarks, *unset, *copies(summary, behaviours), *doubtful]:
         print_text(f"{remark}\n", error=outputs.prints_rows and outputs.form != "text")
     if doubtful or not _is_clean(summary, nodes, log.counts):
         sys.exit(FINDINGS)
@@ -283,8 +285,8 @@ def _check_fields(fields: Sequence[str], editions: Iterable[Edition]) -> None:
             stop(f"there is no field `{visible(name)}`; {nearest(name, known) or 'see `canwright show COMMAND`'}")
 
 
-def _write(rows: Iterator[Row], outputs: Outputs, summary: Summary) -> list[str]:
-    """Writes rows to all outputs, and counts them. Returns remarks."""
+def _write(log: Log, rows: Iterable[Row], outputs: Outputs, summary: Summary) -> list[str]:
+    """Writes the rows of a log to all outputs, and counts them. Returns remarks."""
     remarks: list[str] = []
     with contextlib.ExitStack() as stack:
         writers: list[Callable[[Row], object]] = [summary.add]
@@ -300,16 +302,27 @@ def _write(rows: Iterator[Row], outputs: Outputs, summary: Summary) -> list[str]
         if outputs.form == "parquet" and outputs.out:
             folder = stack.enter_context(new_folder(outputs.out))
             writers.append(stack.enter_context(contextlib.closing(ParquetTables(folder))).write)
-        emit = _emitter(outputs, stack)
-        header, line, rows = _lines(outputs.form, rows)
-        emit(header)
+        emit, text_of = _emitter(outputs, stack), _printer(outputs.form)
         advance = stack.enter_context(progress("frames", shown=not (outputs.prints_rows and sys.stdout.isatty())))
-        while block := list(itertools.islice(rows, BLOCK)):
-            for row in block:
-                for write in writers:
-                    write(row)
-            emit("".join(map(line, block)))
+        block: list[Row] = []
+
+        def print_block() -> None:
+            for write, row in itertools.product(writers, block):
+                write(row)
+            emit(text_of(block))
             advance(len(block))
+            block.clear()
+
+        def print_rows() -> None:
+            if block:
+                print_block()
+
+        log.before_wait = print_rows
+        for row in rows:
+            block.append(row)
+            if len(block) == BLOCK:
+                print_block()
+        print_block()
         if plot and picture and outputs.plot:
             remarks += [f"{outputs.plot}: no frame has a field {name}" for name in plot.missing]
             plot.save(picture, outputs.plot.suffix)
@@ -329,12 +342,10 @@ def _emitter(outputs: Outputs, stack: contextlib.ExitStack) -> Callable[[str], o
     return print_text if outputs.form == "text" else print_data
 
 
-def _lines(form: str, rows: Iterator[Row]) -> tuple[str, Callable[[Row], str], Iterator[Row]]:
-    """The header, the function that prints a row, and all rows."""
+def _printer(form: str) -> Callable[[Sequence[Row]], str]:
+    """The function that prints rows, the first of them with a header."""
     if form == "text":
-        first = list(itertools.islice(rows, BLOCK))
-        table = RowTable(first)
-        return table.header, table.line, itertools.chain(first, rows)
+        return RowTable()
     if form == "csv":
-        return CsvLines.header, CsvLines(), rows
-    return "", json_line if form == "jsonl" else lambda _: "", rows
+        return CsvLines()
+    return JsonLines() if form == "jsonl" else lambda _: ""

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from ..diagnostics.unicode_safety import visible
+from ..model import formatting
 from ..model.formatting import bus_id, counted, numbers, sent, span as value_span
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.log_frame import Counts, SkippedPart
 from ..recordings.nodes import Choice, Nodes
+from ..recordings.periods import Periods
 from ..recordings.results import Place
 from ..recordings.rows import CellValue, Row
 from ..recordings.summary import NodeSummary, Summary
@@ -20,16 +22,19 @@ _COLUMNS = ("number", "time", "bus", "node", "edition", "direction", "by", "comm
 
 
 class RowTable:
-    """A table whose columns are as wide as the first rows need; it is printed line by line."""
+    """A table that is printed in blocks; its columns become wider where rows need it."""
 
-    def __init__(self, first: Sequence[Row]) -> None:
-        cells = [_COLUMNS, *map(_cells, first)]
-        self._widths = [max(len(row[i]) for row in cells) for i in range(len(_COLUMNS))]
-        self.header = self._line(_COLUMNS, "fields")
+    def __init__(self) -> None:
+        self._widths = [0] * len(_COLUMNS)
 
-    def line(self, row: Row) -> str:
-        """A row as a line."""
-        return self._line(_cells(row), _fields(row))
+    def __call__(self, rows: Sequence[Row]) -> str:
+        """The rows as lines; before the first ones, the header."""
+        is_first = not any(self._widths)
+        cells = [_COLUMNS, *map(_cells, rows)]
+        columns = zip(self._widths, *cells, strict=True)
+        self._widths = [max(width, *map(len, column)) for width, *column in columns]
+        header = self._line(_COLUMNS, "fields") if is_first else ""
+        return header + "".join(map(self._line, cells[1:], map(_fields, rows)))
 
     def _line(self, cells: Sequence[str], fields: str) -> str:
         padded = (
@@ -46,7 +51,7 @@ def _cells(row: Row) -> Sequence[str]:
         seconds(judged.recorded.time, 6) or "-",
         bus_name(judged.recorded.bus) or "-",
         "-" if judged.node is None else str(judged.node),
-        row.edition or "-",
+        row.form.label or "-",
         judged.direction.value if judged.direction else "-",
         judged.decided_by.value,
         judged.message.command if judged.message else "-",
@@ -71,6 +76,8 @@ def value_text(value: CellValue, raw: int, unit: str) -> str:
     """A value with its unit: `2.5 A`, `[hot, clipping]`; a raw integer without a value as `raw 155`."""
     if value is None:
         return f"raw {raw}"
+    if isinstance(value, str):  # a name, also for no value of a number with a unit
+        return value
     text = f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
     return f"{text} {unit}" if unit else text
 
@@ -178,6 +185,9 @@ def _findings(node: NodeSummary) -> Iterator[str]:
         yield f"  {node.late} late: slower than the reply time of the spec, or if the bus is slower, than most replies"
     if node.unexpected:
         yield f"  {node.unexpected} unexpected: without a request"
+    for message, periods in node.periods.items():
+        if periods.late or periods.timeouts:
+            yield f"  {message.name}: {_periods(periods)}"
     for name, values in node.implausible.items():
         cell, limits = values.example, values.example.column.field.type.plausible
         value = value_text(cell.value, cell.raw, cell.column.unit)
@@ -185,6 +195,18 @@ def _findings(node: NodeSummary) -> Iterator[str]:
         yield f"  {values.count} implausible: `{name}` is outside {among}, as {value} in {sent(values.frame)}"
     for reason, rejected in node.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
+
+
+def _periods(periods: Periods) -> str:
+    """The late and missing frames of a message with its longest gap."""
+    parts = [formatting.sending(periods.sending)]
+    if periods.late:
+        parts.append(f"{counted(periods.late, 'late frame')}, about {periods.missing} missing")
+    if periods.timeouts:
+        parts.append(counted(periods.timeouts, "time-out"))
+    before = "the end of the log" if periods.before is None else f"#{periods.before}"
+    longest = f"longest gap {milliseconds(periods.longest, 3)} ms before {before}"
+    return "; ".join((*parts, longest))
 
 
 def _skipped(summary: Summary, counts: Counts) -> Iterator[str]:

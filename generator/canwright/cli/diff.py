@@ -13,7 +13,7 @@ from ..project.accepted import AcceptedChange, Baseline, baseline_text, facts, r
 from ..project.configuration import KINDS, kind_of_change
 from ..project.references import STANDARD_INPUT, FolderChanges, UnknownEditionError, find, since
 from . import COULD_NOT_RUN, printers
-from .common import FINDINGS, SPEC_FOLDER, FilePath, configuration, load, show_findings, spec_option, stop
+from .common import FINDINGS, SPEC_FOLDER, FilePath, configuration, or_packaged, read, show_findings, spec_option, stop
 from .diff_report import FOR_PROGRAMS, REPORTS, Comparison, Policy, Report
 from .terminal import print_data, print_text
 
@@ -54,7 +54,7 @@ def diff(
 ) -> None:
     """Show what changed from OLD to NEW, and who is affected.
 
-    Each is a file, an edition of spec/ by its name, a file at a git revision, or - for standard input:
+    Each is a file, an edition of spec/ or of the package by its name, a file at a git revision, or - for standard input:
 
     \b
       canwright diff v1 v2
@@ -122,7 +122,7 @@ def _compared(references: Sequence[str], against: str | None) -> FolderChanges:
         stop("give OLD and NEW, or --against REVISION; `canwright diff --help` shows examples")
     if list(references).count(STANDARD_INPUT) > 1:
         stop("standard input contains one spec; give a file or a revision for the other one")
-    old, new = (find(reference, SPEC_FOLDER, golden=False) for reference in references)
+    old, new = (find(reference, SPEC_FOLDER, for_output=False) for reference in references)
     families = [item.specification.edition.family for item in (old, new)]
     if families[0] != families[1]:
         stop(f"`{families[0]}` and `{families[1]}` are different families; give two editions of one family")
@@ -151,10 +151,13 @@ def _write(file: Path, known: Baseline, report: Report, reason: str) -> None:
 @click.command()
 @spec_option
 def editions(specs: Sequence[Path]) -> None:
-    """List the editions: family, name, date, commands, title."""
+    """List the editions: family, name, date, commands, title.
+
+    Without --spec and without a folder spec/, these are the editions in the package.
+    """
     rows = [("family", "edition", "date", "commands", "title")]
-    for item in load(specs):
-        edition = item.specification.edition
+    for item in read(or_packaged(specs)):
+        edition = item.edition
         groups = dict.fromkeys(command.spec_name for command in edition.commands)
         title = next(iter(edition.title.values()), "")
         rows.append((edition.family, edition.name, edition.date, str(len(groups)), title))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import partial
 from xml.etree import ElementTree
 
 from ..compare import (
@@ -62,7 +62,7 @@ class Comparison:
     new: Loaded
     changes: tuple[Change, ...]
     accepted: tuple[tuple[Change, str], ...]
-    failing: tuple[Change, ...]
+    ids_of_failing: frozenset[int]
 
     @classmethod
     def of(cls, old: Loaded, new: Loaded, policy: Policy) -> Comparison:
@@ -72,13 +72,9 @@ class Comparison:
             for change in by_impact(compare(old.specification.edition, new.specification.edition, targets()))
         ]
         changes = tuple(change for change, reason in reasoned if reason is None and policy.shows(change))
-        return cls(
-            old,
-            new,
-            changes,
-            tuple((change, reason) for change, reason in reasoned if reason is not None),
-            tuple(change for change in changes if policy.configuration.fails(change, policy.kinds)),
-        )
+        accepted = tuple((change, reason) for change, reason in reasoned if reason is not None)
+        failing = frozenset(id(change) for change in changes if policy.configuration.fails(change, policy.kinds))
+        return cls(old, new, changes, accepted, failing)
 
     @property
     def title(self) -> str:
@@ -91,13 +87,14 @@ class Comparison:
         more = f"; {len(self.accepted)} more accepted" if self.accepted else ""
         return summary(self.changes) + more
 
+    @property
+    def failing(self) -> Sequence[Change]:
+        """The changes that fail `diff`."""
+        return [change for change in self.changes if self.fails(change)]
+
     def fails(self, change: Change) -> bool:
         """Whether one of the changes fails `diff`."""
-        return id(change) in self._failing
-
-    @cached_property
-    def _failing(self) -> frozenset[int]:
-        return frozenset(map(id, self.failing))
+        return id(change) in self.ids_of_failing
 
     def positions(self, change: Change) -> tuple[Position, Position]:
         """The positions of a change in both specs."""
@@ -120,32 +117,22 @@ class Report:
             identity(comparison.title, change) for comparison in self.comparisons for change, _ in comparison.accepted
         }
 
-    @property
-    def specs(self) -> list[str]:
-        """A line for each spec added or removed: `added: lamp v3 (spec/lamp/v3.yaml)`."""
-        return [
-            f"{kind}: {spec.specification.edition.family} {spec.specification.edition.name} ({spec.document.name})"
+    def written(
+        self, comparison: Callable[[Comparison], str], spec: Callable[[str], str], nothing: Callable[[str], str]
+    ) -> str:
+        """The reports of all comparisons, then the specs added and removed: `added: lamp v3 (spec/lamp/v3.yaml)`."""
+        specs = "\n".join(
+            spec(f"{kind}: {of.specification.edition.family} {of.specification.edition.name} ({of.document.name})")
             for kind, specs in (("added", self.added), ("removed", self.removed))
-            for spec in specs
-        ]
-
-    @property
-    def is_unchanged(self) -> bool:
-        """Whether no spec differs from a git revision."""
-        return not (self.comparisons or self.added or self.removed)
+            for of in specs
+        )
+        parts = [*map(comparison, self.comparisons), *([specs] if specs else [])]
+        return "\n\n".join(parts) or nothing(f"spec differs from {self.against}")
 
 
 def _title(old: Loaded, new: Loaded) -> str:
     before, after = old.specification.edition, new.specification.edition
     return f"{before.family} {before.name} -> {after.name}"
-
-
-def _grouped(changes: Sequence[Change]) -> dict[Item, list[Change]]:
-    """Changes by item, the most affected items first."""
-    groups: dict[Item, list[Change]] = {}
-    for change in changes:
-        groups.setdefault(change.item, []).append(change)
-    return groups
 
 
 def _affected(change: Change) -> str:
@@ -170,16 +157,17 @@ def _reach(item: Item, changes: Sequence[Change]) -> str:
 
 def _text(comparison: Comparison) -> str:
     """Changes grouped by item, silent ones first, each with its positions in both files."""
-    lines = [comparison.title, ""]
-    for item, changes in _grouped(comparison.changes).items():
+    lines, groups = [comparison.title, ""], defaultdict[Item, list[Change]](list)
+    for change in comparison.changes:
+        groups[change.item].append(change)
+    for item, changes in groups.items():
         lines.append(bold(str(item)) + _reach(item, changes))
         for change in changes:
-            old, new = comparison.positions(change)
             impact = bold(f"{change.impact.value:6}", _COLOURS[change.impact])
             lines.append(f"  {impact}  {change.rule.category.value:5}  {change.says()} [{change.rule.id}]")
             affected = _affected(change) and f"{_affected(change)}; "
-            lines.append(f"                 {affected}{_location(old)} -> {_location(new)}")
-            lines += (f"                 {line}" for line in _examples(change))
+            details = affected + " -> ".join(map(_location, comparison.positions(change))), *_examples(change)
+            lines += (f"                 {line}" for line in details)
         lines.append("")
     return "\n".join([*lines, comparison.summary])
 
@@ -202,13 +190,22 @@ def _location(at: Position) -> str:
 def summary(changes: Sequence[Change]) -> str:
     """The counts of changes: `12 changes: 3 wire, 9 doc; 2 silent, 1 loud`."""
     categories = Counter(change.rule.category for change in changes)
-    impacts = Counter(change.impact for change in changes)
     kinds = ", ".join(f"{categories[c]} {c.value}" for c in Category if categories[c])
-    broken = ", ".join(f"{impacts[i]} {i.value}" for i in (Impact.SILENT, Impact.LOUD) if impacts[i])
-    count = formatting.counted(len(changes), "change")
-    return (
-        count + (f": {kinds}" if kinds else "") + (f"; {broken}" if broken else "; nothing breaks" if changes else "")
-    )
+    if not changes:
+        return "0 changes"
+    broken = ", ".join(_broken(changes)) or "nothing breaks"
+    return f"{formatting.counted(len(changes), 'change')}: {kinds}; {broken}"
+
+
+def _is_broken(change: Change) -> bool:
+    """Whether a change breaks existing programs."""
+    return change.impact in (Impact.SILENT, Impact.LOUD)
+
+
+def _broken(changes: Sequence[Change]) -> list[str]:
+    """The counts of the changes that break programs: `2 silent`, `1 loud`."""
+    impacts = Counter(change.impact for change in changes if _is_broken(change))
+    return [f"{impacts[impact]} {impact.value}" for impact in Impact if impacts[impact]]
 
 
 def _markdown(comparison: Comparison) -> str:
@@ -217,21 +214,21 @@ def _markdown(comparison: Comparison) -> str:
     for impact in Impact:
         changes = [change for change in comparison.changes if change.impact is impact]
         if changes:
-            lines += [f"## {_MEANING[impact]}", "", "| item | change | frame | kind | host | old | new |"]
-            lines += [
-                "| --- | --- | --- | --- | --- | --- | --- |",
-                *(_row(comparison, change) for change in changes),
-                "",
-            ]
+            rows = [_row(comparison, change) for change in changes]
+            heads = "item", "change", "frame", "kind", "host", "old", "new"
+            lines += [f"## {_MEANING[impact]}", "", *_table(heads, rows), ""]
     return "\n".join(lines).rstrip("\n")
 
 
-def _row(comparison: Comparison, change: Change) -> str:
-    old, new = comparison.positions(change)
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    return [f"| {' | '.join(row)} |" for row in (heads, ["---"] * len(heads), *rows)]
+
+
+def _row(comparison: Comparison, change: Change) -> Sequence[str]:
     kind = f"{change.rule.category.value} `{change.rule.id}`"
-    locations = [markdown_text(f"{at.file}:{at.line}") for at in (old, new)]
+    locations = [markdown_text(f"{at.file}:{at.line}") for at in comparison.positions(change)]
     frames = "<br>".join(_examples(change))
-    return f"| {' | '.join([str(change.item), change.says(escape=markdown_text), frames, kind, _host(change), *locations])} |"
+    return [str(change.item), change.says(escape=markdown_text), frames, kind, _host(change), *locations]
 
 
 def _changelog(comparison: Comparison) -> str:
@@ -261,9 +258,7 @@ def _heading(change: Change) -> str:
 
 
 def _entry(change: Change) -> str:
-    impact = (
-        f"**{change.impact.value}**, {_affected(change)}: " if change.impact in (Impact.SILENT, Impact.LOUD) else ""
-    )
+    impact = f"**{change.impact.value}**, {_affected(change)}: " if _is_broken(change) else ""
     item = "" if change.item.name and f"`{change.item.name}`" in change.says() else f"{change.item}: "
     return f"- {impact}{item}{change.says(escape=markdown_text)}"
 
@@ -271,11 +266,9 @@ def _entry(change: Change) -> str:
 def _json(comparison: Comparison) -> dict[str, object]:
     """An object with `old`, `new`, `changes` and the number of `accepted` ones."""
 
-    def location(at: Position) -> dict[str, object]:
-        return {"file": at.file, "line": at.line, "column": at.column}
-
-    changes = [
-        {
+    def of(change: Change) -> dict[str, object]:
+        old, new = ({"file": at.file, "line": at.line, "column": at.column} for at in comparison.positions(change))
+        return {
             "rule": change.rule.id,
             "category": change.rule.category.value,
             "impact": change.impact.value,
@@ -287,11 +280,11 @@ def _json(comparison: Comparison) -> dict[str, object]:
             "used_by": list(change.used_by),
             "witnesses": list(map(_witness, change.witnesses)),
             "no_witness": reason_without_witness(change) or None,
-            "old": location(comparison.positions(change)[0]),
-            "new": location(comparison.positions(change)[1]),
+            "old": old,
+            "new": new,
         }
-        for change in comparison.changes
-    ]
+
+    changes = list(map(of, comparison.changes))
     accepted = [
         {"rule": change.rule.id, "message": change.says(), "reason": reason} for change, reason in comparison.accepted
     ]
@@ -314,8 +307,7 @@ def _github(comparison: Comparison) -> str:
 
     def line(change: Change) -> str:
         old, new = comparison.positions(change)
-        is_broken = change.impact in (Impact.SILENT, Impact.LOUD)
-        level = "error" if comparison.fails(change) else "warning" if is_broken else "notice"
+        level = "error" if comparison.fails(change) else "warning" if _is_broken(change) else "notice"
         affected = f"{change.impact.value}, {_affected(change)}: " if change.sides else ""
         return annotation(
             level, new, change.rule.id, f"{affected}{change.item}: {change.says()} (was {_location(old)})"
@@ -324,26 +316,17 @@ def _github(comparison: Comparison) -> str:
     return "\n".join(map(line, comparison.changes))
 
 
-def _verdict(changes: Sequence[Change]) -> str:
-    impacts = Counter(change.impact for change in changes)
-    broken = [f"{impacts[i]} {i.value}" for i in (Impact.SILENT, Impact.LOUD) if impacts[i]]
-    if not broken:
-        return "**Existing programs keep working.**"
-    return f"**Existing programs break: {formatting.counted(sum(impacts[i] for i in (Impact.SILENT, Impact.LOUD)), 'change')}, {' and '.join(broken)}.**"
-
-
 def _pull_request(comparison: Comparison) -> str:
     """The verdict, a table of what breaks, and the rest, collapsed."""
-    lines = [f"### {comparison.title}", "", _verdict(comparison.changes), ""]
-    broken = [change for change in comparison.changes if change.impact in (Impact.SILENT, Impact.LOUD)]
+    broken = [change for change in comparison.changes if _is_broken(change)]
+    lines = [f"### {comparison.title}", ""]
     if broken:
-        lines += ["| impact | item | change | frame | host | where |", "| --- | --- | --- | --- | --- | --- |"]
-        for change in broken:
-            new = comparison.positions(change)[1]
-            cells = [change.impact.value, str(change.item), change.says(escape=markdown_text)]
-            cells += ["<br>".join(_examples(change)[:1]), _host(change), markdown_text(f"{new.file}:{new.line}")]
-            lines.append(f"| {' | '.join(cells)} |")
-        lines.append("")
+        heads = "impact", "item", "change", "frame", "host", "where"
+        count, kinds = formatting.counted(len(broken), "change"), " and ".join(_broken(broken))
+        lines += [f"**Existing programs break: {count}, {kinds}.**", ""]
+        lines += [*_table(heads, (_broken_row(comparison, change) for change in broken)), ""]
+    else:
+        lines += ["**Existing programs keep working.**", ""]
     bullets = [_bullet(change) for change in comparison.changes if change not in broken]
     bullets += [f"{_bullet(change)} (accepted: {markdown_text(reason)})" for change, reason in comparison.accepted]
     if bullets:
@@ -352,40 +335,24 @@ def _pull_request(comparison: Comparison) -> str:
     return "\n".join(lines).rstrip("\n")
 
 
+def _broken_row(comparison: Comparison, change: Change) -> Sequence[str]:
+    item, says, frames, _, host, _, new = _row(comparison, change)
+    return [change.impact.value, item, says, frames.partition("<br>")[0], host, new]
+
+
 def _bullet(change: Change) -> str:
     return f"- {change.item}: {change.says(escape=markdown_text)}"
 
 
-def _each(report: Report, written: Callable[[Comparison], str]) -> str:
-    """The reports of all comparisons, then the specs added and removed."""
-    nothing = [f"no spec differs from {report.against}"] if report.is_unchanged else []
-    return "\n\n".join([*map(written, report.comparisons), *(["\n".join(report.specs)] if report.specs else nothing)])
-
-
 def text(report: Report) -> str:
     """Text for the terminal."""
-    return _each(report, _text)
+    return report.written(_text, str, lambda nothing: f"no {nothing}")
 
 
-def markdown(report: Report) -> str:
-    """Tables for each impact."""
-    return _in_markdown(report, _markdown)
-
-
-def pull_request(report: Report) -> str:
-    """Short Markdown for a pull request."""
-    return _in_markdown(report, _pull_request)
-
-
-def changelog(report: Report) -> str:
-    """Sections to paste into a changelog."""
-    return _in_markdown(report, _changelog)
-
-
-def _in_markdown(report: Report, written: Callable[[Comparison], str]) -> str:
-    nothing = [markdown_text(f"No spec differs from {report.against}.")] if report.is_unchanged else []
-    specs = "\n".join(f"- {markdown_text(line)}" for line in report.specs)
-    return "\n\n".join([*map(written, report.comparisons), *([specs] if specs else nothing)])
+def _in_markdown(comparison: Callable[[Comparison], str], report: Report) -> str:
+    return report.written(
+        comparison, lambda spec: f"- {markdown_text(spec)}", lambda nothing: markdown_text(f"No {nothing}.")
+    )
 
 
 def as_json(report: Report) -> str:
@@ -428,10 +395,11 @@ FOR_PROGRAMS = ("json", "github", "junit")
 
 REPORTS: Mapping[str, Callable[[Report], str]] = {
     "text": text,
-    "markdown": markdown,
-    "summary": pull_request,
-    "changelog": changelog,
+    "markdown": partial(_in_markdown, _markdown),
+    "summary": partial(_in_markdown, _pull_request),
+    "changelog": partial(_in_markdown, _changelog),
     "json": as_json,
     "junit": junit,
     "github": github,
 }
+"""Text for the terminal, tables for each impact, a summary for a pull request, a section of a changelog, and formats for programs."""

@@ -17,9 +17,11 @@ from ..recordings.log_frame import Counts
 from ..recordings.nodes import Identifiers
 from ..recordings.readers import LogError, open_log
 from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
+from ..semantics.configured import configured
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
 from .node_settings import direction_of, recorder_option
+from .settings import assignment
 from .terminal import print_json, print_text
 
 SHOWN = 4
@@ -30,8 +32,15 @@ SHOWN = 4
 @click.argument("log", type=click.Path(exists=True, dir_okay=False, allow_dash=True))
 @spec_option
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="PARAMETER=VALUE",
+    help="A parameter in ids or constants, of all nodes.",
+)
 @recorder_option
-def identify(log: str, specs: Sequence[Path], form: str, recorder: str) -> None:
+def identify(log: str, specs: Sequence[Path], form: str, settings: Sequence[str], recorder: str) -> None:
     """Show which editions a recorded exchange fits, and why.
 
     Each node of each bus is identified separately. LOG is a log of candump or of any format that python-can reads, or
@@ -42,7 +51,9 @@ def identify(log: str, specs: Sequence[Path], form: str, recorder: str) -> None:
     Exit status: 0 if the edition of every node is identified and does not change, 1 if not, 2 if it could not run. Nodes
     with few frames, far apart, are listed last and do not affect it: their ids may be damaged.
     """
-    editions = [item.edition for item in read(specs, packaged=True)]
+    specifications = read(specs, packaged=True)
+    known = assignment(specifications, settings)
+    editions = [configured(item.edition, known) for item in specifications]
     identifiers = Identifiers(editions, direction_of(recorder))
     try:
         with open_log(log) as read_log:

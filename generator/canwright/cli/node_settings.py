@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import click
 
 from ..model.edition import Edition
 from ..model.message import Direction
 from ..recordings.nodes import EDITION, NodeSetting
+from ..semantics.configured import configured
 from .common import stop
 from .settings import check_value
 
@@ -26,8 +28,28 @@ def direction_of(recorder: str) -> Direction:
     return Direction.REQUEST if recorder == "host" else Direction.REPLY
 
 
-def node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list[NodeSetting]:
+class Bus(NamedTuple):
+    """What is known of a bus: the editions, with the parameters in their ids and constants, and the settings of nodes."""
+
+    editions: Sequence[Edition]
+    settings: Sequence[NodeSetting]
+
+
+def bus_of(editions: Sequence[Edition], settings: Sequence[str]) -> Bus:
     """`--set [[BUS:]NODE:]NAME=VALUE`; the name is that of a parameter, or `edition`."""
+    listed = _node_settings(editions, settings)
+    in_ids = {parameter.name for edition in editions for parameter in edition.parameters if parameter.whole}
+    for setting in listed:
+        if setting.name in in_ids and setting.node is not None:
+            text = f"`{setting.name}` is in ids or constants, so it applies to all nodes"
+            stop(f"--set {setting.node}:{setting.name}={setting.value}: {text}; write {setting.name}={setting.value}")
+    known = {setting.name: setting.value for setting in listed if isinstance(setting.value, str)}
+    ours = {edition: configured(edition, known) for edition in editions}
+    chosen = (s._replace(value=ours[s.value]) if isinstance(s.value, Edition) else s for s in listed)
+    return Bus(list(ours.values()), list(chosen))
+
+
+def _node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list[NodeSetting]:
     unique: dict[tuple[str | None, int | None, str], NodeSetting] = {}
     by_name = {edition.name: edition for edition in editions}
     for setting in settings:

@@ -187,9 +187,11 @@ def _own_files() -> Iterator[object]:
                 and folder / subfolder not in (resources.EXAMPLES, resources.CHANGE_EXAMPLES)
             )
             yield from ([file, digest_of_regular(f"{name}/{file}")] for file in sorted(files))
-    yield from (
-        [data.name, digest_of_regular(str(data))] for data in (resources.UNITS, resources.SYNONYMS, resources.SCHEMA)
+    data_files = (
+        *(resources.UNITS, resources.SYNONYMS, resources.SCHEMA),
+        *(resources.QUESTIONS, resources.QUICK_START),
     )
+    yield from ([data.name, digest_of_regular(str(data))] for data in data_files)
 
 
 def _read(file: Path) -> _Record | None:

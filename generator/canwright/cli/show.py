@@ -20,13 +20,14 @@ from .terminal import print_text
 def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) -> None:
     """Show one COMMAND, by name, by code (0x10), or by the CAN id of a broadcast.
 
-    Its frames in both directions, effects, limits and errata.
+    Its frames in both directions, effects, limits and errata. Without --spec and without a folder spec/, the editions in
+    the package are shown.
 
     Exit status: 0 if a command is found, 2 if not.
     """
     from .command_view import command_text, find
 
-    specifications = read(specs)
+    specifications = read(specs, packaged=True)
     if edition is not None:
         names = [item.edition.name for item in specifications]
         specifications = [item for item in specifications if item.edition.name == edition]

@@ -2,7 +2,7 @@
 
 Belongs here: matching the items of two editions, the catalogue of changes, and their impact, which follows from frames
 that both editions decode (`witnesses`, `verdicts`). What names a target exports is passed in. Imports `diagnostics`,
-`model` and `semantics`.
+`model`, `resolve` and `semantics`.
 """
 
 from __future__ import annotations

@@ -10,6 +10,11 @@ _WIRE = (
     ("address-added", "An address is added.", "the address `{name}`, `{new}`, is added"),
     ("address-removed", "An address is removed.", "the address `{name}`, `{old}`, is removed"),
     ("bit-rates-changed", "A bus mode has different bit rates.", "the bit rates are {new} kbit/s (were {old})"),
+    (
+        "frame-format-changed",
+        "The frames of a bus have a different format.",
+        "the frame format is {new} (was {old})",
+    ),
     ("mode-added", "A bus mode is added.", "the bus mode `{name}` is added"),
     ("mode-removed", "A bus mode is removed.", "the bus mode `{name}` is removed"),
     ("command-added", "A command is added.", "`{name}`{code} is added"),
@@ -51,6 +56,21 @@ _WIRE = (
     ("request-changed", "The request of a command is added or removed.", "the request is `{new}` (was `{old}`)"),
     ("repliers-changed", "Different nodes reply.", "replies come from {new} (was {old})"),
     (
+        "further-replies-changed",
+        "Replies of different commands follow the reply.",
+        "further replies: {new} (was {old})",
+    ),
+    (
+        "alternative-replies-changed",
+        "Replies of different commands can come instead of the reply.",
+        "alternative replies: {new} (was {old})",
+    ),
+    (
+        "frame-numbers-changed",
+        "A reply has a different number of frames, or they are numbered differently.",
+        "the {direction} has {new} (was {old})",
+    ),
+    (
         "address-of-command-changed",
         "A frame uses a different address.",
         "the {direction} uses the address `{new}` (was `{old}`)",
@@ -91,6 +111,11 @@ _WIRE = (
         "`{name}` contains {new} (was {old})",
     ),
     ("constant-changed", "A constant has a different value.", "the value of `{name}` is {new} (was {old})"),
+    (
+        "checksum-changed",
+        "A field becomes a checksum or is none any more, or the checksum is computed differently.",
+        "`{name}` is {new} (was {old})",
+    ),
     ("array-changed", "An array has different elements.", "the elements of `{name}` are {new} (were {old})"),
     ("width-changed", "A raw integer has a different width.", "`{name}` has {new} bits (was {old})"),
     ("sign-changed", "A raw integer becomes signed or unsigned.", "`{name}` is {new} (was {old})"),
@@ -115,12 +140,21 @@ _VALUE = (
         "A field has a different type, whose values have another meaning.",
         "`{name}` has the type `{new}` (was `{old}`): {changes}",
     ),
+    (
+        "joined-changed",
+        "Bytes or digits become a text or a number, no longer are one, or are read in another way.",
+        "`{name}` is read as {new} (was {old})",
+    ),
     ("unit-changed", "A unit is changed.", "the unit of `{name}` is {new} (was {old})"),
     ("range-changed", "A range is changed.", "the raw range of `{name}`{when} is {new} (was {old})"),
-    ("member-added", "A member is added to an enum or to flags.", "`{member}` ({value}) is added to `{name}`"),
+    (
+        "member-added",
+        "A member is added to an enum, to flags or to `no_value`.",
+        "`{member}` ({value}) is added to `{name}`",
+    ),
     (
         "member-removed",
-        "A member of an enum or of flags is removed.",
+        "A member of an enum, of flags or of `no_value` is removed.",
         "`{member}` ({value}) of `{name}` is removed{deprecation}",
     ),
     ("member-renumbered", "A member has a different value.", "`{member}` of `{name}` is {new} (was {old})"),
@@ -140,6 +174,22 @@ _VALUE = (
     ("state-effects-changed", "A state prevents other effects.", "`{name}` prevents {new} (was {old})"),
     ("limits-changed", "A command is limited by different settings.", "limited by: {new}; was: {old}"),
     ("reply-time-changed", "The maximum reply time is changed.", "the reply time in ms is {new} (was {old})"),
+    ("sending-changed", "A frame is sent on other occasions.", "the {direction} is sent {new} (was {old})"),
+    (
+        "period-changed",
+        "A cyclic frame has a different period.",
+        "the period of the {direction} in ms is {new} (was {old})",
+    ),
+    (
+        "timeout-changed",
+        "The silence that a receiver treats as a failure is changed.",
+        "the time-out of the {direction} in ms is {new} (was {old})",
+    ),
+    (
+        "counter-changed",
+        "A field becomes a counter or is none any more, or the counter has other values.",
+        "`{name}` is {new} (was {old})",
+    ),
     (
         "max-nodes-changed",
         "The maximum number of nodes on a bus is changed.",
@@ -202,6 +252,7 @@ _DOC = (
     ("title-changed", "A title is changed.", "the title of `{name}` is “{new}” (was “{old}”)"),
     ("text-changed", "A text is changed.", "the text of `{name}` is changed"),
     ("section-changed", "The section of the manual is changed.", "the manual section is {new} (was {old})"),
+    ("manual-name-changed", "The name in the manual is changed.", "the name in the manual is {new} (was {old})"),
     (
         "scale-rewritten",
         "The same scale is written differently.",
@@ -242,12 +293,18 @@ _WITHOUT_WITNESS = {
     "state-effects-changed": "effects",
     "state-entry-changed": "effects",
     "bit-rates-changed": "setting",
+    "frame-format-changed": "setting",
     "max-nodes-changed": "setting",
+    "counter-changed": "several",
     "mode-added": "setting",
     "mode-of-command-changed": "setting",
     "mode-removed": "setting",
     "parameter-bounds-changed": "setting",
+    "frame-numbers-changed": "several",
+    "period-changed": "timing",
     "reply-time-changed": "timing",
+    "sending-changed": "timing",
+    "timeout-changed": "timing",
 }
 """The changes of bits and of meaning that no frame shows, with the key of the reason."""
 

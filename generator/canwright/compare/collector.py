@@ -21,18 +21,7 @@ T = TypeVar("T")
 
 Places = tuple[DocumentPath, DocumentPath]
 """The path of something in the old and in the new edition."""
-
-
-@dataclass(frozen=True)
-class AffectedUsers:
-    """Where something is used: what the host does with it, and the commands."""
-
-    sides: tuple[Side, ...] = ()
-    commands: tuple[str, ...] = ()
-
-
-UNUSED = AffectedUsers()
-BOTH_SIDES = AffectedUsers(tuple(Side))
+BOTH_SIDES = tuple(Side)
 
 
 @dataclass(frozen=True)
@@ -87,91 +76,36 @@ class Collector:
         """An empty collector, for changes that are parts of one."""
         return Collector(self._names, self._old, self._new)
 
-    def add(
-        self,
-        rule: str,
-        item: Item,
-        places: Places,
-        use: AffectedUsers,
-        impact: Impact | None = None,
-        cases: tuple[Assignment, ...] = (),
-        announced: bool = False,
-        /,
-        **facts: SentenceArgument,
-    ) -> None:
-        """Adds a change by `rule` of something at `places`, with an `impact` if the rule is one of bits without witnesses."""
-        kind = CHANGES[rule]
-        assert impact is None or kind.without_witness, rule
-        old, new = self._original(places[0]), places[1]
-        key = (rule, item, tuple((name, _frozen(fact)) for name, fact in facts.items()), old, new)
-        known = self._changes.get(key)
-        impact = impact or (Impact.BUILD if kind.category is Category.API else Impact.SAFE)
-        verdicts = {} if kind.has_witnesses else dict.fromkeys(use.sides, impact)
-        sharing = [c for of in use.commands for c in self._sharing[of]] if Side.RECEIVING in use.sides else []
-        used_by = tuple(dict.fromkeys((*use.commands, *sharing)))
-        change = Change(kind, item, facts, old, new, verdicts, used_by, cases, announced=announced)
-        if known is not None:
-            both = known.verdicts, verdicts
-            verdicts = {s: worst(v[s] for v in both if s in v) for s in Side if any(s in v for v in both)}
-            change = dataclasses.replace(
-                change, verdicts=verdicts, used_by=tuple(dict.fromkeys((*known.used_by, *used_by)))
-            )
-        self._changes[key] = change
+    def add(self, change: Change) -> None:
+        """Adds a change, or the sides and commands that it affects, too."""
+        change = dataclasses.replace(change, old=self._original(change.old or ()))
+        facts = tuple((name, _frozen(fact)) for name, fact in change.facts.items())
+        key = (change.rule.id, change.item, facts, change.old, change.new)
+        known = self._changes.get(key, change)
+        verdicts = {
+            side: worst(of[side] for of in (known.verdicts, change.verdicts) if side in of)
+            for side in Side
+            if side in known.verdicts or side in change.verdicts
+        }
+        used_by = tuple(dict.fromkeys((*known.used_by, *change.used_by)))
+        self._changes[key] = dataclasses.replace(change, verdicts=verdicts, used_by=used_by)
 
-    def removed(
-        self,
-        rule: str,
-        item: Item,
-        places: Places,
-        use: AffectedUsers,
-        was: Deprecation | None,
-        /,
-        **facts: SentenceArgument,
-    ) -> None:
-        """Adds the removal of something, with its deprecation."""
-        allowed = was is not None and was.allows_removal(self._new.name, self._new.date)
-        facts["deprecation"] = _removal(was, allowed) if was else ""
-        self.add(rule, item, places, use, None, (), allowed is True, **facts)
+    def with_sharing(self, commands: Iterable[str]) -> tuple[str, ...]:
+        """Some commands, and those whose replies are theirs."""
+        commands = tuple(commands)
+        return tuple(dict.fromkeys((*commands, *(sharing for name in commands for sharing in self._sharing[name]))))
 
-    def deprecation(
-        self, item: Item, places: Places, name: str, old: Deprecation | None, new: Deprecation | None
-    ) -> None:
-        """Adds a change of since when, and until when, something is deprecated."""
-        if old != new:
-            kind = "added" if old is None else "removed" if new is None else "changed"
-            facts = {key: _period(deprecation) for key, deprecation in (("old", old), ("new", new)) if deprecation}
-            self.add(f"deprecation-{kind}", item, at(places, "deprecated"), UNUSED, name=name, **facts)
+    def allows_removal(self, deprecation: Deprecation) -> bool | None:
+        """Whether the new edition may lack what is deprecated; None if its dates do not decide that."""
+        return deprecation.allows_removal(self._new.name, self._new.date)
 
-    def attributes(
-        self,
-        rows: Iterable[Attribute[T]],
-        item: Item,
-        places: Places,
-        old: T,
-        new: T,
-        use: AffectedUsers,
-        /,
-        **facts: SentenceArgument,
-    ) -> None:
-        """Adds a change for each attribute that differs."""
-        for row in rows:
-            value = row.value or row.shown
-            if value(old) != value(new):
-                impact = row.impact(old, new) if callable(row.impact) else row.impact
-                shown = {"old": row.shown(old), "new": row.shown(new)}
-                self.add(row.rule, item, at(places, row.key), use, impact, **facts, **shown)
+    def is_first(self, text: object, places: Places) -> bool:
+        """Whether a change of a text was not found elsewhere, as that of the title of an entry and its field."""
+        return self._texts.setdefault(text, places) == places
 
-    def renamed(self, rule: str, item: Item, places: Places, use: AffectedUsers, /, **facts: SentenceArgument) -> None:
-        """Adds a change of a name alone, where the name differs."""
-        if facts["old"] == facts["new"]:
-            return
-        if "{names}" in CHANGES[rule].says:
-            facts["names"] = self.names(*places) or f"`{facts['old']}` → `{facts['new']}`"
-        self.add(rule, item, places, use, **facts)
-
-    def names(self, old: DocumentPath, new: DocumentPath) -> str:
+    def names(self, places: Places) -> str:
         """The exported names of an item in both editions, of every target where they differ."""
-        return self._names.renamed(self._original(old), new)
+        return self._names.renamed(self._original(places[0]), places[1])
 
     def _original(self, path: DocumentPath) -> DocumentPath:
         """Where the old edition has an item, given its path under new names."""
@@ -180,43 +114,117 @@ class Collector:
                 path = (*was, *path[len(now) :])
         return path
 
-    def section(self, item: Item, places: Places, old: str, new: str, use: AffectedUsers = UNUSED) -> None:
-        """Adds a change of the section of the manual."""
-        if old != new:
-            facts = {"old": section(old), "new": section(new)}
-            self.add("section-changed", item, at(places, "manual"), use, **facts)
-
-    def text(self, rule: str, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
-        """Adds a change of a text in the languages in which it differs, of those that both have."""
-        key = (rule, item, name, _frozen(old), _frozen(new))
-        if (
-            differing(old, new) and self._texts.setdefault(key, places) == places
-        ):  # as the title of an entry and its field
-            before, after = (shortened(text, differing(old, new)) for text in (old, new))
-            self.add(rule, item, places, UNUSED, name=name, old=before, new=after)
-
-    def title(self, item: Item, places: Places, name: str, old: Text, new: Text) -> None:
-        """Adds a change of a title, unless none is written in either spec."""
-        if not all(isinstance(title, ImpliedTitle) for title in (old, new)):
-            self.text("title-changed", item, places, name, old, new)
-
-    def texts(self, item: Item, places: Places, old: Titled, new: Titled) -> None:
-        """Adds changes of a title and a description."""
-        self.title(item, at(places, "title"), new.name, old.title, new.title)
-        self.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
-
     def __iter__(self) -> Iterator[Change]:
         return iter(self._changes.values())
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is compared: its item, its path in each edition, and where it is used: by which sides, in which commands."""
+
+    collector: Collector
+    item: Item
+    places: Places
+    sides: tuple[Side, ...] = ()
+    commands: tuple[str, ...] = ()
+
+    def at(self, key: str) -> Subject:
+        """A key inside it."""
+        return self.within((*self.places[0], key), (*self.places[1], key))
+
+    def within(self, old: DocumentPath, new: DocumentPath) -> Subject:
+        """A part of it, or what it belongs to, at other paths."""
+        return dataclasses.replace(self, places=(old, new))
+
+    def of(self, item: Item, old: Located, new: Located) -> Subject:
+        """Another item that is used in the same places."""
+        return dataclasses.replace(self, item=item, places=(old.path, new.path))
+
+    def used(self, *sides: Side) -> Subject:
+        """As this, where these sides use it."""
+        return dataclasses.replace(self, sides=sides)
+
+    def add(
+        self,
+        rule: str,
+        impact: Impact | None = None,
+        cases: tuple[Assignment, ...] = (),
+        announced: bool = False,
+        /,
+        **facts: SentenceArgument,
+    ) -> None:
+        """Adds a change, with an `impact` if the rule is one of bits without witnesses."""
+        kind = CHANGES[rule]
+        assert impact is None or kind.without_witness, rule
+        impact = impact or (Impact.BUILD if kind.category is Category.API else Impact.SAFE)
+        verdicts = {} if kind.has_witnesses else dict.fromkeys(self.sides, impact)
+        used_by = self.collector.with_sharing(self.commands) if Side.RECEIVING in self.sides else self.commands
+        self.collector.add(Change(kind, self.item, facts, *self.places, verdicts, used_by, cases, announced=announced))
+
+    def removed(self, rule: str, was: Deprecation | None, /, **facts: SentenceArgument) -> None:
+        """Adds its removal, with its deprecation."""
+        allowed = self.collector.allows_removal(was) if was is not None else None
+        facts["deprecation"] = _removal(was, allowed) if was else ""
+        self.add(rule, None, (), allowed is True, **facts)
+
+    def attributes(self, rows: Iterable[Attribute[T]], old: T, new: T, /, **facts: SentenceArgument) -> None:
+        """Adds a change for each attribute that differs."""
+        for row in rows:
+            value = row.value or row.shown
+            if value(old) != value(new):
+                impact = row.impact(old, new) if callable(row.impact) else row.impact
+                self.at(row.key).add(row.rule, impact, **facts, old=row.shown(old), new=row.shown(new))
+
+    def renamed(self, rule: str, old: str, new: str, /, **facts: SentenceArgument) -> None:
+        """Adds a change of a name alone, where the name differs."""
+        if old != new:
+            if "{names}" in CHANGES[rule].says:
+                facts["names"] = self.collector.names(self.places) or f"`{old}` → `{new}`"
+            self.add(rule, **facts, old=old, new=new)
+
+    def deprecation(self, name: str, old: Deprecation | None, new: Deprecation | None) -> None:
+        """Adds a change of since when, and until when, it is deprecated."""
+        if old != new:
+            kind = "added" if old is None else "removed" if new is None else "changed"
+            facts = {key: _period(deprecation) for key, deprecation in (("old", old), ("new", new)) if deprecation}
+            self._unused.at("deprecated").add(f"deprecation-{kind}", name=name, **facts)
+
+    def section(self, old: str, new: str) -> None:
+        """Adds a change of the section of the manual."""
+        if old != new:
+            self.used().at("manual").add("section-changed", old=section(old), new=section(new))
+
+    def manual_name(self, old: str, new: str) -> None:
+        """Adds a change of the name in the manual."""
+        if old != new:
+            self._unused.at("manual_name").add("manual-name-changed", old=section(old), new=section(new))
+
+    def text(self, rule: str, key: str, name: str, old: Text, new: Text) -> None:
+        """Adds a change of the text at a key, in the languages in which it differs, of those that both have."""
+        languages, subject = differing(old, new), self._unused.at(key)
+        text = (rule, self.item, name, _frozen(old), _frozen(new))
+        if languages and self.collector.is_first(text, subject.places):
+            subject.add(rule, name=name, old=shortened(old, languages), new=shortened(new, languages))
+
+    def title(self, name: str, old: Text, new: Text) -> None:
+        """Adds a change of a title, unless none is written in either spec."""
+        if not all(isinstance(title, ImpliedTitle) for title in (old, new)):
+            self.text("title-changed", "title", name, old, new)
+
+    def texts(self, old: Titled, new: Titled) -> None:
+        """Adds changes of a title and a description."""
+        self.title(new.name, old.title, new.title)
+        self.text("text-changed", "about", new.name, old.about, new.about)
+
+    @property
+    def _unused(self) -> Subject:
+        """As this, for texts, which affect no command."""
+        return dataclasses.replace(self, sides=(), commands=())
 
 
 def paths(old: Located, new: Located) -> Places:
     """Where two things are."""
     return old.path, new.path
-
-
-def at(places: Places, key: str) -> Places:
-    """The places of a key inside others."""
-    return (*places[0], key), (*places[1], key)
 
 
 def _frozen(fact: SentenceArgument) -> object:

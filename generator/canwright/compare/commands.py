@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.layout import Layout
-from ..model.message import Command, Direction, Entry, Message, OtherReply, SharedReply
+from ..model.message import Command, Direction, Entry, Message, OtherReply, Reply, SharedReply
 from ..model.metadata import Effect, Level
 from . import discriminators, fields, forms, match
 from .change import Impact, Item, Keyword, SentenceArgument, Side
-from .collector import AffectedUsers, Attribute, Collector, Places, at, given, listed, paths, scope
+from .collector import BOTH_SIDES, Attribute, Collector, Subject, given, listed, paths, scope
 from .fields import Editions
 from .forms import is_named, messages
+from .match import Matched
 
 
-def compare(collector: Collector, old: Edition, new: Edition) -> None:
+def compare(collector: Collector, old: Edition, new: Edition, matched: Matched[Command]) -> None:
     """All changes of all commands, and of the layouts and types that they use."""
-    matched = match.commands(old, new)
     layouts = [(a.layout, b.layout) for pair in matched.pairs for _, a, b in messages(*pair)]
     pairs = [(a.name, b.name) for a, b in layouts if a.shared and b.shared]
     types = [(a.name, b.name) for a, b in fields.type_pairs(layouts)]
     kept = _tables(collector, old, new)
-    matched = dataclasses.replace(
+    matched = replace(
         matched,
         pairs=tuple((a, b) for a, b in matched.pairs if a.spec_name not in kept and b.spec_name not in kept),
         removed=tuple(c for c in matched.removed if c.spec_name not in kept),
@@ -67,17 +66,18 @@ def _is_other_table(old: Command, new: Command, edition: Edition) -> bool:
 
 
 def _other_table(collector: Collector, old: Command, new: Command) -> None:
-    facts = {"old": _table(old), "new": _table(new)}
-    use = AffectedUsers(tuple(Side), (old.spec_name,))
-    collector.add("table-of-command-changed", _item(old), at(paths(old, new), "table"), use, **facts)
+    command = _subject(collector, old, new).used(*BOTH_SIDES)
+    command.at("table").add("table-of-command-changed", old=_table(old), new=_table(new))
 
 
 def _table(command: Command) -> SentenceArgument:
     return (Keyword("the table"), f" `{command.entry.table}`") if command.entry else Keyword("no table")
 
 
-def _item(command: Command) -> Item:
-    return Item("command", command.spec_name)
+def _subject(collector: Collector, old: Command, new: Command) -> Subject:
+    """A command of both editions, or of one."""
+    side = Side.SENDING if old.request else Side.RECEIVING
+    return Subject(collector, Item("command", old.spec_name), paths(old, new), (side,), (old.spec_name,))
 
 
 def _code(command: Command) -> str:
@@ -85,78 +85,74 @@ def _code(command: Command) -> str:
 
 
 def _repurposed(collector: Collector, old: Command, new: Command) -> None:
-    use = AffectedUsers(tuple(Side), (old.spec_name,))
+    command = _subject(collector, old, new).used(*BOTH_SIDES)
     if old.entry and new.entry and old.spec_name == new.spec_name:
+        entry = command.of(Item.of_entry(old.entry), old.entry, new.entry)
         facts = {"index": discriminators.index(old), "old": old.entry.name, "new": new.entry.name}
-        places = paths(old.entry, new.entry)
-        collector.add("entry-repurposed", Item.of_entry(old.entry), places, use, **facts)
-        return
-    facts = {"code": _code(old), "old": old.spec_name, "new": new.spec_name}
-    collector.add("command-repurposed", _item(old), paths(old, new), use, **facts, meaning=new.spec_title)
+        entry.add("entry-repurposed", **facts)
+    else:
+        facts = {"code": _code(old), "old": old.spec_name, "new": new.spec_name}
+        command.add("command-repurposed", **facts, meaning=new.spec_title)
 
 
 def _removed(collector: Collector, command: Command, new: Edition) -> None:
-    kind, item, path, parent, facts = _subject(command, new)
-    use, places = AffectedUsers((Side.SENDING,), (command.spec_name,)), (path, parent)
-    if kind == "command":
-        collector.removed("command-removed", item, places, use, command.deprecated, **facts)
+    subject, parent, facts = _alone(collector, command, new)
+    subject = subject.within(subject.places[0], parent).used(Side.SENDING)
+    if subject.item.kind == "command":
+        subject.removed("command-removed", command.deprecated, **facts)
     else:
-        collector.add("entry-removed", item, places, use, **facts)
+        subject.add("entry-removed", **facts)
 
 
 def _added(collector: Collector, command: Command, old: Edition) -> None:
-    kind, item, path, parent, facts = _subject(command, old)
-    collector.add(f"{kind}-added", item, (parent, path), AffectedUsers((), (command.spec_name,)), **facts)
+    subject, parent, facts = _alone(collector, command, old)
+    subject.within(parent, subject.places[1]).used().add(f"{subject.item.kind}-added", **facts)
 
 
-def _subject(command: Command, edition: Edition) -> tuple[str, Item, DocumentPath, DocumentPath, dict[str, str]]:
-    """Kind, item, path, parent and facts of a command that the other edition lacks, or of its entry alone."""
-    entry = command.entry
+def _alone(collector: Collector, command: Command, edition: Edition) -> tuple[Subject, DocumentPath, dict[str, str]]:
+    """A command that the other edition lacks, or its entry alone, with the path where it would be, and facts."""
+    subject, entry = _subject(collector, command, command), command.entry
     if entry is not None and edition.forms(command.spec_name):
         facts = {"name": entry.name, "index": discriminators.index(command)}
-        return "entry", Item.of_entry(entry), entry.path, ("tables", entry.table), facts
-    facts = {"name": command.spec_name, "code": _code(command)}
-    return "command", _item(command), command.path, ("commands",), facts
+        return subject.of(Item.of_entry(entry), entry, entry), ("tables", entry.table), facts
+    return subject, ("commands",), {"name": command.spec_name, "code": _code(command)}
 
 
 def _command(collector: Collector, both: Editions, old: Command, new: Command) -> None:
-    use = AffectedUsers((Side.SENDING if old.request else Side.RECEIVING,), (old.spec_name,))
+    command = _subject(collector, old, new)
     if old.entry and new.entry and old.entry.name != new.entry.name:
-        names = {"old": old.entry.name, "new": new.entry.name}
-        collector.renamed("entry-renamed", Item.of_entry(old.entry), paths(old.entry, new.entry), use, **names)
+        entry = command.of(Item.of_entry(old.entry), old.entry, new.entry)
+        entry.renamed("entry-renamed", old.entry.name, new.entry.name)
     else:
-        collector.renamed("command-renamed", _item(old), paths(old, new), use, old=old.spec_name, new=new.spec_name)
+        command.renamed("command-renamed", old.spec_name, new.spec_name)
     if old.spec_name == new.spec_name:
-        collector.renamed(
-            "short-name-changed", _item(old), paths(old, new), use, old=old.short_spec_name, new=new.short_spec_name
-        )
-    discriminators.compare(collector, both, old, new)
-    if old.entry and new.entry:
-        _entry(collector, both, old, new, old.entry, new.entry)
+        command.renamed("short-name-changed", old.short_spec_name, new.short_spec_name)
+    discriminators.compare(command, both, old, new)
     (own, of_entry), (new_own, new_of_entry) = _conditions(both, old, new)
     limits = _EXCEPTIONS if _limited_by(old) == _limited_by(new) else _LIMITS
     first = [next((mode.name for mode in edition.bus.modes), None) for edition in (both.old, both.new)]
     modes = () if [old.mode, new.mode] == first else (_MODE,)  # both in the usual mode, the first
-    collector.attributes((*_OF_COMMAND, *modes, limits), _item(old), paths(old, new), old, new, use)
-    collector.attributes(_OF_CONDITIONS, _item(old), paths(old, new), own, new_own, use)
     if old.entry and new.entry:
-        collector.attributes(
-            _OF_CONDITIONS, Item.of_entry(old.entry), paths(old.entry, new.entry), of_entry, new_of_entry, use
-        )
-    collector.deprecation(_item(old), paths(old, new), new.spec_name, old.deprecated, new.deprecated)
-    _texts(collector, old, new)
-    _forms(collector, both, old, new)
-    _address(collector, old, new)
-    for direction, old_message, new_message in messages(old, new):
-        used = AffectedUsers((Side.of(direction),), (old.spec_name,))
-        is_other = _other_layout(collector, both, old, new, direction, used)
-        _message(collector, both, old, new, old_message, new_message, used, is_other=is_other)
+        _entry(command, both, old.entry, new.entry)
+    command.attributes((*_OF_COMMAND, *modes, limits), old, new)
+    command.attributes(_OF_CONDITIONS, own, new_own)
+    if old.entry and new.entry:
+        entry = command.of(Item.of_entry(old.entry), old.entry, new.entry)
+        entry.attributes(_OF_CONDITIONS, of_entry, new_of_entry)
+    command.deprecation(new.spec_name, old.deprecated, new.deprecated)
+    _texts(command, old, new)
+    _forms(command, both, old, new)
+    _address(command, old, new)
+    for direction, *frames in messages(old, new):
+        used = command.used(Side.of(direction))
+        is_other = _other_layout(used, both, frames[0], frames[1])
+        _message(used, both, (old, new), *frames, is_other=is_other)
         if not is_other:
-            _layout_name(collector, both, old, old_message, new_message, used)
-            fields.compare(collector, both, old.spec_name, old_message, new_message, used)
+            _layout_name(used, both, old, *frames)
+            fields.compare(used, both, *frames)
 
 
-def _address(collector: Collector, old: Command, new: Command) -> None:
+def _address(command: Subject, old: Command, new: Command) -> None:
     """Adds a change of the address of each message, or one of the command if both follow its address."""
     moved = [
         frames
@@ -167,51 +163,47 @@ def _address(collector: Collector, old: Command, new: Command) -> None:
     for group in [moved] if moved and follows else [[frames] for frames in moved]:
         old_message, new_message = group[0][1:]
         directions = [direction for direction, _, _ in group]
-        facts = {
-            "direction": Keyword(" and ".join(d.value for d in directions)),
-            "old": old_message.address,
-            "new": new_message.address,
-        }
-        places = paths(old, new) if follows else paths(old_message, new_message)
-        use = AffectedUsers(tuple(map(Side.of, directions)), (old.spec_name,))
-        collector.add("address-of-command-changed", _item(old), at(places, "address"), use, **facts)
+        subject = command if follows else command.within(old_message.path, new_message.path)
+        subject.used(*map(Side.of, directions)).at("address").add(
+            "address-of-command-changed",
+            direction=Keyword(" and ".join(d.value for d in directions)),
+            old=old_message.address,
+            new=new_message.address,
+        )
 
 
-def _layout_name(
-    collector: Collector, both: Editions, command: Command, old: Message, new: Message, use: AffectedUsers
-) -> None:
+def _layout_name(command: Subject, both: Editions, of: Command, old: Message, new: Message) -> None:
     """Adds the change of where the same fields of a message are defined, which names its type in the bindings."""
     old_layout, new_layout = old.layout, new.layout
     same_place = is_named(old_layout) == is_named(new_layout)
     renamed = same_place and (
         not is_named(old_layout) or both.layouts.get(old_layout.name, old_layout.name) == new_layout.name
     )
-    keys = fields.constant_keys(old) | fields.constant_keys(new)
+    keys = {*forms.constants(old), *forms.constants(new)}
     if renamed or match.content(old_layout, keys) != match.content(new_layout, keys):
         return
-    of_entry = command.entry is not None and "tables" in (old_layout.path[0], new_layout.path[0])
-    item = Item.of_entry(command.entry) if of_entry and command.entry else _item(command)
-    places = (command.entry.path, command.entry.path) if of_entry and command.entry else paths(old, new)
-    what = Keyword("entry" if of_entry else old.direction.value)
-    facts = {"direction": what, "old": _name_of(old_layout), "new": _name_of(new_layout)}
-    names = collector.names(old_layout.path, new_layout.path) or f"`{old_layout.name}` → `{new_layout.name}`"
-    collector.add("layout-of-command-changed", item, places, use, **facts, names=names)
+    subject, what = command.of(command.item, old, new), old.direction.value
+    if of.entry is not None and "tables" in (old_layout.path[0], new_layout.path[0]):
+        subject, what = command.of(Item.of_entry(of.entry), of.entry, of.entry), "entry"
+    places = old_layout.path, new_layout.path
+    names = command.collector.names(places) or f"`{old_layout.name}` → `{new_layout.name}`"
+    facts = {"direction": Keyword(what), "old": _name_of(old_layout), "new": _name_of(new_layout)}
+    subject.add("layout-of-command-changed", **facts, names=names)
 
 
 def _name_of(layout: Layout) -> SentenceArgument:
     return ("`", layout.name, "`") if is_named(layout) else Keyword("fields of its own")
 
 
-def _other_layout(
-    collector: Collector, both: Editions, old: Command, new: Command, direction: Direction, use: AffectedUsers
-) -> bool:
+def _other_layout(command: Subject, both: Editions, old: Message, new: Message) -> bool:
     """Adds the change of the layout of a message to one that both editions have; whether there is one."""
-    layouts = [message.layout for c in (old, new) if (message := c.message(direction)) is not None]
+    layouts = [old.layout, new.layout]
     if match.content(layouts[0]) == match.content(layouts[1]) or not _is_other_layout(both, *layouts):
         return False
-    rule, key = ("request-changed", "request") if direction is Direction.REQUEST else ("reply-form-changed", "reply")
+    is_request = old.direction is Direction.REQUEST
+    rule, key = ("request-changed", "request") if is_request else ("reply-form-changed", "reply")
     shown = [layout.name if is_named(layout) else forms.FIELDS for layout in layouts]
-    collector.add(rule, _item(old), at(paths(old, new), key), use, old=shown[0], new=shown[1])
+    command.at(key).add(rule, old=shown[0], new=shown[1])
     return True
 
 
@@ -224,21 +216,17 @@ def _is_other_layout(both: Editions, old: Layout, new: Layout) -> bool:
     return is_named(old) and is_there and not match.fields(old, new).pairs
 
 
-def _entry(
-    collector: Collector, both: Editions, old: Command, new: Command, old_entry: Entry, new_entry: Entry
-) -> None:
+def _entry(command: Subject, both: Editions, old: Entry, new: Entry) -> None:
     """Changes of the table and the entry that a form of a command is of."""
-    before, after = both.old.table(old_entry.table), both.new.table(new_entry.table)
-    table, item = Item("table", old_entry.table), Item.of_entry(old_entry)
-    use = AffectedUsers((), (old.spec_name,))
-    names = {"old": old_entry.table, "new": new_entry.table}
-    places = old_entry.path[:2], new_entry.path[:2]
-    collector.renamed("table-renamed", table, places, AffectedUsers((Side.SENDING,), (old.spec_name,)), **names)
-    collector.texts(table, paths(before, after), before, after)
-    collector.section(table, paths(before, after), before.manual, after.manual, use)
-    collector.texts(item, paths(old_entry, new_entry), old_entry, new_entry)
-    own = ["" if e.manual == t.manual else e.manual for e, t in ((old_entry, before), (new_entry, after))]
-    collector.section(item, paths(old_entry, new_entry), own[0], own[1], use)
+    before, after = both.old.table(old.table), both.new.table(new.table)
+    table = command.of(Item("table", old.table), before, after)
+    table.used(Side.SENDING).renamed("table-renamed", old.table, new.table)
+    table.texts(before, after)
+    table.section(before.manual, after.manual)
+    entry = command.of(Item.of_entry(old), old, new)
+    entry.texts(old, new)
+    own = ["" if e.manual == t.manual else e.manual for e, t in ((old, before), (new, after))]
+    entry.section(own[0], own[1])
 
 
 def _limits(command: Command) -> SentenceArgument:
@@ -314,18 +302,17 @@ def _alike(values: list[object]) -> bool:
     return all(value == values[0] for value in values)
 
 
-def _texts(collector: Collector, old: Command, new: Command) -> None:
-    item, places = _item(old), paths(old, new)
-    collector.title(item, at(places, "title"), new.spec_name, old.spec_title, new.spec_title)
-    collector.text("text-changed", item, at(places, "about"), old.spec_name, old.about, new.about)
+def _texts(command: Subject, old: Command, new: Command) -> None:
+    command.title(new.spec_name, old.spec_title, new.spec_title)
+    command.text("text-changed", "about", old.spec_name, old.about, new.about)
     notes = [{lang: "\n".join(n[lang] for n in c.notes) for lang in c.title} for c in (old, new)]
-    collector.text("text-changed", item, at(places, "notes"), old.spec_name, *notes)
-    collector.section(item, places, old.manual, new.manual, AffectedUsers((), (old.spec_name,)))
+    command.text("text-changed", "notes", old.spec_name, *notes)
+    command.section(old.manual, new.manual)
+    command.manual_name(old.manual_name, new.manual_name)
 
 
-def _forms(collector: Collector, both: Editions, old: Command, new: Command) -> None:
+def _forms(command: Subject, both: Editions, old: Command, new: Command) -> None:
     """Adds the changes of the forms of request and reply."""
-    receiving, sending = (AffectedUsers((side,), (old.spec_name,)) for side in (Side.RECEIVING, Side.SENDING))
     emptied = {
         direction
         for direction, old_message, new_message in forms.own_messages(old, new)
@@ -343,27 +330,52 @@ def _forms(collector: Collector, both: Editions, old: Command, new: Command) -> 
         return forms.reply_form(command, both.commands if command is old else {})
 
     def shown_reply(command: Command) -> str:
-        shared = (r.message.layout for r in command.replies if isinstance(r, SharedReply))
+        shared = (r.message.layout for r in command.replies[:1] if isinstance(r, SharedReply))
         name = "".join(layout.name for layout in shared if is_named(layout))
         return name or (reply(command) if command is new else forms.reply_form(command, {}))
 
-    collector.attributes(
-        [Attribute[Command]("request-changed", "request", request)], _item(old), paths(old, new), old, new, sending
-    )
+    command.used(Side.SENDING).attributes([Attribute[Command]("request-changed", "request", request)], old, new)
     if _is_gone_with_another(both, old, new):
         return
+    command = command.used(Side.RECEIVING)
+    if old.request and new.request and old.replies and new.replies:
+        command.attributes(_others(both, old), old, new)
     if reply(old) == reply(new):
-        places = at(paths(old, new), "reply")
-        collector.attributes([_REPLIERS], _item(old), places, old, new, receiving)
+        command.at("reply").attributes([_REPLIERS], old, new)
     else:
-        form = Attribute[Command]("reply-form-changed", "reply", shown_reply, reply)
-        collector.attributes([form], _item(old), paths(old, new), old, new, receiving)
+        command.attributes([Attribute[Command]("reply-form-changed", "reply", shown_reply, reply)], old, new)
 
 
 def _is_gone_with_another(both: Editions, old: Command, new: Command) -> bool:
     """Whether a command has no reply any more because that of another command, which it had, is gone."""
-    names = {both.commands.get(r.of, r.of) for r in old.replies if isinstance(r, OtherReply)}
+    names = {both.commands.get(r.of, r.of) for r in old.replies[:1] if isinstance(r, OtherReply)}
     return not new.replies and any(c.name in names and not c.replies for c in both.new.commands)
+
+
+def _others(both: Editions, old: Command) -> tuple[Attribute[Command], ...]:
+    """The replies of a command besides the first, by the names of the commands in the new edition."""
+
+    def named(command: Command, replies: Sequence[Reply]) -> set[str]:
+        names = both.commands if command is old else {}
+        return {names.get(reply.message.command, reply.message.command) for reply in replies}
+
+    def shown(replies: Sequence[Reply]) -> SentenceArgument:
+        return listed(reply.message.command for reply in replies)
+
+    return (
+        Attribute[Command](
+            "further-replies-changed",
+            "further_replies",
+            lambda c: shown(c.further_replies),
+            lambda c: named(c, c.further_replies),
+        ),
+        Attribute[Command](
+            "alternative-replies-changed",
+            "alternative_replies",
+            lambda c: shown(c.alternative_replies),
+            lambda c: named(c, c.alternative_replies),
+        ),
+    )
 
 
 def _repliers(command: Command) -> SentenceArgument:
@@ -377,6 +389,16 @@ _OF_MESSAGE = (
     Attribute[Message]("accept-changed", "accept", lambda m: listed(map(discriminators.code, m.accepted_codes))),
     Attribute[Message]("frame-kind-changed", "remote", lambda m: Keyword("remote frame" if m.remote else "data frame")),
 )
+_SENDING = (
+    Attribute[Message]("frame-numbers-changed", "frames", lambda m: _frames(m), lambda m: m.sequence, Impact.LOUD),
+    Attribute[Message]("sending-changed", "sent", lambda m: _occasions(m), impact=Impact.SILENT),
+    Attribute[Message](
+        "period-changed", "every_ms", lambda m: given(m.sending and m.sending.every_ms), impact=Impact.SILENT
+    ),
+    Attribute[Message](
+        "timeout-changed", "timeout_ms", lambda m: given(m.sending and m.sending.timeout_ms), impact=Impact.SILENT
+    ),
+)
 _REPLY_CODE = Attribute[Message](
     "reply-code-changed",
     "code",
@@ -385,29 +407,29 @@ _REPLY_CODE = Attribute[Message](
 _DLC = Attribute[Message]("dlc-changed", "dlc", lambda m: str(m.dlc))
 
 
+def _frames(message: Message) -> SentenceArgument:
+    sequence = message.sequence
+    if sequence is None:
+        return Keyword("one frame")
+    return (Keyword("the frames"), f" {sequence.numbers[0]}..{sequence.numbers[-1]} (`{sequence.field}`)")
+
+
+def _occasions(message: Message) -> SentenceArgument:
+    return listed(o.value for o in message.sending.occasions) if message.sending else Keyword("as usual")
+
+
 def _message(
-    collector: Collector,
-    both: Editions,
-    old: Command,
-    new: Command,
-    old_message: Message,
-    new_message: Message,
-    use: AffectedUsers,
-    *,
-    is_other: bool,
+    command: Subject, both: Editions, commands: tuple[Command, Command], old: Message, new: Message, *, is_other: bool
 ) -> None:
     """Adds changes of a message besides its layout; those of one with another layout are part of that change."""
-    rows = list(_OF_MESSAGE)
-    if discriminators.same_kind(old, new) and [discriminators.code_sent(m) for m in (old_message, new_message)] != [
-        old.code,
-        new.code,
-    ]:
+    rows, direction = list(_OF_MESSAGE), Keyword(old.direction.value)
+    codes = [discriminators.code_sent(m) for m in (old, new)]
+    if discriminators.same_kind(*commands) and codes != [c.code for c in commands]:
         rows.insert(0, _REPLY_CODE)
-    item, places, direction = _item(old), paths(old_message, new_message), Keyword(old_message.direction.value)
-    if [old_message.dlc, new_message.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
-        item_of_bus: tuple[Item, Places] = Item("bus", ""), (("bus",), ("bus",))
-        collector.attributes([_DLC], *item_of_bus, old_message, new_message, use, direction=Keyword("usual frame"))
+    if [old.dlc, new.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
+        bus = replace(command, item=Item("bus", ""), places=(("bus",), ("bus",)))
+        bus.attributes([_DLC], old, new, direction=Keyword("usual frame"))
     else:
         rows.append(_DLC)
     if not is_other:
-        collector.attributes(rows, item, places, old_message, new_message, use, direction=direction)
+        command.of(command.item, old, new).attributes((*rows, *_SENDING), old, new, direction=direction)

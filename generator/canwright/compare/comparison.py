@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any
 
 from ..model.edition import Edition
-from . import commands, edition_changes, missing_names, renames
+from ..semantics.configured import configured
+from . import commands, edition_changes, match, missing_names, renames
 from .change import Change
 from .collector import Collector
 from .exported_names import ExportedNames, Exporter
@@ -23,9 +25,22 @@ def changes(old: Edition, new: Edition, exporters: Sequence[Exporter]) -> tuple[
     collector = Collector(names, old, new)
     renamed = renames.compare(collector, old, new)
     edition_changes.compare(collector, renamed, new)
-    commands.compare(collector, renamed, new)
+    matched = match.commands(renamed, new)
+    commands.compare(collector, renamed, new, matched)
     missing_names.compare(collector, names, old)
-    return with_verdicts(tuple(collector), ExchangeSimulation(renamed, new).witnesses())
+    before, after = _with_ids(renamed, new)
+    if (before, after) != (renamed, new):
+        matched = match.commands(before, after)
+    return with_verdicts(tuple(collector), ExchangeSimulation(before, after, matched).witnesses())
+
+
+def _with_ids(old: Edition, new: Edition) -> tuple[Edition, Edition]:
+    """The editions with a value in place of each parameter in ids and constants: the lowest that both allow."""
+    lowest: dict[str, Fraction] = {}
+    for parameter in (*old.parameters, *new.parameters):
+        if parameter.whole and parameter.minimum is not None:
+            lowest[parameter.name] = max(parameter.minimum, lowest.get(parameter.name, parameter.minimum))
+    return configured(old, lowest), configured(new, lowest)
 
 
 def _in_order_of(old: Edition, new: Edition) -> Edition:

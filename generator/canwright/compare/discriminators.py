@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from dataclasses import replace
 
-from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
+from ..model.layout import Field
 from ..model.message import Command, Key, KeyRole, Message
-from ..model.types import Order
 from .change import Item, Keyword, Side
-from .collector import AffectedUsers, Attribute, Collector, Places, at, given, listed, paths
-from .fields import Editions, constant_keys, place_of
-from .forms import messages
+from .collector import BOTH_SIDES, Attribute, Subject, given, listed
+from .fields import Editions, place_of
+from .forms import constants, messages
 from .match import by_name
 
 
@@ -35,48 +34,44 @@ def index(command: Command) -> str:
 
 
 _OF_CONSTANT = (
-    Attribute["_Field"](
-        "constant-changed", "constant", lambda f: Keyword("any value") if f.value is None else str(f.value)
+    Attribute[Field](
+        "constant-changed",
+        "constant",
+        lambda f: formatting.fixed(f.role) or Keyword("any value") if f.role.sent_raw is None else str(f.role.sent_raw),
     ),
-    Attribute["_Field"]("field-moved", "at", lambda f: f.place),
-    Attribute["_Field"]("byte-order-changed", "byte_order", lambda f: Keyword(f.order.value)),
+    Attribute[Field]("field-moved", "at", place_of),
+    Attribute[Field]("byte-order-changed", "byte_order", lambda f: Keyword(f.type.order.value)),
 )
 _ORDER = Attribute[Key]("byte-order-changed", "byte_order", lambda key: Keyword(key.order.value))
 _INDEX = Attribute[Command]("index-changed", "index", index)
 
 
-def compare(collector: Collector, both: Editions, old: Command, new: Command) -> None:
+def compare(command: Subject, both: Editions, old: Command, new: Command) -> None:
     """All changes of codes, indices and constants that distinguish messages."""
+    command = command.used(*BOTH_SIDES)
     if same_kind(old, new) and old.code != new.code:
-        item, use, places = (
-            Item("command", old.spec_name),
-            AffectedUsers(tuple(Side), (old.spec_name,)),
-            at(paths(old, new), "code"),
-        )
         facts = {"old": code(old.code), "new": code(new.code)}
         taken = [
             c.spec_name for c in both.new.commands if (c.address, c.code, c.entry) == (new.address, old.code, None)
         ]
         if taken:
-            collector.add("code-taken", item, places, use, **facts, other=min(taken))
+            command.at("code").add("code-taken", **facts, other=min(taken))
         else:
-            collector.add("code-changed", item, places, use, **facts)
+            command.at("code").add("code-changed", **facts)
     if old.entry and new.entry:
-        use = AffectedUsers(tuple(Side), (old.spec_name,))
-        collector.attributes([_INDEX], Item.of_entry(old.entry), paths(old.entry, new.entry), old, new, use)
+        entry = command.of(Item.of_entry(old.entry), old.entry, new.entry)
+        entry.attributes([_INDEX], old, new)
         if not same_kind(old, new):
-            facts = {"old": given(old.entry.kind), "new": given(new.entry.kind)}
-            places = at(paths(old.entry, new.entry), "kind")
-            collector.add("kind-changed", Item.of_entry(old.entry), places, use, **facts)
+            entry.at("kind").add("kind-changed", old=given(old.entry.kind), new=given(new.entry.kind))
     for side, message, another in ((Side.SENDING, old.request, new.request), (Side.RECEIVING, old.reply, new.reply)):
         if message and another and (message.address == another.address or message.id == another.id):
             of_replies = side is Side.RECEIVING and not _like_requests(old, new)
-            key = "reply_selector" if of_replies else "selector"
-            _code_moved(collector, both, message, another, key, AffectedUsers((side,), (old.spec_name,)))
+            _code_moved(command.used(side), both, message, another, "reply_selector" if of_replies else "selector")
     for direction, message, another in messages(old, new):
-        use = AffectedUsers((Side.of(direction),), (old.spec_name,))
-        _index_moved(collector, both, old, new, message, another, use)
-        _constants(collector, message, another, use)
+        frames = command.used(Side.of(direction))
+        if old.entry and new.entry:
+            _index_moved(frames, both, (old.entry.table, new.entry.table), message, another)
+        _constants(frames.within(message.path, another.path), message, another)
 
 
 def same_kind(old: Command, new: Command) -> bool:
@@ -85,37 +80,23 @@ def same_kind(old: Command, new: Command) -> bool:
     return codes[0] == codes[1] or (old.entry and old.entry.kind) == (new.entry and new.entry.kind)
 
 
-class _Field(NamedTuple):
-    """A key or a field of a message; `value` is None where it is no constant."""
-
-    name: str
-    value: int | None
-    place: str
-    order: Order
-    path: DocumentPath
-
-
-def _constants(collector: Collector, old: Message, new: Message, use: AffectedUsers) -> None:
+def _constants(message: Subject, old: Message, new: Message) -> None:
     """Constants that distinguish one message from others, as a code does, in one edition or in both."""
-    item, (before, after) = Item("command", use.commands[0]), (constant_keys(m) for m in (old, new))
-    matched = by_name(_fields(old), _fields(new)).also(lambda a, b: a[1:4] == b[1:4])
+    before, after = constants(old), constants(new)
+    matched = by_name((*before.values(), *old.layout.fields), (*after.values(), *new.layout.fields)).also(_is_same)
     for old_field, new_field in matched.pairs:
-        if old_field.name not in before and new_field.name not in after:
-            continue
-        places = old_field.path, new_field.path
-        collector.renamed("field-renamed", item, places, use, old=old_field.name, new=new_field.name)
-        collector.attributes(_OF_CONSTANT, item, places, old_field, new_field, use, name=new_field.name)
+        if old_field.name in before or new_field.name in after:
+            constant = message.of(message.item, old_field, new_field)
+            constant.renamed("field-renamed", old_field.name, new_field.name)
+            constant.attributes(_OF_CONSTANT, old_field, new_field, name=new_field.name)
     for gone in (field for field in matched.removed if field.name in before):
-        places, facts = (gone.path, new.path), {"name": gone.name, "place": gone.place}
-        collector.removed("field-removed", item, places, use, None, **facts)
+        message.within(gone.path, new.path).removed("field-removed", None, name=gone.name, place=place_of(gone))
     for fresh in (field for field in matched.added if field.name in after):
-        places, facts = (old.path, fresh.path), {"name": fresh.name, "place": fresh.place}
-        collector.add("field-added", item, places, use, **facts)
+        message.within(old.path, fresh.path).add("field-added", name=fresh.name, place=place_of(fresh))
 
 
-def _fields(message: Message) -> Iterator[_Field]:
-    yield from (_Field(k.name, k.value, _place(k), k.order, k.path) for k in message.keys if k.role is KeyRole.CONSTANT)
-    yield from (_Field(f.name, f.role.sent_raw, place_of(f), f.type.order, f.path) for f in message.layout.fields)
+def _is_same(old: Field, new: Field) -> bool:
+    return all(row.shown(old) == row.shown(new) for row in _OF_CONSTANT)
 
 
 def _place(key: Key) -> str:
@@ -143,15 +124,13 @@ def _like_requests(old: Command, new: Command) -> bool:
     )
 
 
-def _code_moved(collector: Collector, both: Editions, old: Message, new: Message, key: str, use: AffectedUsers) -> None:
-    facts = {"old": _place_of(old.keys, KeyRole.CODE), "new": _place_of(new.keys, KeyRole.CODE)}
-    whole = _one_selector(both.old) and _one_selector(both.new)
-    item = Item("edition", "") if whole else Item("address", old.address)
-    of_address = ("addresses", old.address, key), ("addresses", new.address, key)
-    places: Places = (("selector",), ("selector",)) if whole else of_address
-    if facts["old"] != facts["new"] and not _follow_edition(both, old, new, KeyRole.CODE):
-        collector.add("code-moved", item, places, use, **facts)
-    _turned(collector, both, item, places, old, new, KeyRole.CODE, use)
+def _code_moved(command: Subject, both: Editions, old: Message, new: Message, key: str) -> None:
+    if _one_selector(both.old) and _one_selector(both.new):
+        selector = replace(command, item=Item("edition", ""), places=(("selector",), ("selector",)))
+    else:
+        places = ("addresses", old.address, key), ("addresses", new.address, key)
+        selector = replace(command, item=Item("address", old.address), places=places)
+    _moved(selector, both, old, new, KeyRole.CODE, "code-moved")
 
 
 def _pairs(old: Message, new: Message, role: KeyRole) -> Iterator[tuple[Key, Key]]:
@@ -165,43 +144,19 @@ def _follow_edition(both: Editions, old: Message, new: Message, role: KeyRole) -
     return both.old.order is not both.new.order and orders == {(both.old.order, both.new.order)}
 
 
-def _turned(
-    collector: Collector,
-    both: Editions,
-    item: Item,
-    places: Places,
-    old: Message,
-    new: Message,
-    role: KeyRole,
-    use: AffectedUsers,
-) -> None:
-    """Adds the change of the byte order of keys that stay in the same bytes, or of the edition if they follow it."""
+def _index_moved(command: Subject, both: Editions, tables: tuple[str, str], old: Message, new: Message) -> None:
+    places = ("tables", tables[0], "index"), ("tables", tables[1], "index")
+    index = replace(command, item=Item("table", tables[0]), places=places)
+    _moved(index, both, old, new, KeyRole.INDEX, "index-moved")
+
+
+def _moved(subject: Subject, both: Editions, old: Message, new: Message, role: KeyRole, rule: str) -> None:
+    """Adds the change of the bits of keys; of their byte order, or of the edition's, if they stay in the same bytes."""
     follows = _follow_edition(both, old, new, role)
+    before, after = _place_of(old.keys, role), _place_of(new.keys, role)
+    if before != after and not follows:
+        subject.add(rule, old=before, new=after)
     for old_key, new_key in _pairs(old, new, role):
-        if old_key.segments == new_key.segments or not (follows or _place(old_key) == _place(new_key)):
-            continue
-        if follows:
-            item, places = Item("edition", ""), ((), ())
-        name = "byte_order" if follows else role.value
-        collector.attributes([_ORDER], item, places, old_key, new_key, use, name=name)
-
-
-def _index_moved(
-    collector: Collector,
-    both: Editions,
-    old: Command,
-    new: Command,
-    old_message: Message,
-    new_message: Message,
-    use: AffectedUsers,
-) -> None:
-    facts = {"old": _place_of(old_message.keys, KeyRole.INDEX), "new": _place_of(new_message.keys, KeyRole.INDEX)}
-    if not old.entry or not new.entry:
-        return
-    item, places = (
-        Item("table", old.entry.table),
-        at((("tables", old.entry.table), ("tables", new.entry.table)), "index"),
-    )
-    if facts["old"] != facts["new"] and not _follow_edition(both, old_message, new_message, KeyRole.INDEX):
-        collector.add("index-moved", item, places, use, **facts)
-    _turned(collector, both, item, places, old_message, new_message, KeyRole.INDEX, use)
+        if old_key.segments != new_key.segments and (follows or _place(old_key) == _place(new_key)):
+            owner = replace(subject, item=Item("edition", ""), places=((), ())) if follows else subject
+            owner.attributes([_ORDER], old_key, new_key, name="byte_order" if follows else role.value)

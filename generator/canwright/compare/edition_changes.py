@@ -16,12 +16,10 @@ from ..model.types import Parameter, Text
 from .change import Impact, Item, Keyword, SentenceArgument, Side
 from .collector import (
     BOTH_SIDES,
-    UNUSED,
-    AffectedUsers,
     Attribute,
     Collector,
+    Subject,
     Titled,
-    at,
     differing,
     given,
     listed,
@@ -33,12 +31,16 @@ from .match import Matched, by_name
 
 T = TypeVar("T", bound=Titled)
 
-_EDITION, _BUS = Item("edition", ""), Item("bus", "")
-
 
 def _fewer_rates(old: Mode, new: Mode) -> Impact:
     gone = set(old.bit_rates_kbps) - set(new.bit_rates_kbps)
     return Impact.LOUD if gone or new.default_kbps not in (None, old.default_kbps) else Impact.SAFE
+
+
+def _other_format(old: Bus, new: Bus) -> Impact:
+    """A program of CAN FD understands frames without bit rate switch, but may not know the data bit rate."""
+    is_usual = old.frame_format.is_fd and new.frame_format.is_fd and not new.frame_format.switches_rate
+    return Impact.SAFE if is_usual else Impact.LOUD
 
 
 def _rates(mode: Mode) -> SentenceArgument:
@@ -62,6 +64,9 @@ def _entered_by(state: State) -> SentenceArgument:
 
 _OF_EDITION = (
     Attribute[Edition]("languages-changed", "languages", lambda e: listed(e.languages), lambda e: set(e.languages)),
+)
+_FRAME_FORMAT = Attribute[Bus](
+    "frame-format-changed", "frame_format", lambda b: Keyword(b.frame_format.value), impact=_other_format
 )
 _OF_BUS = (
     Attribute[Bus]("reply-time-changed", "reply_within_ms", lambda b: given(b.reply_within_ms)),
@@ -89,10 +94,11 @@ def compare(collector: Collector, old: Edition, new: Edition) -> None:
     _items(collector, "effect", ("effects",), replace(effects, removed=(), added=()), _OF_EFFECT)
     _states(collector, old, new)
     _errata(collector, old, new)
-    collector.title(_EDITION, (("title",), ("title",)), new.family, old.title, new.title)
-    collector.text("text-changed", _EDITION, (("about",), ("about",)), old.family, old.about, new.about)
-    collector.text("title-changed", _EDITION, (("manual",), ("manual",)), "manual", old.manual, new.manual)
-    collector.attributes(_OF_EDITION, _EDITION, ((), ()), old, new, UNUSED)
+    edition = Subject(collector, Item("edition", ""), ((), ()))
+    edition.title(new.family, old.title, new.title)
+    edition.text("text-changed", "about", old.family, old.about, new.about)
+    edition.text("title-changed", "manual", "manual", old.manual, new.manual)
+    edition.attributes(_OF_EDITION, old, new)
 
 
 def _items(
@@ -101,83 +107,64 @@ def _items(
     path: DocumentPath,
     matched: Matched[T],
     rows: Sequence[Attribute[T]] = (),
-    use: AffectedUsers = UNUSED,
-    removed: tuple[AffectedUsers, Impact | None] = (UNUSED, None),
-    added: AffectedUsers = UNUSED,
+    sides: tuple[Side, ...] = (),
+    removed: tuple[tuple[Side, ...], Impact | None] = ((), None),
+    added: tuple[Side, ...] = (),
 ) -> None:
     """Changes of the attributes and texts of items of one kind; items that are removed and added."""
+
+    def subject(item: T, sides: tuple[Side, ...]) -> Subject:
+        return Subject(collector, Item(kind, item.name), ((*path, item.name),) * 2, sides)
+
     for old, new in matched.pairs:
-        item, places = Item(kind, old.name), ((*path, old.name), (*path, old.name))
-        collector.attributes(rows, item, places, old, new, use, name=old.name)
-        collector.texts(item, places, old, new)
+        same = subject(old, sides)
+        same.attributes(rows, old, new, name=old.name)
+        same.texts(old, new)
     for gone in matched.removed:
-        collector.add(f"{kind}-removed", Item(kind, gone.name), ((*path, gone.name), path), *removed, name=gone.name)
+        subject(gone, removed[0]).within((*path, gone.name), path).add(f"{kind}-removed", removed[1], name=gone.name)
     for fresh in matched.added:
-        collector.add(f"{kind}-added", Item(kind, fresh.name), (path, (*path, fresh.name)), added, name=fresh.name)
+        subject(fresh, added).within(path, (*path, fresh.name)).add(f"{kind}-added", name=fresh.name)
 
 
 def _addresses(collector: Collector, old: Sequence[Address], new: Sequence[Address]) -> None:
     matched = by_name(old, new).also(lambda a, b: (a.request, a.reply) == (b.request, b.reply))
-    for old_address, new_address in matched.pairs:
-        item, places = Item("address", old_address.name), paths(old_address, new_address)
-        collector.renamed("address-renamed", item, places, BOTH_SIDES, old=old_address.name, new=new_address.name)
-        extended = [(a.request.extended, a.reply.extended) for a in (old_address, new_address)]
+    for before, after in matched.pairs:
+        address = Subject(collector, Item("address", before.name), paths(before, after), BOTH_SIDES)
+        address.renamed("address-renamed", before.name, after.name)
+        extended = [(a.request.extended, a.reply.extended) for a in (before, after)]
         if extended[0] != extended[1]:
-            _extended(collector, item, old_address, new_address)
-        if old_address.request == old_address.reply and new_address.request == new_address.reply:
-            _rule(
-                collector, item, (old_address, new_address), tuple(Direction), old_address.request, new_address.request
-            )
+            facts = {"direction": Keyword("request and reply"), "old": _ids(before), "new": _ids(after)}
+            address.at("extended").add("id-changed", **facts)
+        if before.request == before.reply and after.request == after.reply:
+            _rule(address, "id", tuple(Direction), before.request, after.request)
         else:
-            _rule(
-                collector,
-                item,
-                (old_address, new_address),
-                (Direction.REQUEST,),
-                old_address.request,
-                new_address.request,
-            )
-            _rule(collector, item, (old_address, new_address), (Direction.REPLY,), old_address.reply, new_address.reply)
-        collector.section(item, places, old_address.manual, new_address.manual)
-        collector.texts(item, places, old_address, new_address)
+            _rule(address, "request", (Direction.REQUEST,), before.request, after.request)
+            _rule(address, "reply", (Direction.REPLY,), before.reply, after.reply)
+        address.section(before.manual, after.manual)
+        address.texts(before, after)
     for gone in matched.removed:
-        facts = {"name": gone.name, "old": formatting.id_rule(gone.request)}
-        places = gone.path, ("addresses",)
-        collector.add("address-removed", Item("address", gone.name), places, BOTH_SIDES, **facts)
+        address = Subject(collector, Item("address", gone.name), (gone.path, ("addresses",)), BOTH_SIDES)
+        address.add("address-removed", name=gone.name, old=formatting.id_rule(gone.request))
     for fresh in matched.added:
-        facts = {"name": fresh.name, "new": formatting.id_rule(fresh.request)}
-        places = ("addresses",), fresh.path
-        collector.add("address-added", Item("address", fresh.name), places, UNUSED, **facts)
+        address = Subject(collector, Item("address", fresh.name), (("addresses",), fresh.path))
+        address.add("address-added", name=fresh.name, new=formatting.id_rule(fresh.request))
 
 
-def _rule(
-    collector: Collector,
-    item: Item,
-    pair: tuple[Address, Address],
-    directions: tuple[Direction, ...],
-    old: IdRule,
-    new: IdRule,
-) -> None:
-    sides = tuple(map(Side.of, directions))
-    before, after = ((r.base, r.node_step, r.nodes is None) for r in (old, new))
+def _rule(address: Subject, key: str, directions: tuple[Direction, ...], old: IdRule, new: IdRule) -> None:
+    """Adds changes of the ids and of the nodes of an address in some directions."""
+    address = address.used(*map(Side.of, directions))
+    before, after = (replace(r, nodes=r.nodes and range(1), extended=False) for r in (old, new))
     if before != after:
-        facts = {"direction": Keyword(" and ".join(d.value for d in directions)), "old": _id(old), "new": _id(new)}
-        key = directions[0].value if len(directions) == 1 else "id"
-        collector.add("id-changed", item, at(paths(*pair), key), AffectedUsers(sides), **facts)
+        direction = Keyword(" and ".join(d.value for d in directions))
+        address.at(key).add("id-changed", direction=direction, old=_id(old), new=_id(new))
     if old.nodes is not None and new.nodes is not None and old.nodes != new.nodes:
         facts = {"old": f"{old.nodes[0]}..{old.nodes[-1]}", "new": f"{new.nodes[0]}..{new.nodes[-1]}"}
-        collector.add("nodes-changed", item, at(paths(*pair), "nodes"), AffectedUsers(sides), **facts)
+        address.at("nodes").add("nodes-changed", **facts)
 
 
-def _extended(collector: Collector, item: Item, old: Address, new: Address) -> None:
-    """Adds the change of the width of all ids of an address."""
-
-    def ids(address: Address) -> SentenceArgument:
-        request, reply = _id(address.request), _id(address.reply)
-        return request if request == reply else (request, ", ", reply)
-
-    facts = {"direction": Keyword("request and reply"), "old": ids(old), "new": ids(new)}
-    collector.add("id-changed", item, at(paths(old, new), "extended"), BOTH_SIDES, **facts)
+def _ids(address: Address) -> SentenceArgument:
+    request, reply = _id(address.request), _id(address.reply)
+    return request if request == reply else (request, ", ", reply)
 
 
 def _id(rule: IdRule) -> SentenceArgument:
@@ -185,27 +172,29 @@ def _id(rule: IdRule) -> SentenceArgument:
 
 
 def _bus(collector: Collector, old: Bus, new: Bus) -> None:
-    places = ("bus",), ("bus",)
-    collector.renamed("host-renamed", _BUS, at(places, "host"), BOTH_SIDES, old=old.host, new=new.host)
-    collector.section(_BUS, places, old.manual, new.manual)
+    bus = Subject(collector, Item("bus", ""), (("bus",), ("bus",)))
+    bus.used(*BOTH_SIDES).at("host").renamed("host-renamed", old.host, new.host)
+    bus.section(old.manual, new.manual)
     modes = by_name(old.modes, new.modes)
     _items(collector, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, (BOTH_SIDES, Impact.LOUD))
-    collector.attributes(_OF_BUS, _BUS, places, old, new, UNUSED)
+    bus.used(*BOTH_SIDES).attributes([_FRAME_FORMAT], old, new)
+    bus.attributes(_OF_BUS, old, new)
 
 
 def _parameters(collector: Collector, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:
     matched = by_name(old, new)
-    for old_parameter, new_parameter in matched.pairs:
-        item, path = Item("parameter", old_parameter.name), ("parameters", old_parameter.name, "values")
-        values = by_name(old_parameter.values, new_parameter.values)
+    for before, after in matched.pairs:
+        path = ("parameters", before.name, "values")
+        parameter = Subject(collector, Item("parameter", before.name), (path, path))
+        values = by_name(before.values, after.values)
         for value, now in values.pairs:
-            collector.texts(item, ((*path, value.name), (*path, now.name)), value, now)
+            parameter.at(value.name).texts(value, now)
         for value in values.removed:
-            facts = {"name": old_parameter.name, "value": value.name}
-            collector.add("parameter-value-removed", item, ((*path, value.name), path), BOTH_SIDES, **facts)
+            gone = parameter.used(*BOTH_SIDES).within((*path, value.name), path)
+            gone.add("parameter-value-removed", name=before.name, value=value.name)
         for value in values.added:
-            facts = {"name": old_parameter.name, "value": value.name}
-            collector.add("parameter-value-added", item, (path, (*path, value.name)), UNUSED, **facts)
+            fresh = parameter.within(path, (*path, value.name))
+            fresh.add("parameter-value-added", name=before.name, value=value.name)
     _items(collector, "parameter", ("parameters",), matched, _OF_PARAMETER, BOTH_SIDES, (BOTH_SIDES, None), BOTH_SIDES)
 
 
@@ -214,28 +203,22 @@ def _states(collector: Collector, old: Edition, new: Edition) -> None:
     before = [
         replace(state, entered_by=tuple(now.get(name, name) for name in state.entered_by)) for state in old.states
     ]
-    _items(collector, "state", ("states",), by_name(before, new.states), _OF_STATE, AffectedUsers((Side.SENDING,)))
+    _items(collector, "state", ("states",), by_name(before, new.states), _OF_STATE, (Side.SENDING,))
 
 
 def _errata(collector: Collector, old: Edition, new: Edition) -> None:
     before, after = ({e.id: (i, e) for i, e in enumerate(edition.errata)} for edition in (old, new))
     for id_ in dict.fromkeys((*before, *after)):
-        (i, old_erratum), (j, new_erratum) = before.get(id_, (None, None)), after.get(id_, (None, None))
-        rule: str | None = None
-        facts: dict[str, SentenceArgument] = (
-            {"name": id_} if new_erratum is None else {"name": id_, "used": new_erratum.used}
-        )
-        if new_erratum is None:
-            rule = "erratum-removed"
-        elif old_erratum is None:
-            rule = "erratum-added"
-        elif any(differing(a, b) for a, b in zip(_texts(old_erratum), _texts(new_erratum), strict=True)):
-            rule = "erratum-changed"
-        elif (old_erratum.where, old_erratum.manual) != (new_erratum.where, new_erratum.manual):
-            rule, facts = "erratum-moved", {"name": id_, "old": _about(old_erratum), "new": _about(new_erratum)}
-        if rule is not None:
-            places = (_erratum(i), _erratum(j))
-            collector.add(rule, Item("erratum", id_), places, UNUSED, **facts)
+        (i, was), (j, now) = before.get(id_, (None, None)), after.get(id_, (None, None))
+        erratum = Subject(collector, Item("erratum", id_), (_erratum(i), _erratum(j)))
+        if now is None:
+            erratum.add("erratum-removed", name=id_)
+        elif was is None:
+            erratum.add("erratum-added", name=id_, used=now.used)
+        elif any(differing(a, b) for a, b in zip(_texts(was), _texts(now), strict=True)):
+            erratum.add("erratum-changed", name=id_, used=now.used)
+        elif (was.where, was.manual) != (now.where, now.manual):
+            erratum.add("erratum-moved", name=id_, old=_about(was), new=_about(now))
 
 
 def _erratum(number: int | None) -> DocumentPath:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.notation import At, frame_bits
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field, Layout, NodeRole, ReservedRole, Space
-from ..model.message import KeyRole, Message
+from ..model.layout import ChecksumRole, CounterRole, Field, Layout, NodeRole, ReservedRole, Space
+from ..model.message import Message
 from ..model.types import Encoding, Type
 from . import match, quantities
 from .change import Category, Change, Item, Keyword, SentenceArgument
-from .collector import AffectedUsers, Attribute, Collector, Places, at, paths
+from .collector import Attribute, Subject
+from .forms import constants
 
 
 @dataclass(frozen=True)
@@ -28,52 +29,43 @@ class Editions:
     commands: dict[str, str]
 
 
-def compare(
-    collector: Collector, both: Editions, command: str, message: Message, another: Message, use: AffectedUsers
-) -> None:
-    """All changes of the layout of a message of `command`."""
+def compare(command: Subject, both: Editions, message: Message, another: Message) -> None:
+    """All changes of the layout of a message of a command."""
     old, new = message.layout, another.layout
+    layout = command
     if _is_shared(both, old, new):
-        item, places = Item("layout", old.name), paths(old, new)
-        collector.renamed("layout-renamed", item, places, use, old=old.name, new=new.name)
-        collector.texts(item, places, old, new)
-        collector.section(item, places, old.manual, new.manual, AffectedUsers((), use.commands))
-    else:
-        item = Item("command", command)
+        layout = command.of(Item("layout", old.name), old, new)
+        layout.renamed("layout-renamed", old.name, new.name)
+        layout.texts(old, new)
+        layout.section(old.manual, new.manual)
     matched = match.fields(old, new)
     exchanged = match.exchanged_fields(old, new)
     exchanged_names = {before.name for before, _ in exchanged}
     for before, after in matched.pairs:
-        if before.name in exchanged_names:
-            continue
-        owner = _owner(before, item)
-        _field(collector, both, owner, before, after, use)
-        if (before.manual, after.manual) != (old.manual, new.manual):
-            collector.section(owner, paths(before, after), before.manual, after.manual, AffectedUsers((), use.commands))
+        if before.name not in exchanged_names:
+            field = layout.of(_owner(before, layout.item), before, after)
+            _field(field, both, before, after)
+            if (before.manual, after.manual) != (old.manual, new.manual):
+                field.section(before.manual, after.manual)
+            field.manual_name(before.manual_name, after.manual_name)
     replaced = matched.also(match.overlap)
     for before, after in (*exchanged, *replaced.pairs[len(matched.pairs) :]):
-        facts = {"place": place_of(before), "old": before.name, "new": after.name}
-        collector.add("field-replaced", _owner(before, item), paths(before, after), use, **facts)
+        field = layout.of(_owner(before, layout.item), before, after)
+        field.add("field-replaced", place=place_of(before), old=before.name, new=after.name)
     for gone in replaced.removed:
-        if gone.name not in constant_keys(another):
-            facts = {"name": gone.name, "place": place_of(gone)}
-            place = _parent(gone, new)
-            collector.removed("field-removed", _owner(gone, item), (gone.path, place), use, gone.deprecated, **facts)
+        if gone.name not in constants(another):
+            field = layout.of(_owner(gone, layout.item), gone, gone).within(gone.path, _parent(gone, new))
+            field.removed("field-removed", gone.deprecated, name=gone.name, place=place_of(gone))
     for fresh in replaced.added:
-        if fresh.name not in constant_keys(message):
-            facts = {"name": fresh.name, "place": place_of(fresh)}
-            collector.add("field-added", _owner(fresh, item), (_parent(fresh, old), fresh.path), use, **facts)
+        if fresh.name not in constants(message):
+            field = layout.of(_owner(fresh, layout.item), fresh, fresh).within(_parent(fresh, old), fresh.path)
+            field.add("field-added", name=fresh.name, place=place_of(fresh))
 
 
 def _is_shared(both: Editions, old: Layout, new: Layout) -> bool:
     """Whether both are one layout with a name; the same name, or another one in the new edition."""
     named = old.path[0] == new.path[0] == "layouts"
     return named and both.layouts.get(old.name, old.name) == new.name
-
-
-def constant_keys(message: Message) -> set[str]:
-    """The names of constants that are keys of a message, and so no fields of its layout."""
-    return {key.name for key in message.keys if key.role is KeyRole.CONSTANT}
 
 
 def _owner(field: Field, item: Item) -> Item:
@@ -89,11 +81,15 @@ def _parent(field: Field, layout: Layout) -> DocumentPath:
 
 
 def _array(field: Field) -> str:
+    if field.type.joined is not None:
+        return Keyword("one alone")
     return formatting.numbers(e.index for e in field.elements if e.index is not None) or Keyword("one alone")
 
 
 def place_of(field: Field) -> str:
     """The bits of a field, as `DATA[4..5]`."""
+    if not field.is_array:
+        return formatting.place(field.space, field.elements[0].segments, order=field.type.order)
     return formatting.place(field.space, tuple(s for e in field.elements for s in e.segments))
 
 
@@ -106,37 +102,52 @@ _OF_FIELD = (
 )
 
 
-def _field(collector: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
-    places = paths(old, new)
-    collector.renamed("field-renamed", item, places, use, old=old.name, new=new.name)
+def _field(field: Subject, both: Editions, old: Field, new: Field) -> None:
+    field.renamed("field-renamed", old.name, new.name)
     if _moved(old, new):
-        facts = {"name": new.name, "old": place_of(old), "new": place_of(new)}
-        collector.add("field-moved", item, at(places, "at"), use, **facts)
-    collector.attributes(_OF_FIELD, item, places, old, new, use, name=new.name)
-    if (old.role.sent_raw, old.role.required_raw) != (new.role.sent_raw, new.role.required_raw):
-        before, after = ((*f.path, "reserved" if isinstance(f.role, ReservedRole) else "constant") for f in (old, new))
-        shown = {"old": _constant(old), "new": _constant(new)}
-        collector.add("constant-changed", item, (before, after), use, name=new.name, **shown)
-    collector.deprecation(item, places, new.name, old.deprecated, new.deprecated)
+        field.at("at").add("field-moved", name=new.name, old=place_of(old), new=place_of(new))
+    field.attributes(_OF_FIELD, old, new, name=new.name)
+    fixed = [(formatting.fixed(f.role), f.role.required_raw) for f in (old, new)]
+    if old.role != new.role and any(isinstance(f.role, ChecksumRole) for f in (old, new)):
+        before, after = ((*f.path, f.role.key or ChecksumRole.key) for f in (old, new))
+        checksum = field.within(before, after)
+        checksum.add("checksum-changed", name=new.name, old=_constant(old), new=_constant(new))
+    elif fixed[0] != fixed[1]:
+        before, after = ((*f.path, f.role.key) for f in (old, new))
+        constant = field.within(before, after)
+        constant.add("constant-changed", name=new.name, old=_constant(old), new=_constant(new))
+    counters = [f.role if isinstance(f.role, CounterRole) else None for f in (old, new)]
+    if counters[0] != counters[1]:
+        counter = field.within(*((*f.path, CounterRole.key) for f in (old, new)))
+        counter.add("counter-changed", name=new.name, old=_counter(counters[0]), new=_counter(counters[1]))
+    field.deprecation(new.name, old.deprecated, new.deprecated)
     if (old.title, new.title) != (old.type.title, new.type.title):
-        collector.title(item, at(places, "title"), new.name, old.title, new.title)
-    collector.text("text-changed", item, at(places, "about"), new.name, old.about, new.about)
+        field.title(new.name, old.title, new.title)
+    field.text("text-changed", "about", new.name, old.about, new.about)
     if isinstance(old.role, ReservedRole) is isinstance(new.role, ReservedRole):  # reserved bits have no meaning
-        _type(collector, both, item, old, new, use)
+        _type(field, both, old, new)
+
+
+def _counter(role: CounterRole | None) -> SentenceArgument:
+    return (Keyword("a counter"), f" {role.first}..{role.last}") if role else Keyword("a value")
 
 
 def _constant(field: Field) -> SentenceArgument:
     if field.role.is_value:
         return Keyword("any value")
+    if isinstance(field.role, ChecksumRole):
+        return formatting.checksum(field.role)
     if isinstance(field.role, ReservedRole):
         return (Keyword("any value"), ", ", Keyword("sent as"), f" {field.role.sent_raw}")
-    return str(field.role.sent_raw)
+    return formatting.fixed(field.role) if field.role.sent_raw is None else str(field.role.sent_raw)
 
 
 def _moved(old: Field, new: Field) -> bool:
     """Whether a field starts elsewhere; one that only grew, or turned its bytes, has not moved."""
     if old.space is not new.space:
         return True
+    if [e.segments for e in old.elements] == [e.segments for e in new.elements]:
+        return False
     before, after = ((f.type.width, f.type.order, len(f.elements)) for f in (old, new))
     if before == after:
         return [e.segments for e in old.elements] != [e.segments for e in new.elements]
@@ -155,48 +166,52 @@ def _starts(field: Field) -> set[At]:
 _WIDTH = Attribute[Type]("width-changed", "raw", lambda t: str(t.width))
 _SIGN = Attribute[Type]("sign-changed", "raw", lambda t: Keyword(t.encoding.value))
 _ENCODING = Attribute[Type]("encoding-changed", "raw", lambda t: Keyword(t.encoding.value))
+_JOINED = Attribute[Type]("joined-changed", "raw", lambda t: _joined(t), lambda t: t.joined and t.joined.format)
+_PADDING = Attribute[Type]("joined-changed", "padding", lambda t: _joined(t))
 _ORDER = Attribute[Type]("byte-order-changed", "byte_order", lambda t: Keyword(t.order.value))
 
 
-def _type(collector: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
+def _joined(type_: Type) -> SentenceArgument:
+    return type_.joined.facts if type_.joined else Keyword("separate numbers")
+
+
+def _type(field: Subject, both: Editions, old: Field, new: Field) -> None:
     old_type, new_type = old.type, new.type
     named = [t.path[0] == "types" for t in (old_type, new_type)]
     same = all(named) and both.types.get(old_type.name, old_type.name) == new_type.name
-    owner, name = (Item("type", old_type.name), old_type.name) if same else (item, new.name)
-    places = paths(old_type, new_type) if same else (_path(old), _path(new))
     if min(old_type.width, new_type.width) > 8 and _follows_edition(both, old_type, new_type):
-        edition: tuple[Item, Places] = Item("edition", ""), ((), ())
-        collector.attributes([_ORDER], *edition, old_type, new_type, use, name="byte_order")
-    if not same and any(named) and old_type.name != new_type.name:
-        _other_type(collector, both, item, old, new, use)
-        return
+        edition = replace(field, item=Item("edition", ""), places=((), ()))
+        edition.attributes([_ORDER], old_type, new_type, name="byte_order")
     if same:
-        collector.renamed("type-renamed", owner, places, use, old=old_type.name, new=new_type.name)
-        collector.texts(owner, places, old_type, new_type)
-        collector.text("text-changed", owner, at(places, "differs"), name, old_type.differs, new_type.differs)
-    _meaning(collector, both, owner, name, places, old_type, new_type, use)
+        type_ = field.of(Item("type", old_type.name), old_type, new_type)
+        type_.renamed("type-renamed", old_type.name, new_type.name)
+        type_.texts(old_type, new_type)
+        type_.text("text-changed", "differs", old_type.name, old_type.differs, new_type.differs)
+        _meaning(type_, both, old_type.name, old_type, new_type)
+    elif any(named) and old_type.name != new_type.name:
+        _other_type(field.within(_path(old), _path(new)), both, old, new)
+    else:
+        _meaning(field.within(_path(old), _path(new)), both, new.name, old_type, new_type)
 
 
-def _other_type(collector: Collector, both: Editions, item: Item, old: Field, new: Field, use: AffectedUsers) -> None:
+def _other_type(field: Subject, both: Editions, old: Field, new: Field) -> None:
     """Adds one change for a field that has another type, with all that differs."""
-    places = _path(old), _path(new)
-    inner = collector.empty_copy()
-    _meaning(inner, both, item, new.name, places, old.type, new.type, use)
+    inner = field.collector.empty_copy()
+    _meaning(replace(field, collector=inner), both, new.name, old.type, new.type)
     changes = list(inner)
-    facts: dict[str, SentenceArgument] = {"name": new.name, "old": old.type.name, "new": new.type.name}
     for change in changes:
         if change.rule.category is Category.DOC:
-            collector.add(change.rule.id, item, places, use, **change.facts)
+            field.add(change.rule.id, **change.facts)
     strong = [c for c in changes if c.rule.category in (Category.WIRE, Category.VALUE)]
     if strong:
         wire = any(c.rule.category is Category.WIRE for c in strong)
         rule = "field-format-changed" if wire else "field-meaning-changed"
-        facts["changes"] = tuple(
+        differences = tuple(
             part for i, c in enumerate(strong) for part in ((", ", _difference(c)) if i else (_difference(c),))
         )
-        collector.add(rule, item, places, use, **facts)
+        field.add(rule, name=new.name, old=old.type.name, new=new.type.name, changes=differences)
     elif old.type.path[0] == "types":  # a number without a type had no names
-        collector.renamed("type-of-field-changed", item, places, use, **facts)
+        field.renamed("type-of-field-changed", old.type.name, new.type.name, name=new.name)
 
 
 def _follows_edition(both: Editions, old: Type, new: Type) -> bool:
@@ -217,22 +232,15 @@ def _difference(change: Change) -> SentenceArgument:
     return (what, when, " ", change.facts["new"], " (", Keyword("was"), " ", change.facts["old"], ")")
 
 
-def _meaning(
-    collector: Collector,
-    both: Editions,
-    owner: Item,
-    name: str,
-    places: Places,
-    old: Type,
-    new: Type,
-    use: AffectedUsers,
-) -> None:
+def _meaning(type_: Subject, both: Editions, name: str, old: Type, new: Type) -> None:
     """Changes of the raw format of a type, and of what its values mean."""
     encoding = _ENCODING if Encoding.FLOAT in (old.encoding, new.encoding) else _SIGN
-    collector.attributes((_WIDTH, encoding), owner, places, old, new, use, name=name)
+    type_.attributes((_WIDTH, encoding, _JOINED), old, new, name=name)
+    if old.joined and new.joined and old.joined.format == new.joined.format:
+        type_.attributes([_PADDING], old, new, name=name)
     if min(old.width, new.width) > 8 and not _follows_edition(both, old, new):
-        collector.attributes([_ORDER], owner, places, old, new, use, name=name)
-    quantities.compare(collector, quantities.Pair(old, new, owner, name, places, use))
+        type_.attributes([_ORDER], old, new, name=name)
+    quantities.compare(type_, name, old, new)
 
 
 def _path(field: Field) -> DocumentPath:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Mapping
 
-from ..model.layout import Layout
+from ..language.notation import RawFormat
+from ..model.layout import ConstantRole, Element, Field, Layout
 from ..model.message import Command, Direction, EchoReply, KeyRole, Message, OtherReply
+from ..model.types import Encoding
+from ..resolve.types import bare_type
 
 ECHO, FIELDS, NO_FIELDS, NONE = "echo", "fields", "{}", "none"
 """The forms, as a spec writes them."""
@@ -13,7 +17,7 @@ ECHO, FIELDS, NO_FIELDS, NONE = "echo", "fields", "{}", "none"
 
 def reply_form(command: Command, new_names: Mapping[str, str]) -> str:
     """What a reply is made of; whose layout the fields are in makes no difference."""
-    for reply in command.replies:
+    for reply in command.replies[:1]:
         if isinstance(reply, OtherReply):
             return f"of {new_names.get(reply.of, reply.of)}"
         return ECHO if isinstance(reply, EchoReply) else FIELDS
@@ -48,8 +52,7 @@ def _is_other_reply(old: Command, new: Command) -> bool:
 
 def is_emptied(old: Message, new: Message) -> bool:
     """Whether a command no longer gives a message any fields, by more than the removal of a single one."""
-    gone = [k.name for k in old.keys if k.role is KeyRole.CONSTANT] + [f.name for f in old.layout.fields]
-    left = new.layout.fields or any(k.role is KeyRole.CONSTANT for k in new.keys)
+    gone, left = ((*constants(message), *message.layout.fields) for message in (old, new))
     if left or not gone or new.layout.path[0] != "commands" or old.remote is not new.remote:
         return False
     return len(gone) > 1 or old.layout.path[0] != "commands" or _frame(old) != _frame(new)
@@ -63,3 +66,28 @@ def _frame(message: Message) -> tuple[object, ...]:
 def is_named(layout: Layout) -> bool:
     """Whether a layout is defined apart from the commands that use it."""
     return layout.path[0] == "layouts"
+
+
+@functools.lru_cache(maxsize=4096)
+def constants(message: Message) -> Mapping[str, Field]:
+    """The constants that distinguish a message from others, which are no fields of its layout, by name; cached."""
+    return {
+        key.name: Field(
+            name=key.name,
+            renamed_from=None,
+            deprecated=None,
+            type=bare_type(RawFormat(Encoding.UNSIGNED, key.width), key.order, (), key.path),
+            space=key.space,
+            elements=(Element(None, key.segments),),
+            is_array=False,
+            only=(),
+            role=ConstantRole(key.value),
+            title={},
+            about={},
+            manual="",
+            manual_name="",
+            path=key.path,
+        )
+        for key in message.keys
+        if key.role is KeyRole.CONSTANT
+    }

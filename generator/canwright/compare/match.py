@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+import functools
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
+from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field, Layout
+from ..model.layout import ChecksumRole, Field, Layout
 from ..model.message import Command, Message
 from ..model.types import ImpliedTitle, Member, Text, Type
 
@@ -123,6 +125,31 @@ def members(old: Sequence[Member], new: Sequence[Member]) -> Matched[Member]:
     return renamable(old, new).also(lambda a, b: a.value == b.value and same_title(a, b))
 
 
+@functools.lru_cache(maxsize=4096)
+def member_names(old: Type, new: Type) -> Mapping[str, str]:
+    """The names of the members of the new type, by those of the old one; cached."""
+    pairs = (
+        *members(old.enum, new.enum).pairs,
+        *members(old.flags, new.flags).pairs,
+        *members(old.no_values, new.no_values).pairs,
+    )
+    return {before.name: after.name for before, after in pairs}
+
+
+@functools.lru_cache(maxsize=4096)
+def same_values(old: Type, new: Type) -> bool:
+    """Whether two types give every raw integer the same value and allow the same ones; cached."""
+    facts = [
+        (
+            (t.joined, t.width, t.encoding, t.order, t.unit and t.unit.name, t.linear, t.raw_range),
+            frozenset((n.name, n.raws) for n in t.no_values),
+            *(frozenset((m.name, m.value) for m in named) for named in (t.enum, t.flags)),
+        )
+        for t in (old, new)
+    ]
+    return facts[0] == facts[1]
+
+
 def commands(old: Edition, new: Edition) -> Matched[Command]:
     """Commands of one name or a former name; of one title and one code with the same bits, or fields of the same names.
 
@@ -167,8 +194,9 @@ def _same_titles(old: Command, new: Command) -> bool:
     return _is_same_title(old.spec_title, new.spec_title)
 
 
+@functools.lru_cache(maxsize=4096)
 def fields(old: Layout, new: Layout) -> Matched[Field]:
-    """Fields of one name or a former name; with the same bits, meaning and title; or of one type and title."""
+    """Fields of one name or a former name; with the same bits, meaning and title; or of one type and title. Cached."""
 
     def same_bits(earlier: Field, later: Field) -> bool:
         same_values = _meaning(earlier.type) == _meaning(later.type) and same_title(earlier, later)
@@ -227,7 +255,9 @@ def content(layout: Layout, without: Collection[str] = ()) -> object:
 
 
 def _bits_and_meaning(field: Field) -> tuple[object, ...]:
-    return field.space, field.elements, field.only, field.role.sent_raw, field.role.required_raw, _meaning(field.type)
+    role = field.role
+    fixed = (formatting.fixed(role), role.required_raw, role if isinstance(role, ChecksumRole) else None)
+    return field.space, field.elements, field.only, fixed, _meaning(field.type)
 
 
 def _meaning(type_: Type) -> tuple[object, ...]:
@@ -239,6 +269,7 @@ def _meaning(type_: Type) -> tuple[object, ...]:
         frozenset(type_.linear.cases.items()),
         frozenset(member.value for member in type_.enum),
         frozenset(flag.value for flag in type_.flags),
+        frozenset(no_value.raws for no_value in type_.no_values),
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from .change import Category, Change, Item
-from .collector import BOTH_SIDES, Collector
+from .collector import BOTH_SIDES, Collector, Subject
 from .exported_names import ExportedNames
 
 _KINDS = {
@@ -37,8 +37,8 @@ def compare(collector: Collector, names: ExportedNames, old: Edition) -> None:
             groups[path[:2]].append(path)
     for item, paths in groups.items():
         named = Item(_KINDS[str(item[0])], str(item[1])) if item[0] in _KINDS else Item(str(item[0]), "")
-        facts = {"names": names.disappeared(paths)}
-        collector.add("names-changed", named, (item, item), BOTH_SIDES, **facts)
+        subject = Subject(collector, named, (item, item), BOTH_SIDES)
+        subject.add("names-changed", names=names.disappeared(paths))
 
 
 def _explains(change: Change, path: DocumentPath, users: frozenset[str], parameters: frozenset[str]) -> bool:

@@ -9,10 +9,10 @@ from fractions import Fraction
 from typing import Generic, TypeVar
 
 from ..model import formatting
-from ..model.types import Assignment, Bound, ByParameter, Linear, Member, Range, Type
+from ..model.types import Assignment, Bound, ByParameter, Linear, Member, NoValue, Range, Type
 from . import match
-from .change import Impact, Item, Keyword
-from .collector import AffectedUsers, Attribute, Collector, Places, at, listed
+from .change import Impact, Keyword
+from .collector import Attribute, Subject, listed
 
 T = TypeVar("T")
 
@@ -31,17 +31,15 @@ class Case(Generic[T]):
 class Pair:
     """A type of the old edition and its counterpart in the new one, and the name that people know it by."""
 
+    subject: Subject
+    name: str
     old: Type
     new: Type
-    item: Item
-    name: str
-    places: Places
-    use: AffectedUsers
 
-    def add(self, collector: Collector, rule: str, key: str, case: Case[T], old: str, new: str) -> None:
+    def add(self, rule: str, key: str, case: Case[T], old: str, new: str) -> None:
         """Adds a change of a number that may depend on parameters."""
         facts = {"name": self.name, "when": case.when, "old": old, "new": new}
-        collector.add(rule, self.item, at(self.places, key), self.use, None, case.assignments, **facts)
+        self.subject.at(key).add(rule, None, case.assignments, **facts)
 
 
 _UNIT = Attribute[Type]("unit-changed", "unit", lambda t: t.unit.symbol if t.unit else Keyword("no unit"))
@@ -65,48 +63,47 @@ _WITHOUT_EFFECTS = Attribute[Member](
 )
 
 
-def compare(collector: Collector, pair: Pair) -> None:
+def compare(subject: Subject, name: str, old: Type, new: Type) -> None:
     """All changes of what a type means."""
-    old, new = pair.old, pair.new
-    linear = [_scales(collector, pair), _offsets(collector, pair)]
-    shows_parameters = any([*linear, _ranges(collector, pair)])
-    for key, before, after in (("enum", old.enum, new.enum), ("flags", old.flags, new.flags)):
-        _members(collector, pair, key, before, after)
-    rows = (_UNIT,) if shows_parameters else (_UNIT, _PARAMETERS)
-    collector.attributes(rows, pair.item, pair.places, old, new, pair.use, name=pair.name)
-    collector.attributes(
-        [_PLAUSIBLE], pair.item, pair.places, old, new, AffectedUsers((), pair.use.commands), name=pair.name
+    pair = Pair(subject, name, old, new)
+    linear = [_scales(pair), _offsets(pair)]
+    shows_parameters = any([*linear, _ranges(pair)])
+    named: tuple[tuple[str, tuple[Member, ...], tuple[Member, ...]], ...] = (
+        ("enum", old.enum, new.enum),
+        ("flags", old.flags, new.flags),
+        ("no_value", old.no_values, new.no_values),
     )
+    for key, before, after in named:
+        _members(subject.at(key), name, before, after)
+    subject.attributes((_UNIT,) if shows_parameters else (_UNIT, _PARAMETERS), old, new, name=name)
+    subject.used().attributes([_PLAUSIBLE], old, new, name=name)
 
 
 def _scale(linear: Linear | None) -> object:
     return linear and (linear.scale, linear.times)
 
 
-def _scales(collector: Collector, pair: Pair) -> bool:
+def _scales(pair: Pair) -> bool:
     """Adds changes of scales; whether there are any of their values."""
     changed = False
     for case in _cases(pair.old.linear, pair.new.linear):
         old, new = case.old, case.new
         shown = _scale_shown(old, pair.old), _scale_shown(new, pair.new)
         if _scale(old) != _scale(new):
-            pair.add(collector, "scale-changed", "scale", case, *shown)
+            pair.add("scale-changed", "scale", case, *shown)
             changed = True
         elif old and new and (old.printed or "1") != (new.printed or "1") and not old.is_identity:
-            pair.add(collector, "scale-rewritten", "scale", case, *shown)
+            pair.add("scale-rewritten", "scale", case, *shown)
     return changed
 
 
-def _offsets(collector: Collector, pair: Pair) -> bool:
+def _offsets(pair: Pair) -> bool:
     """Adds changes of offsets; whether there are any."""
-    changed = False
-    for case in _cases(_offsets_of(pair.old.linear), _offsets_of(pair.new.linear)):
-        old, new = case.old, case.new
-        if old is not None and new is not None and old != new:
-            shown = _offset_shown(old, pair.old), _offset_shown(new, pair.new)
-            pair.add(collector, "offset-changed", "offset", case, *shown)
-            changed = True
-    return changed
+    cases = _cases(_offsets_of(pair.old.linear), _offsets_of(pair.new.linear))
+    changed = [(case, case.old, case.new) for case in cases if case.old and case.new and case.old != case.new]
+    for case, old, new in changed:
+        pair.add("offset-changed", "offset", case, _offset_shown(old, pair.old), _offset_shown(new, pair.new))
+    return bool(changed)
 
 
 def _offsets_of(linear: ByParameter[Linear]) -> ByParameter[Linear]:
@@ -131,7 +128,7 @@ def _unit(type_: Type) -> str:
     return f" {type_.unit.symbol}" if type_.unit else ""
 
 
-def _ranges(collector: Collector, pair: Pair) -> bool:
+def _ranges(pair: Pair) -> bool:
     """Adds changes of ranges; whether there are any."""
     changed = False
     if _same_values(pair.old, pair.new):
@@ -146,7 +143,7 @@ def _ranges(collector: Collector, pair: Pair) -> bool:
             Keyword("not limited") if limits is None else formatting.span(limits, formatting.decimal)
             for limits in (old_range, new_range)
         ]
-        pair.add(collector, "range-changed", "raw_range", case, shown[0], shown[1])
+        pair.add("range-changed", "raw_range", case, shown[0], shown[1])
     return changed
 
 
@@ -180,25 +177,19 @@ def _same_range(ranges: tuple[Range | None, Range | None], lines: tuple[Linear |
 
 
 def _whole(type_: Type) -> Range:
-    low, high = type_.raw_limits
+    low, high = type_.number_limits
     return Range(Bound(Fraction(low)), Bound(Fraction(high)))
 
 
 def _cases(old: ByParameter[T], new: ByParameter[T]) -> Iterator[Case[T]]:
     """Where two differ, cases that differ alike together."""
-    groups: list[tuple[list[str], list[Assignment], T | None, T | None]] = []
+    groups: dict[tuple[T | None, T | None], dict[str, Assignment]] = {}
     for name, assignment in _assignments(old, new):
-        before, after = old.at(assignment), new.at(assignment)
-        known = next((group for group in groups if group[2:] == (before, after)), None)
-        if known is None:
-            groups.append(([name], [assignment], before, after))
-        else:
-            known[0].append(name)
-            known[1].append(assignment)
+        groups.setdefault((old.at(assignment), new.at(assignment)), {})[name] = assignment
     parameters = "" if len({old.parameter, new.parameter} - {None}) > 1 else f"{old.parameter or new.parameter} "
-    for names, assignments, before, after in groups:
-        when = "" if names == [""] else f" [{parameters}{', '.join(names)}]"
-        yield Case(when, tuple(assignments) if when else (), before, after)
+    for (before, after), known in groups.items():
+        when = "" if list(known) == [""] else f" [{parameters}{', '.join(known)}]"
+        yield Case(when, tuple(known.values()) if when else (), before, after)
 
 
 def _assignments(old: ByParameter[T], new: ByParameter[T]) -> Iterator[tuple[str, Assignment]]:
@@ -221,42 +212,34 @@ def _ordered(names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda name: (len(name) if name.isdecimal() else 0, name))
 
 
-def _members(collector: Collector, pair: Pair, key: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
+def _members(type_: Subject, name: str, old: tuple[Member, ...], new: tuple[Member, ...]) -> None:
     matched = match.members(old, new)
-    parents = at(pair.places, key)
-    for old_member, new_member in matched.pairs:
-        places = (*parents[0], old_member.name), (*parents[1], new_member.name)
-        facts = {"name": pair.name, "old": old_member.name, "new": new_member.name}
-        collector.renamed("member-renamed", pair.item, places, pair.use, **facts)
-        if old_member.value != new_member.value:
-            facts = {
-                "name": pair.name,
-                "member": new_member.name,
-                "old": str(old_member.value),
-                "new": str(new_member.value),
-            }
-            collector.add("member-renumbered", pair.item, places, pair.use, **facts)
-        collector.attributes(
-            [_WITHOUT_EFFECTS],
-            pair.item,
-            places,
-            old_member,
-            new_member,
-            pair.use,
-            name=pair.name,
-            member=new_member.name,
-        )
-        collector.deprecation(pair.item, places, new_member.name, old_member.deprecated, new_member.deprecated)
-        collector.texts(pair.item, places, old_member, new_member)
-    replaced = matched.also(lambda a, b: a.value == b.value)
-    for old_member, new_member in replaced.pairs[len(matched.pairs) :]:
-        places = (*parents[0], old_member.name), (*parents[1], new_member.name)
-        facts = {"name": pair.name, "value": str(old_member.value), "old": old_member.name, "new": new_member.name}
-        collector.add("member-replaced", pair.item, places, pair.use, **facts)
+    replaced = matched.also(lambda a, b: _raws(a) == _raws(b))
+    parents = type_.places
+
+    def member(before: Member, after: Member) -> Subject:
+        return type_.within((*parents[0], before.name), (*parents[1], after.name))
+
+    for before, after in matched.pairs:
+        same = member(before, after)
+        same.renamed("member-renamed", before.name, after.name, name=name)
+        if _raws(before) != _raws(after):
+            facts = {"name": name, "member": after.name, "old": _raws(before), "new": _raws(after)}
+            same.add("member-renumbered", **facts)
+        same.attributes([_WITHOUT_EFFECTS], before, after, name=name, member=after.name)
+        same.deprecation(after.name, before.deprecated, after.deprecated)
+        same.texts(before, after)
+    for before, after in replaced.pairs[len(matched.pairs) :]:
+        facts = {"name": name, "value": _raws(before), "old": before.name, "new": after.name}
+        member(before, after).add("member-replaced", **facts)
     for gone in replaced.removed:
-        facts = {"name": pair.name, "member": gone.name, "value": str(gone.value)}
-        places = (*parents[0], gone.name), parents[1]
-        collector.removed("member-removed", pair.item, places, pair.use, gone.deprecated, **facts)
+        facts = {"name": name, "member": gone.name, "value": _raws(gone)}
+        type_.within((*parents[0], gone.name), parents[1]).removed("member-removed", gone.deprecated, **facts)
     for fresh in replaced.added:
-        facts = {"name": pair.name, "member": fresh.name, "value": str(fresh.value)}
-        collector.add("member-added", pair.item, (parents[0], (*parents[1], fresh.name)), pair.use, **facts)
+        facts = {"name": name, "member": fresh.name, "value": _raws(fresh)}
+        type_.within(parents[0], (*parents[1], fresh.name)).add("member-added", **facts)
+
+
+def _raws(member: Member) -> str:
+    """The raw integer of a member, its bit, or its raw integers."""
+    return formatting.raws(member.raws) if isinstance(member, NoValue) else str(member.value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -10,14 +11,15 @@ from typing import Any, TypeVar
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Layout
-from ..model.message import Command
+from ..model.layout import Layout, ParameterRole
+from ..model.message import Command, IdRule, Message
 from ..model.metadata import Effect, Mode, Setting
 from ..model.types import Bound, ByParameter, ImpliedTitle, Linear, Member, Parameter
 from .change import Item
-from .collector import BOTH_SIDES, Collector
+from .collector import BOTH_SIDES, Collector, Subject
 from .match import Matched, Named, by_name
 
+_WORD = re.compile("[a-z][a-z0-9_]*")
 T = TypeVar("T", bound=Named)
 
 
@@ -54,9 +56,8 @@ def compare(collector: Collector, old: Edition, new: Edition) -> Edition:
                     ("parameters", old_parameter.name, "values", value.name),
                     ("parameters", new_parameter.name, "values", now.name),
                 )
-                facts = {"name": new_parameter.name, "old": value.name, "new": now.name}
-                item = Item("parameter", old_parameter.name)
-                collector.renamed("parameter-value-renamed", item, places, BOTH_SIDES, **facts)
+                parameter = Subject(collector, Item("parameter", old_parameter.name), places, BOTH_SIDES)
+                parameter.renamed("parameter-value-renamed", value.name, now.name, name=new_parameter.name)
     settings = by_name(old.settings, new.settings).also(_same_title, _same_use(old, new, lambda c: c.limited_by))
     _renamed(collector, names, Setting, ("settings",), settings)
     effects = by_name(old.effects, new.effects).also(_same_title, _same_use(old, new, lambda c: c.effects))
@@ -100,8 +101,8 @@ def _renamed(collector: Collector, names: _Names, kind: type[object], path: Docu
         if old.name != new.name:
             names.of.setdefault(kind, {})[old.name] = new.name
             was, now = (*path, old.name), (*path, new.name)
-            facts = {"old": old.name, "new": new.name}
-            collector.renamed(f"{word}-renamed", Item(word, old.name), (was, now), BOTH_SIDES, **facts)
+            subject = Subject(collector, Item(word, old.name), (was, now), BOTH_SIDES)
+            subject.renamed(f"{word}-renamed", old.name, new.name)
             collector.moved[now] = was
 
 
@@ -131,12 +132,14 @@ def _own(names: _Names, part: Any) -> dict[str, Any]:
         return own
     if isinstance(part, Command):
         return {"only": names.scope(part.only), "mode": part.mode and names.new(Mode, part.mode)}
+    if isinstance(part, Message):
+        return {"only": names.scope(part.only)}
     if isinstance(part, Member):
         return {"without_effects": tuple(names.new(Effect, name) for name in part.without_effects)}
-    if isinstance(part, Bound):
+    if isinstance(part, (Bound, IdRule, ParameterRole)):
         return {"parameter": part.parameter and names.new(Parameter, part.parameter)}
     if isinstance(part, Linear):
-        return {"times": part.times and names.new(Parameter, part.times)}
+        return {"times": part.times and _WORD.sub(lambda name: names.new(Parameter, name[0]), part.times)}
     if isinstance(part, ByParameter) and part.parameter is not None:
         cases = {names.value(part.parameter, name): _in(names, case) for name, case in part.cases.items()}
         return {"parameter": names.new(Parameter, part.parameter), "cases": cases}

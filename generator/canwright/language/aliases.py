@@ -15,21 +15,10 @@ from ..diagnostics.diagnostic import DocumentPath, near
 from ..document.ambiguous import number_notation
 from ..model.layout import MAX_DATA_BYTES
 from . import notation as language
+from .foreign_words import foreign_words, meant
 
 Row = tuple[str, Callable[[re.Match[str]], str] | str]
 
-_FORMATS: Mapping[str, str] = {
-    **dict.fromkeys(("float", "float32", "real", "single"), "f32"),
-    **dict.fromkeys(("double", "float64"), "f64"),
-    **dict.fromkeys(("bool", "boolean", "bit"), "u1"),
-    "byte": "u8",
-    "char": "i8",
-    "word": "u16",
-    "dword": "u32",
-    "short": "i16",
-    "int": "i32",
-    "long": "i32",
-}
 _TEXTS = ("string", "str", "text", "ascii", "chars", "char[]", "bytes", "bytearray", "hex")
 _TRUE, _FALSE = frozenset({"true", "yes", "on", "y", "1"}), frozenset({"false", "no", "off", "n", "0"})
 
@@ -83,7 +72,7 @@ def notation(written: object, parse: Callable[[Any], object]) -> str:
     if parse in (language.raw_format, language.code_format):
         order = {"le": "little", "be": "big"}.get(text.lower()[-2:])
         if text.lower() in _TEXTS:
-            return "a text is an array of bytes: raw: u8, array: 1..7"
+            return "write the number of bytes: raw: ascii7, or utf8_7"
         if order and raw_format(text):
             return f"did you mean `{raw_format(text)}`, with `byte_order: {order}` beside it?"
     rewrite = _REWRITES.get(parse)
@@ -119,7 +108,7 @@ def raw_format(written: str) -> str:
     parts = re.fullmatch(r"(u|s|i|uint|int|sint|unsigned|signed)?[ _]?([1-9][0-9]?)(?:_t)?[ _]?(?:le|be)?", word)
     if parts and int(parts[2]) <= 64:
         return ("u" if (parts[1] or "u").startswith("u") else "i") + parts[2]
-    return _FORMATS.get(word.removeprefix("unsigned "), "")
+    return meant("formats", word.removeprefix("unsigned "))
 
 
 def data(written: object) -> str:
@@ -169,11 +158,7 @@ def mapping(written: object, path: DocumentPath) -> str:
     if isinstance(written, (int, Decimal)) and (last == "number" or (path[:1] == ("parameters",) and len(path) == 2)):
         number = "number: {}" if last == "number" else f"{last}: {{number: {{}}}}"
         return f"write {number}, or limits, {{min: 1, max: 10}}; the user of the output sets the value"
-    return "did you mean `remote`?" if last.lower() in REMOTE and written is True else ""
-
-
-REMOTE = ("rtr", "is_remote", "remote_frame", "is_remote_frame")
-"""Foreign keys for a remote frame."""
+    return "did you mean `remote`?" if last.lower() in foreign_words("keys")["remote"] and written is True else ""
 
 
 def by(written: Mapping[str, object]) -> str:

@@ -162,13 +162,15 @@ def metadata(annotation: Any, kind: type[T]) -> T | None:
 
 def parts(value: object, path: DocumentPath = ()) -> Iterator[tuple[DocumentPath, object]]:
     """A decoded value and all values in it, with their paths."""
-    yield path, value
-    items: Iterable[tuple[str | int, object]] = ()
-    if dataclasses.is_dataclass(value):
-        items = ((key.name, getattr(value, key.name)) for key in dataclasses.fields(value))
-    elif isinstance(value, Mapping):
-        items = value.items()
-    elif isinstance(value, list):
-        items = enumerate(value)
-    for step, part in items:
-        yield from parts(part, (*path, step))
+    waiting: list[tuple[DocumentPath, object]] = [(path, value)]
+    while waiting:
+        path, value = waiting.pop()
+        yield path, value
+        items: Iterable[tuple[str | int, object]] = ()
+        if dataclasses.is_dataclass(value):
+            items = ((key.name, getattr(value, key.name)) for key in dataclasses.fields(value))
+        elif isinstance(value, Mapping):
+            items = value.items()
+        elif isinstance(value, list):
+            items = enumerate(value)
+        waiting += [((*path, step), part) for step, part in items][::-1]

@@ -8,9 +8,8 @@ from typing import Generic, TypeVar
 from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document.document import Document
 from .concept import Concept, keys
-from .findings import Findings
+from .findings import Findings, Names
 from .forms import ConceptForm, Location, declared
-from .names import Names
 
 C = TypeVar("C", bound=Concept)
 

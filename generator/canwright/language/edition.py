@@ -7,12 +7,15 @@ from typing import Annotated, ClassVar, Literal
 
 from ..model.layout import MAX_DATA_BYTES
 from ..model.message import Direction
-from ..model.metadata import Level
+from ..model.metadata import FrameFormat, Level
 from ..model.types import Order
+from .checksum import ChecksumSpec as ChecksumSpec
 from .concept import Concept as Concept, Defines, Doc, JsonSchema, Limits, Problem, Ref, keys as keys
 from .forms import ConceptForm
 from .messages import (
     ENTRY as ENTRY,
+    FURTHER_REPLIES as FURTHER_REPLIES,
+    AlternativeReplies,
     Code as Code,
     CommandName,
     CommandSpec as CommandSpec,
@@ -45,6 +48,7 @@ from .types import (
     EffectName,
     FlagSpec as FlagSpec,
     MemberSpec as MemberSpec,
+    NoValueSpec as NoValueSpec,
     OffsetBy as OffsetBy,
     RangeBy as RangeBy,
     Scale as Scale,
@@ -63,7 +67,10 @@ class AddressSpec(Description):
 
     id: Annotated[
         IdText | None,
-        Doc("Id of both directions: `0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed id."),
+        Doc(
+            "Id of both directions: `0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed id. It can contain a number "
+            "parameter that is set on the device: `host_id`, `base_id + node`, `(host_id << 8) + node`."
+        ),
     ] = None
     request: Annotated[IdText | None, Doc("Id of requests, if replies have a different one.")] = None
     reply: Annotated[IdText | None, Doc("Id of replies, if requests have a different one.")] = None
@@ -71,6 +78,7 @@ class AddressSpec(Description):
     selector: Annotated[Selector | None, Doc("The bits that identify a command, if not those of the edition.")] = None
     reply_selector: Annotated[Selector | None, Doc("The bits that identify a reply, if not those of requests.")] = None
     extended: Annotated[bool, Doc("True for 29-bit ids.")] = False
+    alternative_replies: AlternativeReplies = field(default_factory=list)
     manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
     def id_of(self, direction: Direction) -> IdExpression:
@@ -122,6 +130,13 @@ class BusSpec(Concept):
     dlc: Annotated[
         int, Limits(ge=0, le=MAX_DATA_BYTES), Doc("Number of data bytes of a frame, unless a message has its own.")
     ] = 8
+    frame_format: Annotated[
+        FrameFormat,
+        Doc(
+            "Format of the frames that are sent: classic CAN, CAN FD, or CAN FD with bit rate switch. A CAN FD frame has 0 "
+            "to 8, 12, 16, 20, 24, 32, 48 or 64 data bytes. A receiver of CAN FD also accepts classic frames."
+        ),
+    ] = FrameFormat.CLASSIC
     max_nodes: Annotated[int | None, Limits(ge=1), Doc("Maximum number of nodes on one bus.")] = None
     reply_within_ms: Annotated[Rational | None, Doc("Maximum time from request to reply.")] = None
     modes: Annotated[

@@ -1,14 +1,44 @@
-"""Findings of the decoder."""
+"""What the decoder finds in a file: findings, and names with the places of their definitions and references."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from decimal import Decimal
+from typing import NamedTuple
 
 from ..diagnostics.diagnostic import MAX_FINDINGS, Diagnostic, DocumentPath, with_number_of_others
 from ..document.document import Document
 from .concept import Defines, Ref
-from .names import Definition, Names, Reference
+
+
+class Definition(NamedTuple):
+    """The definition of a name; `owner` is the definition of which it is a part, such as the parameter of a value."""
+
+    path: DocumentPath
+    kind: str
+    name: str
+    owner: str
+
+
+class Reference(NamedTuple):
+    """A reference to a definition; with `key`, a key of a mapping refers to it."""
+
+    path: DocumentPath
+    kind: str
+    name: str
+    owner: str
+    key: bool
+    words: tuple[str, ...]
+    """Words that are valid instead of a name."""
+
+
+@dataclass
+class Names:
+    """The definitions and references of a file, in their order."""
+
+    definitions: list[Definition] = field(default_factory=list)
+    references: list[Reference] = field(default_factory=list)
 
 
 class Findings:

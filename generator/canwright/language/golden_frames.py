@@ -43,7 +43,13 @@ ParameterValue = Annotated[int | str, Notation(_parameter_value, "a number or a 
 class SourcedSpec(Concept):
     """The source of an entry, and what is known about the node."""
 
-    source: Annotated[Name, Ref("source"), Doc("A name of `sources`.")]
+    source: Annotated[
+        Name | None,
+        Ref("source"),
+        Doc(
+            "A name of `sources`. Without it, the entry is unreviewed: it is compared with the spec, but proves nothing."
+        ),
+    ] = None
     manual: Annotated[str, Doc("Section of the source.", examples=("2.5",))] = ""
     note: Annotated[
         Text | None, Doc("A remark for readers of this entry, in each language; a plain text is in English.")
@@ -63,17 +69,21 @@ class GoldenFrameSpec(SourcedSpec):
 
     request: Annotated[Name | None, Doc("The command, if this is its request.")] = None
     reply: Annotated[Name | None, Doc("The command, if this is its reply.")] = None
-    id: Annotated[int, Limits(ge=0), Doc("CAN id.")]
-    extended: Annotated[bool, Doc("True for a 29-bit id.")] = False
-    remote: Annotated[bool, Doc("True for a remote frame.")] = False
-    node: Annotated[int | None, Doc("Node; omitted if the address has none.")] = None
+    id: Annotated[int | None, Limits(ge=0), Doc("CAN id, if it does not follow from command and node.")] = None
+    extended: Annotated[bool | None, Doc("True for a 29-bit id; follows from the command.")] = None
+    remote: Annotated[bool | None, Doc("True for a remote frame; follows from the command.")] = None
+    node: Annotated[
+        int | None, Doc("Node, if it does not follow from `id` or `data`; omitted if the address has none.")
+    ] = None
     data: Annotated[Data, Doc("Data bytes in hex, byte 0 first; none in a remote frame.")]
-    raw: Annotated[dict[Name, RawValue], Doc("The raw integer of every field.")] = field(default_factory=dict)
+    raw: Annotated[dict[Name, RawValue], Doc("The raw integer of every field that is not in `values`.")] = field(
+        default_factory=dict
+    )
     values: Annotated[
         dict[Name, Value],
         Doc(
             "Exact values of fields in their units; an enum by name, flags as a list of names, "
-            "`none` if the field has no value."
+            "a name of `no_value`, `none` if the field has no scale."
         ),
     ] = field(default_factory=dict)
     decode_only: Annotated[bool, Doc("True if an encoder writes other bytes, for example 0 in reserved bits.")] = False

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from ..diagnostics.diagnostic import MAX_FINDINGS, Diagnostic, SpecError, nearest, with_number_of_others
 from ..document.document import Document
 from . import aliases, suggestions
-from .names import Names, Reference
+from .findings import Names, Reference
 from .units import read_units
 
 MAX_USES = 3
@@ -77,6 +77,9 @@ class _Definitions:
             return f"write `raw: {raw}`"
         if reference.kind == "source":
             return nearest(name, known) or f"define it under `sources`: {{{name}: …}}"
+        if reference.path[-1] == "constant":
+            hint = nearest(name, known)
+            return "write a whole number, for example 16, or a number parameter" + (f"; {hint}" if hint else "")
         if reference.path[-1] == "of" and name in self._kind("layout"):
             return f"`{name}` is a layout: write reply: {name}"
         return self._other_kind(name) or nearest(name, known) or self._defined(reference.kind, len(known))

@@ -4,7 +4,8 @@ from collections.abc import Callable, Iterable
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
-from ..model.types import Encoding, Range
+from ..model.checksum import ConstantBytes, DataBytes
+from ..model.types import Range, factors
 from . import notation
 from .concept import Doc, JsonSchema, Limits, Notation, Ref, Translated
 from .notation import At, IdExpression
@@ -40,8 +41,8 @@ Multiple = Annotated[
     _written(
         notation.multiple,
         "0.01, 1/64 or 2/65535*size",
-        _number_or(notation.MULTIPLE_PATTERN, 0.01, "1/64", "16.5/2048", "2/65535*size"),
-        lambda multiple: [multiple.parameter],
+        _number_or(notation.MULTIPLE_PATTERN, 0.01, "1/64", "16.5/2048", "2*pi/65536", "2/65535*size", "360/counts"),
+        lambda multiple: factors(multiple.parameter).names if multiple.parameter else (),
     ),
     Ref("parameter"),
 ]
@@ -55,26 +56,53 @@ Span = Annotated[
     ),
     Ref("parameter"),
 ]
+RawIntegers = Annotated[
+    range,
+    _written(
+        notation.raw_integers,
+        "0xFF or 0xFF00..0xFFFF",
+        {
+            "anyOf": [{"type": "integer"}, {"type": "string", "pattern": notation.RAW_INTEGERS_PATTERN}],
+            "examples": [255, "0xFF00..0xFFFF", -32768],
+        },
+    ),
+]
 Nodes = Annotated[range, _written(notation.nodes, "1..32", _text_of(notation.NODES_PATTERN, "1..32"))]
 Indices = Annotated[range, _written(notation.indices, "1..4", _text_of(notation.NODES_PATTERN, "1..4"))]
+Counter = Annotated[range, _written(notation.counter, "0..14", _text_of(notation.NODES_PATTERN, "0..14"))]
 Start = Annotated[At, _written(notation.at, "4, 4.3 or id.5", _number_or(notation.AT_PATTERN, 4, 4.3, "id.5"))]
+BitsRun = Annotated[
+    notation.Run, _written(notation.run, "2..3 or 4.5..4.7", _number_or(notation.RUN_PATTERN, "2..3", "4.5..4.7", 4.5))
+]
 IdText = Annotated[
     IdExpression,
     _written(
         notation.id_expression,
         "0x100 + node",
-        _number_or(notation.ID_PATTERN, "0x100 + node", "node << 5", "300 + node * 10", 640),
+        _number_or(notation.ID_PATTERN, "0x100 + node", "node << 5", "300 + node * 10", "host_id", 640),
+        lambda expression: [expression.parameter],
     ),
+    Ref("parameter"),
 ]
 Raw = Annotated[
-    tuple[Encoding, int],
-    _written(notation.raw_format, "u8", _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32")),
+    notation.RawFormat,
+    _written(notation.raw_format, "u8", _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32", "ascii8")),
+]
+ChecksumInput = Annotated[
+    DataBytes | ConstantBytes | Literal["id"],
+    Notation(
+        notation.checksum_input,
+        'data bytes, `id` or constant bytes here, for example 0..6 or "34 12"',
+        _text_of(notation.CHECKSUM_INPUT_PATTERN, "0..6", "id", "34 12"),
+        any_scalar=True,
+    ),
 ]
 CodeFormat = Annotated[
-    tuple[Encoding, int], _written(notation.code_format, "u8", _text_of(notation.CODE_PATTERN, "u8", "u16"))
+    notation.RawFormat, _written(notation.code_format, "u8", _text_of(notation.CODE_PATTERN, "u8", "u16"))
 ]
 Byte = Annotated[int, Limits(ge=0)]
 Section = Annotated[str, Limits(min_length=1, max_length=80)]
+ManualName = Annotated[str, Limits(min_length=1, max_length=120, pattern=VISIBLE)]
 Line = Annotated[str, Limits(min_length=1, max_length=2000, pattern=VISIBLE)]
 Language = Literal["en", "zh"]
 Text = Line | dict[Language, Line]

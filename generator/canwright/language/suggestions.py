@@ -1,4 +1,4 @@
-"""Suggestions for invalid specs: nearest names, and synonyms of the words of the language."""
+"""Suggestions for invalid specs: the nearest name, or the word of the language for a foreign one."""
 
 from __future__ import annotations
 
@@ -9,89 +9,20 @@ from decimal import Decimal
 
 from ..diagnostics.diagnostic import near, nearest
 from ..model.types import Unit
-from .aliases import REMOTE
 from .concept import Concept, keys
+from .foreign_words import foreign_words
 
-LISTED_KEYS = 21
+LISTED_KEYS = 24
 """The maximum number of keys to list if no key is similar."""
-
-_SYNONYMS: Mapping[str, tuple[str, ...]] = {
-    "accept": ("also", "alternatives"),
-    "about": ("desc", "description", "doc", "details"),
-    "bit": ("value", "position", "pos", "index", "number", "mask", "shift", "raw"),
-    "value": ("raw", "val", "number", "num"),
-    "addresses": ("ids", "nodes", "can_id"),
-    "at": ("byte", "bytes", "position", "pos", "start", "start_bit", "start_byte", "startbit", "offset", "bit"),
-    "bit_rates_kbps": ("baud", "baudrate", "bitrate", "bit_rate", "speed"),
-    "bus": ("network", "can"),
-    "canwright": ("version", "schema"),
-    "command": ("cmd", "message"),
-    "commands": ("messages", "frames", "access", "rw", "read_only", "readonly", "ro", "write_only", "writable"),
-    "byte_order": ("endian", "endianness", "endianess", "order"),
-    "code": ("cmd", "command", "opcode", "command_id", "cmd_id"),
-    "constant": ("const", "fixed", "value"),
-    "data": ("bytes", "payload", "hex"),
-    "decode": ("request", "reply", "direction"),
-    "dlc": ("length", "len", "size"),
-    "echo": ("same", "request", "mirror", "copy"),
-    "edition": ("version", "revision", "rev"),
-    "encode": ("request", "reply", "direction"),
-    "enum": ("values", "choices", "states"),
-    "extended": ("ext", "29bit", "is_extended", "is_extended_id", "extended_id", "eff", "ide"),
-    "family": ("name", "protocol", "namespace"),
-    "flags": ("bits", "bitfield", "bitmask"),
-    "id": ("can_id", "canid", "arbitration_id", "base"),
-    "index": ("code", "address", "id", "subindex", "sub_index", "sub"),
-    "max": ("maximum", "high", "upper"),
-    "min": ("minimum", "low", "lower"),
-    "nodes": ("range", "node_ids", "node_range", "devices"),
-    "none": ("nothing", "no", "null", "nil", "empty", "void", "no_reply", "noreply"),
-    "note": ("comment", "comments", "remark", "notes", "description", "desc"),
-    "notes": ("comment", "comments", "note", "remarks"),
-    "range": ("min", "max", "minimum", "maximum", "limits"),
-    "raw": ("type", "width", "bits", "length", "len", "size", "format", "dtype", "signed", "is_signed", "sign"),
-    "reply": ("response", "answer", "feedback", "rx"),
-    "remote": REMOTE,
-    "request": ("query", "tx", "send", "command", "message"),
-    "says": ("reason", "refusal", "error", "expect", "expected"),
-    "scale": ("factor", "resolution", "gain", "multiplier", "lsb", "step"),
-    "selector": ("discriminator", "multiplexer", "mux", "switch"),
-    "source": ("src", "origin"),
-    "title": ("name", "label", "caption"),
-    "unit": ("units",),
-    "values": ("physical", "phys", "decoded"),
-    "where": ("path", "location"),
-    "why": ("because", "reason"),
-}
 
 _MAPPING_KEYS = frozenset({"bus", "commands", "addresses", "enum", "flags"})
 """Keys that are not suggested for a number."""
-
-_ALL_SYNONYMS = frozenset(word for words in _SYNONYMS.values() for word in words)
 
 _REMEDIES: Mapping[str, str] = {
     "a type": ": define one under `types`, and write `type: NAME` instead of `raw`",
     "a request or a reply": "; its fields are then in `layout`",
     "a field": " in a request, a reply or a layout",
 }
-
-_UNIT_SPELLINGS: Mapping[str, tuple[str, ...]] = {
-    "A": ("amp",),
-    "degC": ("c", "celsius", "deg c", "deg_c", "degrees c", "centigrade"),
-    "degF": ("f", "fahrenheit", "deg f", "deg_f"),
-    "deg/s": ("dps", "deg/sec"),
-    "h": ("hr",),
-    "km/h": ("kph", "kmh", "km/hr"),
-    "m/s": ("m/sec", "mps"),
-    "min": ("minutes",),
-    "ms": ("msec", "milli"),
-    "Nm": ("n-m", "n m", "newton metre", "newton-metre"),
-    "rad/s": ("rad/sec",),
-    "rpm": ("1/min", "r/min", "rev/min", "u/min", "min^-1"),
-    "s": ("sec",),
-    "%": ("pct", "prozent", "per cent"),
-}
-"""Other spellings of units, besides their symbols and titles."""
 
 _COUNT_WORDS = re.compile(r"\b(?:tick|pulse|step|increment|inc|lsb|cnt)s?\b")
 """Words for a count."""
@@ -118,8 +49,9 @@ def likely_key(written: str, known: Iterable[str], present: Collection[str] = ()
         return similar
     has_format = any(name in present and name != written for name in ("type", "raw"))
     used = {*present, "type", "raw"} if has_format else present
-    unused = (name for name in _SYNONYMS if name in names and name not in used)
-    return next((name for name in unused if word in _SYNONYMS[name]), None if word in _ALL_SYNONYMS else similar)
+    meanings = [name for name, words in foreign_words("keys").items() if word in words]
+    unused = (name for name in meanings if name in names and name not in used)
+    return next(unused, None if meanings else similar)
 
 
 def corrected_key(written: str, known: Iterable[str], present: Collection[str]) -> str | None:
@@ -148,7 +80,7 @@ def unknown_key(concept: type[Concept], written: str, value: object, present: Ma
     if likely:
         return f"did you mean `{likely}`?" + (" It contains both limits: low..high" if likely == "range" else "")
     format_key = next((n for n in ("type", "raw") if n in present and n in known and n != written), None)
-    if format_key and written.lower() in _SYNONYMS["raw"]:
+    if format_key and written.lower() in foreign_words("keys")["raw"]:
         several = ", or write `array: 1..4` for several values" if "array" in known else ""
         return f"remove it, because `{format_key}` defines the width and the sign{several}"
     key, owners = _owners(written, known)
@@ -179,7 +111,7 @@ def _is_field(value: object) -> bool:
 
 def _owners(written: str, known: Collection[str]) -> tuple[str, list[str]]:
     """A key, or another key of which it is a synonym, and the concepts that have it."""
-    names = [written, *(name for name, words in _SYNONYMS.items() if written.lower() in words)]
+    names = [written, *(name for name, words in foreign_words("keys").items() if written.lower() in words)]
     owners = ((name, [c.called for c in Concept.all if name in keys(c)]) for name in names if name not in known)
     return next(((name, called) for name, called in owners if called), ("", []))
 
@@ -271,7 +203,9 @@ def word(written: str, known: Iterable[str]) -> str:
     """The most likely of several words; all of them without a likely one."""
     words, lower = list(known), written.lower()
     contained = next((candidate for candidate in words if candidate in lower), None)
-    synonym = next((candidate for candidate in words if lower.replace("_", "-") in _WORDS.get(candidate, ())), None)
+    synonym = next(
+        (candidate for candidate in words if lower.replace("_", "-") in foreign_words("words").get(candidate, ())), None
+    )
     listed = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else "".join(words)
     return synonym or near(lower, words) or contained or listed
 
@@ -282,7 +216,10 @@ def unit(written: str, units: Mapping[str, Unit]) -> str:
         return "omit `unit` for a plain number"
     spellings = {spelling.casefold(): u for u in units.values() for spelling in (u.symbol, u.title["en"], u.dbc)}
     spellings |= {
-        spelling: units[name] for name, several in _UNIT_SPELLINGS.items() if name in units for spelling in several
+        spelling: units[name]
+        for name, several in foreign_words("units").items()
+        if name in units
+        for spelling in several
     }
     spellings |= {f"{spelling}s": u for spelling, u in spellings.items() if f"{spelling}s" not in spellings}
     word = written.strip().casefold().replace("meter", "metre")
@@ -300,20 +237,8 @@ def layout(written: str, known: Sequence[str], commands: Collection[str], types:
         return f"`{written}` is a command: write {{of: {written}}} for its reply"
     if written in types:
         return f"`{written}` is a type: write a field, {{{written}: {{at: 0, type: {written}}}}}"
-    if written.lower() in ("remote", *REMOTE):
+    if written.lower() in ("remote", *foreign_words("keys")["remote"]):
         return "write {remote: true} for a remote frame"
-    word = next((candidate for candidate in known if written.lower() in _SYNONYMS.get(candidate, ())), None)
+    word = next((candidate for candidate in known if written.lower() in foreign_words("keys").get(candidate, ())), None)
     likely = word or near(written, known)
     return f"did you mean `{likely}`?" if likely else f"{nearest(written, known)}, or fields".removeprefix(", or ")
-
-
-_WORDS: Mapping[str, tuple[str, ...]] = {
-    "little": ("le", "intel", "lsb", "lsb-first", "@1"),
-    "big": ("be", "motorola", "msb", "msb-first", "network", "@0"),
-    "zh": ("cn", "chinese", "zh-hans"),
-    "en": ("english", "eng", "en-us", "en-gb"),
-    "danger": ("high", "critical", "error"),
-    "warning": ("medium", "warn"),
-    "note": ("low", "info", "hint"),
-}
-"""Synonyms of words of the language."""

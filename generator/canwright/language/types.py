@@ -4,9 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
+from ..model.joined import JoinedText
 from ..model.types import Encoding, Order
 from .concept import Concept, Doc, JsonSchema, Limits, Problem, Ref
-from .scalar_types import EditionName, EditionText, Multiple, Name, ParameterName, Raw, Span
+from .scalar_types import EditionName, EditionText, Multiple, Name, ParameterName, Raw, RawIntegers, Span
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,8 +117,22 @@ class FlagSpec(Description):
     deprecated: Deprecated = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class NoValueSpec(Description):
+    """A name for raw integers that are not a number."""
+
+    raw: Annotated[RawIntegers, Doc("The raw integer, or the range of raw integers.")]
+    renamed_from: RenamedFrom = None
+    deprecated: Deprecated = None
+
+
 NamedValue = int | MemberSpec
 NamedBit = BitNumber | FlagSpec
+NamedRaws = RawIntegers | NoValueSpec
+
+
+NO_VALUE_WORDS = ("not_available", "unavailable", "error", "invalid", "undefined", "special", "special_values")
+"""Words of manuals and of other formats for `no_value`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,15 +141,29 @@ class TypeSpec(Description):
 
     called = "a type"
     example = {"raw": "u16", "unit": "V", "scale": "0.1"}
+    advice = dict.fromkeys(NO_VALUE_WORDS, "write, for example, no_value: {not_available: 0xFF}")
     schema_extra: ClassVar[JsonSchema] = {"not": {"required": ["range", "raw_range"]}}
 
-    raw: Annotated[Raw, Doc("Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64.")]
+    raw: Annotated[
+        Raw,
+        Doc(
+            "Sign and width: u8, i16, i56 (1 to 64 bits), or f32, f64; or a text of 8 bytes: ascii8, utf8_8; or a number of 4 "
+            "decimal digits: bcd4."
+        ),
+    ]
+    padding: Annotated[
+        int | None,
+        Limits(ge=0, le=255),
+        Doc(
+            "The byte after the end of a text, 0 without this key. A text ends before the first 0, or before padding at its end."
+        ),
+    ] = None
     byte_order: Annotated[Order | None, Doc("Overrides the edition's byte order.")] = None
     unit: Annotated[Annotated[str, Ref("unit")] | None, Doc("A unit of units.yaml; omitted for a plain number.")] = None
     scale: Annotated[
         Scale | None,
         Doc(
-            "value = raw * scale + offset. A number as printed (0.01, 1/64, 16.5/2048), or `none` if it is unknown. "
+            "value = raw * scale + offset. A number as printed (0.01, 1/64, 16.5/2048, 2*pi/65536), or `none` if it is unknown. "
             "If it is a multiple of a number parameter (2/65535*size), offset and range are multiples of it, too."
         ),
     ] = None
@@ -169,11 +198,30 @@ class TypeSpec(Description):
             ),
         ),
     ] = None
+    no_value: Annotated[
+        Annotated[dict[Name, NamedRaws], Limits(min_length=1)] | None,
+        Doc(
+            "Named raw integers of a number that mean that there is no value: a raw integer, a range, or a mapping with a "
+            "title. Ranges do not apply to them. Without a name, an encoder writes the last raw integer of the first one.",
+            examples=(
+                {"not_available": 0xFF, "error": 0xFE},
+                {"not_available": "0xFF00..0xFFFF"},
+                {"invalid": {"raw": -32768, "title": "Not calibrated"}},
+            ),
+        ),
+    ] = None
     differs: Annotated[EditionText, Doc("The reason why this scale or unit differs from that of similar types.")] = (
         field(default_factory=dict)
     )
 
     def problems(self, name: str) -> Iterable[Problem]:
+        joined = self.raw.joined
+        for key in ("unit", "scale", "offset", "range", "raw_range", "plausible", "enum", "flags") if joined else ():
+            if getattr(self, key) is not None:
+                what = "a text" if isinstance(joined, JoinedText) else "a number of decimal digits"
+                yield Problem((key,), "no-effect", f"{what} has no `{key}`", "remove it")
+        if self.padding is not None and not isinstance(joined, JoinedText):
+            yield Problem(("padding",), "no-effect", "only a text has `padding`", "remove it")
         if self.raw_range is not None and self.range is not None:
             yield Problem(("range",), "two-ranges", "there are both `range` and `raw_range`", "keep one", key=False)
         if self.raw_range is not None and self.raw[0] is Encoding.FLOAT:

@@ -19,9 +19,9 @@ RawValue = int | list[int]
 
 @dataclass(frozen=True, kw_only=True)
 class Sourced:
-    """The source of an entry, and what is known about the node."""
+    """The source of an entry, empty if it is unreviewed, and what is known about the node."""
 
-    source: str
+    source: str = ""
     manual: str = ""
     note: Text = field(default_factory=dict)
     parameters: Assignment = field(default_factory=dict)
@@ -29,7 +29,7 @@ class Sourced:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedFrame:
-    """One frame of an exchange."""
+    """A frame of an entry: one to decode, or one of an exchange."""
 
     id: int
     extended: bool = False
@@ -38,7 +38,7 @@ class CheckedFrame:
 
 
 @dataclass(frozen=True, kw_only=True)
-class GoldenFrame(Sourced):
+class GoldenFrame(CheckedFrame, Sourced):
     """A request or reply of a command, and its meaning.
 
     Decoding `id` and `data` returns exactly `node`, `raw` and `values`. Encoding `raw` returns exactly `id` and `data`,
@@ -47,25 +47,17 @@ class GoldenFrame(Sourced):
 
     direction: Direction
     command: str
-    id: int
-    extended: bool = False
-    remote: bool = False
     node: int | None = None
-    data: bytes
     raw: Mapping[str, RawValue] = field(default_factory=dict)
     values: Mapping[str, Value] = field(default_factory=dict)
     decode_only: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
-class RefusedFrame(Sourced):
+class RefusedFrame(CheckedFrame, Sourced):
     """A frame that every target must reject, and the reason."""
 
     decode: Direction
-    id: int
-    extended: bool = False
-    remote: bool = False
-    data: bytes
     says: Refusal
 
 
@@ -99,6 +91,21 @@ class GoldenFrames:
     frames: Sequence[GoldenFrame]
     refused: Sequence[RefusedFrame | RefusedValues] = ()
     exchanges: Sequence[Exchange] = ()
+
+    @property
+    def unreviewed(self) -> int:
+        """The number of entries without a source."""
+        return sum(not entry.source for entry in (*self.frames, *self.refused, *self.exchanges))
+
+    @cached_property
+    def reviewed(self) -> GoldenFrames:
+        """The entries with a source, which are examples and evidence."""
+        return GoldenFrames(
+            sources=self.sources,
+            frames=[frame for frame in self.frames if frame.source],
+            refused=[entry for entry in self.refused if entry.source],
+            exchanges=[entry for entry in self.exchanges if entry.source],
+        )
 
     @cached_property
     def of_command(self) -> Mapping[tuple[str, Direction], Sequence[GoldenFrame]]:

@@ -6,19 +6,21 @@ is the least significant.
 
 from __future__ import annotations
 
+import itertools
 from abc import ABC
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 from typing import ClassVar
 
 from ..diagnostics.diagnostic import DocumentPath
+from .checksum import Algorithm, ConstantBytes, Input
 from .deprecation import Deprecation
-from .types import Assignment, Text, Type
+from .types import Assignment, Order, Text, Type
 
-MAX_DATA_BYTES = 8
-"""The maximum number of data bytes of a frame: classic CAN. No other code assumes a frame length."""
+MAX_DATA_BYTES = 64
+"""The maximum number of data bytes of a frame: CAN FD. `FrameFormat` has the lengths of each format; no other code assumes one."""
 
 
 class Space(str, Enum):
@@ -46,6 +48,31 @@ def bits_of(segments: Iterable[Segment]) -> tuple[int, ...]:
     return tuple(s.byte * 8 + s.low + i for s in segments for i in range(s.width))
 
 
+def is_one_run(segments: Sequence[Segment], order: Order) -> bool:
+    """Whether segments are all bits of a raw integer, adjacent in a byte order."""
+    pairs = itertools.pairwise(segments)
+    return segments[0].raw_low == 0 and all(_continues(before, after, order) for before, after in pairs)
+
+
+def runs_of(segments: Sequence[Segment], order: Order) -> list[tuple[Segment, ...]]:
+    """The segments, those of whole bytes that are adjacent in a byte order together."""
+    runs: list[list[Segment]] = []
+    for s in segments:
+        if runs and s.width == runs[-1][-1].width == 8 and _continues(runs[-1][-1], s, order):
+            runs[-1].append(s)
+        else:
+            runs.append([s])
+    return [tuple(run) for run in runs]
+
+
+def _continues(before: Segment, after: Segment, order: Order) -> bool:
+    """Whether a segment starts where another ends, in the next byte or, if it is big-endian, in the previous one."""
+    is_next = after.byte - before.byte == (1 if order is Order.LITTLE else -1)
+    return (
+        is_next and (before.low + before.width, after.low) == (8, 0) and after.raw_low == before.raw_low + before.width
+    )
+
+
 @dataclass(frozen=True)
 class Element:
     """The bits of one value: of a field, or of one element of an array, which has an index."""
@@ -66,6 +93,8 @@ class FieldRole(ABC):
     Each role states these facts; nothing decides by the absence of one.
     """
 
+    key: ClassVar[str]
+    """The key of the language that selects the role; empty for a value."""
     is_value: ClassVar[bool]
     """Whether messages have the field as a value, which users give to an encoder and get from a decoder."""
     is_checked: ClassVar[bool]
@@ -86,6 +115,7 @@ class FieldRole(ABC):
 class ValueRole(FieldRole):
     """The sender chooses the value."""
 
+    key = ""
     is_value = True
     is_checked = False
 
@@ -94,8 +124,20 @@ class ValueRole(FieldRole):
 class NodeRole(FieldRole):
     """The value is the node that receives or sends the frame, or the low bits of its number."""
 
+    key = "holds"
     is_value = True
     is_checked = False
+
+
+@dataclass(frozen=True)
+class CounterRole(FieldRole):
+    """A value that the sender increments with each frame: `first` follows on `last`."""
+
+    key = "counter"
+    is_value = True
+    is_checked = False
+    first: int
+    last: int
 
 
 @dataclass(frozen=True)
@@ -114,6 +156,7 @@ class FixedRole(FieldRole):
 class ConstantRole(FixedRole):
     """A receiver rejects any other raw integer."""
 
+    key = "constant"
     is_checked = True
 
     @property
@@ -122,10 +165,44 @@ class ConstantRole(FixedRole):
 
 
 @dataclass(frozen=True)
+class ParameterRole(FieldRole):
+    """The raw integer is the value of a parameter; a receiver that knows the parameter rejects any other."""
+
+    key = "constant"
+    is_value = False
+    is_checked = False
+    parameter: str
+
+
+@dataclass(frozen=True)
 class ReservedRole(FixedRole):
     """A receiver ignores the field."""
 
+    key = "reserved"
     is_checked = False
+
+
+@dataclass(frozen=True)
+class ChecksumRole(FieldRole):
+    """The sender computes the field from other bytes of the frame, and a receiver rejects any other raw integer."""
+
+    key = "checksum"
+    is_value = False
+    is_checked = True
+    name: str
+    """The name of the algorithm; empty if the spec states its parameters."""
+    algorithm: Algorithm
+    inputs: tuple[Input, ...]
+
+    @property
+    def leading(self) -> bytes:
+        """The constant bytes before all bytes of the frame."""
+        parts = itertools.takewhile(lambda part: isinstance(part, ConstantBytes), self.inputs)
+        return b"".join(part.data for part in parts if isinstance(part, ConstantBytes))
+
+
+ROLE_KEYS = (ConstantRole.key, ReservedRole.key, NodeRole.key, ChecksumRole.key, CounterRole.key)
+"""The keys of the language of which a field has at most one."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -133,7 +210,7 @@ class Field:
     """A run of bits with a type; an array has one element for each index.
 
     `only` are the values of the layout's parameter under which the field exists; empty means always. `renamed_from` is
-    its name in previous editions.
+    its name in previous editions, `manual_name` the one that the manual prints; empty if it is not stated.
     """
 
     name: str
@@ -148,6 +225,7 @@ class Field:
     title: Text
     about: Text
     manual: str
+    manual_name: str
     path: DocumentPath
 
 

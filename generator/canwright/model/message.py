@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
 from .deprecation import Deprecation
-from .layout import Field, Layout, NodeRole, Segment, Space
+from .layout import Field, Layout, NodeRole, ParameterRole, Segment, Space
 from .metadata import Effect, Setting
-from .types import Assignment, ImpliedTitle, Member, Order, Text
+from .sending import Sending
+from .types import Assignment, ImpliedTitle, Member, Order, Text, number_of
 
 MAX_NODE_BITS = 32
 """The maximum width of a field that identifies a node."""
@@ -26,18 +27,37 @@ class Direction(str, Enum):
     REQUEST = "request"
     REPLY = "reply"
 
+    __hash__ = str.__hash__  # that of Enum takes longer
+
 
 @dataclass(frozen=True, kw_only=True)
 class IdRule:
     """The rule between node and CAN id: `id = base + node * node_step`, without the bits of keys and fields.
 
-    `nodes` is None for a fixed id. `extended` means 29 bits instead of 11.
+    `nodes` is None for a fixed id. `extended` means 29 bits instead of 11. If `parameter` is set, `parameter_step` times
+    the value of that parameter is added; `at` has the rule for one value.
     """
 
     base: int
     node_step: int
     nodes: range | None
     extended: bool
+    parameter: str | None = None
+    parameter_step: int = 1
+
+    @property
+    def highest(self) -> int:
+        """The highest id, without a parameter."""
+        return self.base + (self.nodes[-1] * self.node_step if self.nodes else 0)
+
+    def at(self, assignment: Assignment) -> IdRule | None:
+        """The rule under some parameters; None if that of the id is missing."""
+        if self.parameter is None:
+            return self
+        number = number_of(assignment, self.parameter)
+        if number is None or number.denominator != 1:
+            return None
+        return replace(self, base=self.base + int(number) * self.parameter_step, parameter=None)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -88,6 +108,14 @@ class Key(BitRun):
     path: DocumentPath = field(default=(), compare=False)
 
 
+@dataclass(frozen=True, kw_only=True)
+class FrameSequence:
+    """A message in several frames, in any order: `field` contains the number of each, one of `numbers`."""
+
+    field: str
+    numbers: range
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Message:
     """A request or a reply: its id, its keys and its layout.
@@ -95,6 +123,11 @@ class Message:
     A frame with the values of all `keys` is this message; `accepted_codes` are further accepted values of `keys[0]`. `identifying_codes`
     are the values of `keys[0]` that identify this message without its request: where several messages accept one
     value, it identifies the message whose command has that code.
+
+    `only` maps a parameter to the values of nodes that accept a request; empty for a reply, which shows that the node has it.
+
+    `sending` is None if nothing is stated about when it is sent, except that a reply answers its request. `sequence` is None
+    if it is one frame.
 
     `largest_node` is the largest node in the ids of its address, or of the edition if those have no nodes; 0 without one.
     """
@@ -107,8 +140,11 @@ class Message:
     keys: tuple[Key, ...]
     accepted_codes: tuple[int, ...]
     identifying_codes: tuple[int, ...]
+    only: Mapping[str, tuple[str, ...]]
     dlc: int
     remote: bool
+    sending: Sending | None
+    sequence: FrameSequence | None
     layout: Layout
     largest_node: int
     path: DocumentPath
@@ -143,6 +179,13 @@ class Message:
             width=field.type.width,
             segments=field.elements[0].segments,
         )
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters in its id and in its constants."""
+        names = [self.id.parameter] if self.id.parameter else []
+        names += [f.role.parameter for f in self.layout.fields if isinstance(f.role, ParameterRole)]
+        return tuple(dict.fromkeys(names))
 
     @cached_property
     def id_mask(self) -> int:
@@ -185,10 +228,17 @@ class Reply:
     """The reply to a request, in one of the forms below.
 
     `from_each` are the nodes that reply, one frame each in this order; empty when only the addressed node does.
+    An alternative reply is sent instead of the others, and ends the exchange.
     """
 
     message: Message
     from_each: tuple[int, ...] = ()
+    is_alternative: bool = False
+
+    @property
+    def frames(self) -> int:
+        """The number of frames of one node, at most."""
+        return len(self.message.sequence.numbers) if self.message.sequence else 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,12 +265,12 @@ class OtherReply(Reply):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Command:
-    """A code with its request and its replies, at most one today.
+    """A code with its request and its replies: the first, those that follow it, and those that come instead.
 
     `code` is None without a selector. `only` maps a parameter to the values under which the command exists.
     `spec_name` is the name of the command in the spec. A command with a table has one form for each `entry`; the name of
     such a form is `COMMAND_ENTRY`. `short_spec_name` stands for `spec_name` where the length of names is limited, `previous_name`
-    is `spec_name` in previous editions.
+    is `spec_name` in previous editions, `manual_name` the name that the manual prints; empty if it is not stated.
     """
 
     name: str
@@ -245,6 +295,7 @@ class Command:
     about: Text
     notes: tuple[Text, ...]
     manual: str
+    manual_name: str
     path: DocumentPath
 
     @property
@@ -274,8 +325,30 @@ class Command:
 
     @property
     def reply(self) -> Message | None:
-        """The reply; None without one."""
+        """The first reply; None without one. Only this one can be defined in the command."""
         return self.replies[0].message if self.replies else None
+
+    @property
+    def further_replies(self) -> tuple[Reply, ...]:
+        """The replies that follow the first one, each of another command."""
+        return tuple(reply for reply in self.replies[1:] if not reply.is_alternative)
+
+    @property
+    def alternative_replies(self) -> tuple[Reply, ...]:
+        """The replies of other commands that are sent instead."""
+        return tuple(reply for reply in self.replies[1:] if reply.is_alternative)
+
+    @property
+    def has_several_frames(self) -> bool:
+        """Whether one node answers with several frames."""
+        return sum(reply.frames for reply in self.replies if not reply.is_alternative) > 1
+
+    @property
+    def only_answers(self) -> bool:
+        """Whether its reply is always that to a request."""
+        reply = self.reply
+        is_unasked = reply is not None and reply.sending is not None and reply.sending.is_unasked
+        return self.request is not None and not is_unasked
 
     @property
     def is_echoed(self) -> bool:

@@ -18,6 +18,32 @@ class Level(str, Enum):
     DANGER = "danger"
 
 
+class FrameFormat(str, Enum):
+    """The format of the frames that are sent on a bus: classic CAN, or CAN FD without or with bit rate switch."""
+
+    CLASSIC = "classic"
+    FD = "fd"
+    FD_BRS = "fd_brs"
+
+    @property
+    def is_fd(self) -> bool:
+        return self is not FrameFormat.CLASSIC
+
+    @property
+    def switches_rate(self) -> bool:
+        """Whether the data are sent with the higher bit rate."""
+        return self is FrameFormat.FD_BRS
+
+    @property
+    def lengths(self) -> tuple[int, ...]:
+        """The possible numbers of data bytes, in ascending order."""
+        return (*range(9), *((12, 16, 20, 24, 32, 48, 64) if self.is_fd else ()))
+
+    @property
+    def max_data_bytes(self) -> int:
+        return self.lengths[-1]
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Effect:
     """A side effect of a command, as data for tools and as a sentence for people."""
@@ -68,6 +94,7 @@ class Bus:
 
     host: str
     dlc: int
+    frame_format: FrameFormat
     max_nodes: int | None
     reply_within_ms: Fraction | None
     modes: tuple[Mode, ...]

@@ -11,10 +11,12 @@ from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
-from typing import Generic, TypeVar
+from types import MappingProxyType
+from typing import Generic, NamedTuple, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from .deprecation import Deprecation
+from .joined import Joined
 
 T = TypeVar("T")
 
@@ -30,6 +32,41 @@ Assignment = Mapping[str, str | Fraction]
 """Parameter values by name, as `{"model": "A", "ratio": Fraction(6)}`: a choice by the name of its value, a number as a
 fraction. Unknown parameters are left out."""
 
+NO_PARAMETERS: Assignment = MappingProxyType({})
+
+
+PI = Fraction(245850922, 78256779)
+"""π as every output computes with it. It differs from π by less than 1e-16, and the nearest double is that of π."""
+
+
+class Factors(NamedTuple):
+    """The parameters of a factor: those that multiply it, and those that divide it."""
+
+    above: tuple[str, ...]
+    below: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return (*self.above, *self.below)
+
+
+def factors(times: str) -> Factors:
+    """The parameters of a factor in its notation: `size`, `a*b`, `/counts`, `size/counts`."""
+    above, _, below = times.partition("/")
+    return Factors(tuple(filter(None, above.split("*"))), tuple(filter(None, below.split("/"))))
+
+
+def product_of(assignment: Assignment, times: str) -> Fraction | None:
+    """The value of a factor; None if a parameter is unknown or not above 0."""
+    product = Fraction(1)
+    above, below = factors(times)
+    for name in (*above, *below):
+        number = number_of(assignment, name)
+        if number is None or number <= 0:
+            return None
+        product = product * number if name in above else product / number
+    return product
+
 
 def number_of(assignment: Assignment, parameter: str | None) -> Fraction | None:
     """The number that a parameter is; None if it is unknown, or a name that is no number."""
@@ -37,7 +74,7 @@ def number_of(assignment: Assignment, parameter: str | None) -> Fraction | None:
     if value is None or isinstance(value, Fraction):
         return value
     try:
-        return Fraction(value)
+        return Fraction(int(value, 16)) if value.startswith("0x") else Fraction(value)
     except (ValueError, ZeroDivisionError):
         return None
 
@@ -82,13 +119,15 @@ class ParameterValue:
 class Parameter:
     """A property of a node that no frame contains.
 
-    A choice has `values`. A number has none; it lies between `minimum` and `maximum` if they are given.
+    A choice has `values`. A number has none; it lies between `minimum` and `maximum` if they are given. One that ids or
+    constants contain is a `whole` number with both limits.
     """
 
     name: str
     values: tuple[ParameterValue, ...]
     minimum: Fraction | None
     maximum: Fraction | None
+    whole: bool = False
     title: Text
     about: Text
 
@@ -136,7 +175,9 @@ class ByParameter(Generic[T]):
 
 @dataclass(frozen=True)
 class Linear:
-    """A scale and an offset: value = raw * scale + offset. If `times` is set, both are multiplied by that parameter.
+    """A scale and an offset: value = raw * scale + offset. If `times` is set, both are multiplied by that factor.
+
+    `times` is a parameter, or parameters in the notation of `factors`; all are above 0.
 
     `printed` is the scale in the notation of the spec.
     """
@@ -151,10 +192,10 @@ class Linear:
         return self.scale == 1 and self.offset == 0 and self.times is None
 
     def at(self, numbers: Mapping[str, Fraction]) -> Linear | None:
-        """Scale and offset under these number parameters; None if the parameter is not given."""
+        """Scale and offset under these number parameters; None if one is not given, or not above 0."""
         if self.times is None:
             return self
-        number = numbers.get(self.times)
+        number = product_of(numbers, self.times)
         return None if number is None else Linear(self.scale * number, self.offset * number)
 
     @property
@@ -209,12 +250,20 @@ class Member:
     about: Text
 
 
+@dataclass(frozen=True, kw_only=True)
+class NoValue(Member):
+    """A name for raw integers of a number that mean that there is no value; an encoder writes `value`, the last one."""
+
+    raws: range
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Type:
     """The conversion from raw bits to a value.
 
     `linear` is `Linear(1, 0)` if the spec gives no scale, and None if it states that the scale is unknown. `raw_range`
-    limits the raw integer, of a float the value; it is None if all are allowed. `plausible` are values that a working
+    limits the raw integer, of a float the value; it is None if all are allowed. It does not apply to `no_values`, which
+    mean that a number has no value; an encoder without a name writes the first. `plausible` are values that a working
     node reports; `is_plausible` compares. `differs` explains why scale or unit differ from those of other types of
     the same quantity.
     """
@@ -226,8 +275,11 @@ class Type:
     unit: Unit | None
     linear: ByParameter[Linear]
     raw_range: ByParameter[Range]
+    joined: Joined | None = None
+    """How the elements of a field of this type are one value; None if each element has its own."""
     enum: tuple[Member, ...]
     flags: tuple[Member, ...]
+    no_values: tuple[NoValue, ...]
     plausible: Range | None
     title: Text
     about: Text
@@ -241,6 +293,20 @@ class Type:
             return -(1 << (self.width - 1)), (1 << (self.width - 1)) - 1
         return 0, (1 << self.width) - 1
 
+    @cached_property
+    def number_limits(self) -> tuple[int, int]:
+        """Smallest and largest raw integer of this width, without those at the ends that have no value."""
+        low, high = self.raw_limits
+        for no_value in sorted(self.no_values, key=lambda n: n.raws.start):
+            low = no_value.raws.stop if no_value.raws.start == low else low
+        for no_value in sorted(self.no_values, key=lambda n: -n.raws.stop):
+            high = no_value.raws.start - 1 if no_value.raws.stop == high + 1 else high
+        return low, high
+
+    def no_value(self, raw: int) -> NoValue | None:
+        """Why a raw integer has no value; None if it is a number."""
+        return next((no_value for no_value in self.no_values if raw in no_value.raws), None)
+
     @property
     def is_number(self) -> bool:
         return not self.enum and not self.flags
@@ -253,7 +319,7 @@ class Type:
 
     @property
     def is_plain(self) -> bool:
-        """True if the value is the raw integer."""
+        """True if the value is the raw integer, of each element if they are joined."""
         return self.is_number and self.encoding is not Encoding.FLOAT and self.linear == ByParameter.always(IDENTITY)
 
     @property
@@ -265,17 +331,18 @@ class Type:
     @property
     def times(self) -> tuple[str, ...]:
         """Names of the number parameters that scales are multiples of."""
-        names = (linear.times for _, linear in self.linear.distinct() if linear is not None)
-        return tuple(dict.fromkeys(name for name in names if name is not None))
+        times = (linear.times for _, linear in self.linear.distinct() if linear is not None)
+        return tuple(dict.fromkeys(name for factor in times if factor is not None for name in factors(factor).names))
 
     @cached_property
-    def _plausible_limits(self) -> tuple[float, float] | None:
+    def plausible_limits(self) -> tuple[float, float] | None:
+        """The plausible range, rounded as values are; None without one."""
         span = self.plausible
         return None if span is None else (float(span.low.constant), float(span.high.constant))
 
     def is_plausible(self, value: object) -> bool:
-        """Whether a working node reports a value; true for what is no number, as a name is. Limits are rounded as values are."""
-        limits = self._plausible_limits
+        """Whether a working node reports a value; true for what is no number, as a name is."""
+        limits = self.plausible_limits
         if limits is None or not isinstance(value, (int, float, Fraction)):
             return True
         return limits[0] <= float(value) <= limits[1]

@@ -13,16 +13,17 @@ from ..document.document import Document, read_document
 from ..language.decoder import decode
 from ..language.edition import EditionSpec
 from ..language.references import check_references
+from ..model.edition import Edition
+from ..model.golden_frames import GoldenFrames
 from ..resolve.edition import resolve
 from ..rules.checker import check
 from ..rules.rule import CheckInput
 from ..targets.base import EditionInput
 from ..targets.registry import targets
-from ..templating.resources import SYNONYMS, UNITS
-from .golden_file import read_golden_file
+from ..templating.resources import QUESTIONS, QUICK_START, SYNONYMS, UNITS
 
 FRAMES_SUFFIX = ".frames.yaml"
-_NO_SPECS = (UNITS.name, SYNONYMS.name)
+_NO_SPECS = tuple(file.name for file in (UNITS, SYNONYMS, QUESTIONS, QUICK_START))
 
 
 @dataclass(frozen=True)
@@ -34,21 +35,30 @@ class Loaded:
     warnings: tuple[Diagnostic, ...]
 
 
-def load(file: Path, name: str | None = None, *, golden: bool = True) -> Loaded:
-    """The edition in `file`, with the golden frames beside it, unless `golden` is False.
+def load(file: Path, name: str | None = None, *, for_output: bool = True) -> Loaded:
+    """The edition in `file`, with the golden frames beside it.
 
-    `name` is the name of the file in findings; by default its path. Raises OSError, and SpecError with all findings of
-    the first phase with an error: YAML, keys and values, references, edition, golden frames, rules.
+    Without `for_output`, golden frames and targets are not loaded, so that names are not compared with theirs. `name` is
+    the name of the file in findings; by default its path. Raises OSError, and SpecError with all findings of the first
+    phase with an error: YAML, keys and values, references, edition, golden frames, rules.
     """
     document, content = read_document(file, name)
     decoded = decode(document, EditionSpec)
     check_references(document, decoded.names)
     edition = resolve(document, decoded.value, hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest())
-    frames = frames_file(file)
-    golden_file = read_golden_file(frames, edition) if golden and frames.is_file() else None
-    golden_frames, frames_document = golden_file or (None, None)
-    warnings = check(CheckInput(edition, decoded.value, golden_frames), document, frames_document)
-    return Loaded(EditionInput(edition, golden_frames), document, tuple(sorted(warnings, key=lambda d: d.place)))
+    golden_frames, frames_document = _golden_frames(frames_file(file), edition) if for_output else (None, None)
+    warnings = check(
+        CheckInput(edition, decoded.value, golden_frames), document, frames_document, for_output=for_output
+    )
+    reviewed = golden_frames and golden_frames.reviewed
+    return Loaded(EditionInput(edition, reviewed), document, tuple(sorted(warnings, key=lambda d: d.place)))
+
+
+def _golden_frames(file: Path, edition: Edition) -> tuple[GoldenFrames, Document] | tuple[None, None]:
+    """The golden frames in a file and their document, if it is there."""
+    from .golden_file import read_golden_file  # not every command needs them
+
+    return read_golden_file(file, edition) if file.is_file() else (None, None)
 
 
 def specification(file: Path) -> EditionInput:
@@ -56,9 +66,9 @@ def specification(file: Path) -> EditionInput:
     return load(file).specification
 
 
-def all_loaded(files: Iterable[Path]) -> list[Loaded]:
-    """The editions of `files`, sorted by family and name. Raises SpecError with the findings of all files."""
-    results = [_load_or_findings(file) for file in files]
+def all_loaded(files: Iterable[Path], *, for_output: bool = True) -> list[Loaded]:
+    """The editions of `files`, sorted by family and name. Raises SpecError with the findings of all files. See `load`."""
+    results = [_load_or_findings(file, for_output=for_output) for file in files]
     if not all(isinstance(result, Loaded) for result in results):
         raise SpecError(f for result in results for f in (result.warnings if isinstance(result, Loaded) else result))
     loaded = sorted((result for result in results if isinstance(result, Loaded)), key=_name)
@@ -74,6 +84,8 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     ]
     if findings:
         raise SpecError(findings)
+    if not for_output:
+        return loaded
     editions = [item.specification.edition for item in loaded]
     clashes = (clash for target in targets() for clash in target.collisions(editions))
     documents = {item.specification.edition: item.document for item in loaded}
@@ -86,10 +98,10 @@ def all_loaded(files: Iterable[Path]) -> list[Loaded]:
     return loaded
 
 
-def _load_or_findings(file: Path) -> Loaded | Sequence[Diagnostic]:
+def _load_or_findings(file: Path, *, for_output: bool) -> Loaded | Sequence[Diagnostic]:
     """A loaded spec, or its findings."""
     try:
-        return load(file)
+        return load(file, for_output=for_output)
     except SpecError as error:
         return error.diagnostics
 

@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 
 from ..diagnostics.diagnostic import nearest
 from ..document.document import MAX_BYTES
+from ..templating.resources import SPECS
 from .loader import FRAMES_SUFFIX, Loaded, load, spec_files
 
 
@@ -20,29 +21,32 @@ class UnknownEditionError(Exception):
 STANDARD_INPUT = "-"
 
 
-def find(reference: str, folder: Path, *, golden: bool = True) -> Loaded:
+def find(reference: str, folder: Path, *, for_output: bool = True) -> Loaded:
     """The edition of a reference.
 
     It is `my.yaml`, `-` for standard input, `HEAD~1:spec/lamp/v1.yaml`, `:spec/lamp/v1.yaml` for the index of git, or
-    `v1` or `lamp/v1` below `folder`. Golden frames beside a file are loaded and checked, unless `golden` is False;
-    other references have none. Raises UnknownEditionError, SpecError and OSError.
+    `v1` or `lamp/v1` below `folder`, or else in the package. Golden frames beside a file are loaded and checked;
+    other references have none. See `load` for `for_output`. Raises UnknownEditionError, SpecError and OSError.
     """
     if reference == STANDARD_INPUT:
         return _load_content(sys.stdin.buffer.read(MAX_BYTES + 1), "<stdin>")
     file = Path(reference)
     if file.is_file():
-        return load(file, golden=golden)
+        return load(file, for_output=for_output)
     revision, colon, path = reference.partition(":")
     if colon and path:
         here = path if path.startswith(("/", "./", "../")) else f"./{path}"
         return _load_content(_git(reference, revision, "cat-file", "blob", f"{revision}:{here}"), reference)
-    known = {name: f for f in spec_files(folder) for name in (f.stem, f"{f.parent.name}/{f.stem}")}
-    same_name = [f for f in spec_files(folder) if f.stem == reference]
-    if len(same_name) > 1:
-        names = ", ".join(f"`{f.parent.name}/{f.stem}`" for f in same_name)
-        raise UnknownEditionError(f"`{reference}` is ambiguous; write the family, too: {names}")
-    if reference in known:
-        return load(known[reference], golden=golden)
+    known: dict[str, Path] = {}
+    for files in (spec_files(folder), spec_files(SPECS)):
+        same_name = [f for f in files if f.stem == reference]
+        if len(same_name) > 1:
+            names = ", ".join(f"`{f.parent.name}/{f.stem}`" for f in same_name)
+            raise UnknownEditionError(f"`{reference}` is ambiguous; write the family, too: {names}")
+        named = {name: f for f in files for name in (f.stem, f"{f.parent.name}/{f.stem}")}
+        if reference in named:
+            return load(named[reference], for_output=for_output)
+        known = named | known
     hint = nearest(reference, known) or "write a file, an edition, or REVISION:FILE"
     raise UnknownEditionError(f"there is no file and no edition `{reference}`; {hint}")
 
@@ -66,7 +70,7 @@ def since(revision: str, folder: Path) -> FolderChanges:
     old = {
         name: _load_content(before[name], f"{revision}:{(folder / name).as_posix()}") for name in before.keys() - same
     }
-    new = {name: load(after[name], golden=False) for name in after.keys() - same}
+    new = {name: load(after[name], for_output=False) for name in after.keys() - same}
     pairs = {name: name for name in old.keys() & new.keys() if _family(old[name]) == _family(new[name])}
     editions = {_edition(new[name]): name for name in sorted(new.keys() - pairs.keys())}
     for name in sorted(old.keys() - pairs.keys()):

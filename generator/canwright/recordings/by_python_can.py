@@ -103,8 +103,8 @@ def _recorded(form: str, message: can.Message) -> LogFrame | SkippedPart:
     """The frame that a message of python-can is, or what it is instead."""
     if message.is_error_frame:
         return SkippedPart.ERROR
-    if message.is_fd or len(message.data) > MAX_DATA_BYTES:
-        return SkippedPart.FD
+    if len(message.data) > MAX_DATA_BYTES:
+        return SkippedPart.XL
     if not message.is_remote_frame and len(message.data) != message.dlc:
         return SkippedPart.MALFORMED
     frame = CanFrame(message.arbitration_id, bytes(message.data), message.is_extended_id, message.is_remote_frame)

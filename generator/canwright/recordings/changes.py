@@ -11,13 +11,14 @@ from __future__ import annotations
 import functools
 import math
 import operator
+from collections import Counter
 from collections.abc import Sequence
 
 from ..model.edition import Edition
 from .log_frame import LogFrame
 from .results import Place
 from .steps import State, Step
-from .tally import Seen, Tally
+from .tally import Seen, Tally, merge
 
 BLOCK = 64
 """The number of frames of a node that are examined at once."""
@@ -49,7 +50,7 @@ class _Division:
     def add(self, counts: dict[Step, Seen], start: Place) -> None:
         """Adds frames to the second part."""
         self.start = self.start or start
-        _merge(self.counts, counts)
+        merge(self.counts, counts)
 
 
 class NodeFrames:
@@ -83,8 +84,10 @@ class NodeFrames:
         """Counts the recent frames, and divides the log where the edition has changed."""
         if not self.recent:
             return
-        counts = _counted(self.recent)
-        self._count(counts)
+        steps, numbers, frames = zip(*self.recent)  # noqa: B905  # of tuples
+        examples = dict(zip(steps[::-1], frames[::-1]))  # noqa: B905  # the first frame of each step
+        counts = {step: Seen(count, examples[step].frame) for step, count in Counter(steps).items()}
+        self._count(counts, numbers)
         best = functools.reduce(operator.and_, (step.best for step in counts))
         least = min(self._points)
         dominating = [i for i, points in enumerate(self._points) if points == least and best >> i & 1]
@@ -97,12 +100,12 @@ class NodeFrames:
         self._before = self.recent[-1]
         self.recent.clear()
 
-    def _count(self, counts: dict[Step, Seen]) -> None:
-        self.frames += len(self.recent)
+    def _count(self, counts: dict[Step, Seen], numbers: Sequence[int]) -> None:
+        self.frames += len(numbers)
         self._noise += sum(seen.frames for step, seen in counts.items() if step.is_unexplained)
-        for _, number, _ in self.recent:
-            self.near += self._last is not None and number - self._last <= NEAR
-            self._last = number
+        gaps = map(operator.sub, numbers, (numbers[0] - NEAR - 1 if self._last is None else self._last, *numbers))
+        self.near += sum(map(NEAR.__ge__, gaps))
+        self._last = numbers[-1]
 
     def _add_block(self, counts: dict[Step, Seen], start: Place) -> None:
         """Adds frames for each of which an edition that explains the past is among the best."""
@@ -128,7 +131,7 @@ class NodeFrames:
             if division.start is not None and self._before is not None and self._before[0].is_request:
                 asked, number, recorded = self._before  # the request belongs to the part of its reply
                 division.start = Place(number, recorded.time)
-                _merge(division.counts, {asked: Seen(1, recorded.frame)})
+                merge(division.counts, {asked: Seen(1, recorded.frame)})
         divided = min(self._divisions, key=lambda division: division.points)
         if min(self._points) - divided.points > SWITCH * max(1, math.sqrt(self._noise)):
             self._divide(divided)
@@ -136,7 +139,7 @@ class NodeFrames:
     def _divide(self, division: _Division) -> None:
         """Starts a new part with the second part of a division."""
         counts, start = division.counts, division.start
-        self.tallies[-1].add(counts, -1)
+        self.tallies[-1].remove(counts)
         self.tallies.append(Tally(self._editions, start))
         self._points = [0] * len(self._editions)
         for each in self._divisions:
@@ -145,22 +148,3 @@ class NodeFrames:
         self._add_block(counts, start)
         for each in self._divisions:
             each.restart(min(self._points))
-
-
-def _counted(recent: Sequence[Arrival]) -> dict[Step, Seen]:
-    """The number of frames by step, with the first of each."""
-    numbers: dict[Step, int] = {}
-    examples = {}
-    for step, _, recorded in recent:
-        if step in numbers:
-            numbers[step] += 1
-        else:
-            numbers[step] = 1
-            examples[step] = recorded.frame
-    return {step: Seen(count, examples[step]) for step, count in numbers.items()}
-
-
-def _merge(counts: dict[Step, Seen], more: dict[Step, Seen]) -> None:
-    for step, seen in more.items():
-        known = counts.get(step)
-        counts[step] = seen if known is None else Seen(known.frames + seen.frames, known.example)

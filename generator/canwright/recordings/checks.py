@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..model import formatting
-from ..model.layout import Element, Field, ReservedRole, Space
-from ..model.types import Assignment, Encoding, Linear, Type
+from ..model.layout import ChecksumRole, Field, ReservedRole, Space
+from ..model.types import Assignment, ByParameter, Encoding
 from ..semantics.decoder import value_of
-from ..semantics.frame import Parts, parts_of
+from ..semantics.encoder import Encoder
+from ..semantics.frame import Parts, parts_of, signed
+from ..semantics.valid_raws import RawInterval, valid_raws
 
 WEAK = 1
 """Unusual: a reserved byte that is not 0, a raw integer beyond its printed range."""
@@ -32,100 +33,72 @@ class Reason(NamedTuple):
     byte: int | None = None
 
 
-class Check(ABC):
-    """A check of some bits of a frame; the result changes only at the numbers `steps`, unless they are None."""
+class Check(NamedTuple):
+    """A check of some bits: `reason` is that against them; it changes only at the numbers `steps`, unless they are None."""
 
     in_id: bool
     parts: Parts
     steps: Sequence[int] | None
-
-    @abstractmethod
-    def reason(self, bits: int) -> Reason | None:
-        """The reason against the bits; None without one."""
+    reason: Callable[[int], Reason | None]
 
 
-class ReservedCheck(Check):
-    """The reserved bits of a byte are 0."""
-
-    def __init__(self, at: int, mask: int, where: str) -> None:
-        self.in_id = False
-        self.parts = ((at * 8, mask, 0),)
-        self.steps = (1,)
-        self._reason = Reason(WEAK, where, at)
-
-    def reason(self, bits: int) -> Reason | None:
-        return self._reason if bits else None
+def reserved_check(at: int, mask: int, where: str) -> Check:
+    """The check that the reserved bits of a byte are 0."""
+    reason = Reason(WEAK, where, at)
+    return Check(False, ((at * 8, mask, 0),), (1,), lambda bits: reason if bits else None)
 
 
-class FieldCheck(Check):
-    """An element of a field has a constant, a name, or a value within its range."""
-
-    def __init__(self, field: Field, element: Element, where: str, *, is_request: bool) -> None:
-        self.in_id = field.space is Space.ID
-        self.parts = parts_of(element.segments)
-        self.steps = _steps(field)
-        self._field = field
-        self._named = f"{where}: `{field.name}`"
-        self._unnamed = STRONG if is_request else UNNAMED
-
-    @classmethod
-    def of(cls, field: Field, where: str, *, is_request: bool) -> list[Check]:
-        """The checks of a field; none if it accepts everything."""
-        type_ = field.type
-        bounded = any(type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases))
-        is_checked = field.role.is_checked or type_.enum or type_.flags or type_.plausible or bounded
-        if isinstance(field.role, ReservedRole) or not is_checked:
-            return []
-        return [cls(field, element, where, is_request=is_request) for element in field.elements]
-
-    def reason(self, bits: int) -> Reason | None:
-        type_ = self._field.type
-        signed = type_.encoding is Encoding.SIGNED and bits >> (type_.width - 1)
-        raw = bits - (1 << type_.width) if signed else bits
-        if self._field.role.is_checked:
-            wrong = raw != self._field.role.required_raw
-            return Reason(STRONG, f"{self._named} is not {self._field.role.required_raw}") if wrong else None
-        if type_.enum and all(member.value != raw for member in type_.enum):
-            return Reason(self._unnamed, f"{self._named} has a value without a name")
-        if type_.flags and raw & ~sum(1 << flag.value for flag in type_.flags):
-            return Reason(UNNAMED, f"{self._named} has bits without a name")
-        if not _is_plausible(type_, raw):
-            limits = formatting.span(type_.plausible) if type_.plausible else ""
-            unit = f" {type_.unit.symbol}" if type_.unit else ""
-            return Reason(IMPLAUSIBLE, f"{self._named} is outside the plausible range {limits}{unit}")
-        if not _is_in_range(type_, raw):
-            return Reason(WEAK, f"{self._named} is out of range")
-        return None
+def field_checks(field: Field, where: str, *, is_request: bool) -> Iterator[Check]:
+    """The checks that elements of a field have a constant, a name, or a value within its range."""
+    is_checked = field.role.required_raw is not None or field.type.plausible or not field.type.accepts_every_raw
+    if is_checked and not isinstance(field.role, (ReservedRole, ChecksumRole)):
+        reason = _reason(field, f"{where}: `{field.name}`", STRONG if is_request else UNNAMED)
+        for element in field.elements:
+            yield Check(field.space is Space.ID, parts_of(element.segments), _steps(field), reason)
 
 
-def _steps(field: Field) -> list[int] | None:
+def _reason(field: Field, named: str, unnamed: int) -> Callable[[int], Reason | None]:
+    """The reason against the bits of a field; a value without a name has the points `unnamed`."""
+    type_ = field.type
+    required = field.role.required_raw
+    if required is not None:
+        wrong = Reason(STRONG, f"{named} is not {required}")
+        return lambda bits: None if signed(type_, bits) == required else wrong
+    encoders = [Encoder(case) for case in _assignments(type_.raw_range)]
+    limits = formatting.span(type_.plausible) if type_.plausible else ""
+    unit = f" {type_.unit.symbol}" if type_.unit else ""
+
+    def reason(bits: int) -> Reason | None:
+        raw = signed(type_, bits)
+        is_invalid = all(encoder.rejects_raw(field, raw) for encoder in encoders)
+        if is_invalid and type_.enum:
+            return Reason(unnamed, f"{named} has a value without a name")
+        if is_invalid and type_.flags:
+            return Reason(UNNAMED, f"{named} has bits without a name")
+        if not any(type_.is_plausible(value_of(type_, raw, case)) for case in _assignments(type_.linear)):
+            return Reason(IMPLAUSIBLE, f"{named} is outside the plausible range {limits}{unit}")
+        return Reason(WEAK, f"{named} is out of range") if is_invalid else None
+
+    return reason
+
+
+def _steps(field: Field) -> Sequence[int] | None:
     """The numbers at which a limit of an integer begins or ends; None if other results depend on its bits."""
     type_ = field.type
-    if field.role.is_checked or type_.enum or type_.flags or type_.encoding is Encoding.FLOAT:
+    if field.role.required_raw is not None or type_.enum or type_.flags or type_.encoding is Encoding.FLOAT:
         return None
-    limits = [type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases)]
-    bounds = [b.constant for span in limits if span and span.is_constant for b in (span.low, span.high)]
+    valid = [case for _, case in valid_raws(type_).distinct() if isinstance(case, RawInterval)]
+    bounds = [Fraction(end) for case in valid for end in (case.low, case.high)]
+    bounds += [Fraction(end) for named in type_.no_values for end in (named.raws[0] - 1, named.raws[-1])]
     if type_.plausible is not None:
-        for assignment in _assignments(type_.linear.parameter, type_.linear.cases):
-            linear = type_.linear.at(assignment) or Linear(Fraction(1), Fraction(0))
-            ends = (type_.plausible.low.constant, type_.plausible.high.constant)
-            bounds += [(end - linear.offset) / linear.scale for end in ends]
+        for _, linear in type_.linear.distinct():
+            scale, offset = (linear.scale, linear.offset) if linear else (Fraction(1), Fraction(0))
+            bounds += [(end.constant - offset) / scale for end in (type_.plausible.low, type_.plausible.high)]
     near = {around for b in bounds for around in (math.floor(b), math.floor(b) + 1, math.ceil(b) + 1)}
     modulus = 1 << type_.width
     return sorted({number % modulus for number in near} | {modulus >> 1})
 
 
-def _assignments(parameter: str | None, cases: Iterable[str]) -> list[Assignment]:
-    return [{parameter: case} for case in cases] if parameter else [{}]
-
-
-def _is_plausible(type_: Type, raw: int) -> bool:
-    """Whether the value is plausible under some parameter value."""
-    cases = _assignments(type_.linear.parameter, type_.linear.cases)
-    return any(type_.is_plausible(value_of(type_, raw, case)) for case in cases)
-
-
-def _is_in_range(type_: Type, raw: int) -> bool:
-    """Whether a raw integer is in range under some parameter value; ranges with a number parameter are not checked."""
-    spans = [type_.raw_range.at(a) for a in _assignments(type_.raw_range.parameter, type_.raw_range.cases)]
-    return any(s is None or not s.is_constant or s.low.constant <= raw <= s.high.constant for s in spans)
+def _assignments(by: ByParameter[Any]) -> Sequence[Assignment]:
+    """Each value of the parameter of which something depends."""
+    return [{by.parameter: case} for case in by.cases] if by.parameter else [{}]

@@ -71,7 +71,7 @@ class FrameArrays(Protocol):
 
     @property
     def data(self) -> Array:
-        """The data bytes as `<u8`."""
+        """The data bytes as `<u8`: one integer for each frame, or a row of them if frames have more than 8 bytes."""
 
     @property
     def direction(self) -> Array:
@@ -220,7 +220,8 @@ class _Classes:
             self._key_bits.append(id_class.key_bits)
         rows = np.flatnonzero(np.array(self._has_nodes, np.bool_)[ids])
         ids = ids[rows]
-        values, _ = self._values.of(frames.data[rows] & np.array(self._key_bits, np.uint64)[ids])
+        data = _integers(frames, rows)
+        values, _ = self._values.of(data & np.array(self._key_bits, data.dtype)[ids])
         numbers, new = self._numbers.of(ids.astype(np.uint64) << 32 | values.astype(np.uint64))
         for row in rows[new].tolist():
             self._add(_frame(frames, row), behaviours[frames.bus[row]])
@@ -257,8 +258,18 @@ class _Classes:
 
 def _frame(frames: FrameArrays, row: int) -> CanFrame:
     kind, length = int(frames.kind[row]), int(frames.length[row])
-    data = int(frames.data[row]).to_bytes(8, "little")[:length]
+    data = frames.data[row].tobytes()[:length]
     return CanFrame(int(frames.id[row]), data, bool(kind & EXTENDED), bool(kind & REMOTE))
+
+
+def _integers(frames: FrameArrays, rows: Array) -> Array:
+    """The data of some frames, each as one integer; those of more than 64 bits are Python integers, which take longer."""
+    data = frames.data[rows]
+    if data.ndim == 1:
+        return data
+    integers = np.empty(len(data), object)
+    integers[:] = [int.from_bytes(row.tobytes(), "little") for row in data]
+    return integers
 
 
 class _Entries(NamedTuple):
@@ -343,7 +354,7 @@ class _Log:
 
     def _kinds_of(self, block: FrameArrays, rows: Array, classes: Array) -> Array:
         """The numbers of classes with their content and their mark."""
-        contents = self._classes.contents(classes, block.data[rows]).astype(np.intp)
+        contents = self._classes.contents(classes, _integers(block, rows)).astype(np.intp)
         kinds: Array = classes << 5 | contents << 2 | block.direction[rows]
         more = len(self._classes.rules) * 32 - self._allowed.size
         self._allowed = np.concatenate([self._allowed, np.full(more, _UNSET, np.uint8)])
@@ -490,7 +501,7 @@ class _Log:
 
     def _following(self, block: FrameArrays, entries: _Entries, places: Array, distance: int, is_soon: Array) -> Array:
         """The properties of the frames some places later on which it depends what they mean after these frames."""
-        later, data = places + distance, block.data[entries.rows]
+        later, data = places + distance, _integers(block, entries.rows)
         bits = is_soon | (data[places] == data[later]) << 1 | entries.opens[later] << 2
         properties: Array = (entries.kinds[later] << 3 | bits).astype(np.uint64)
         return properties
@@ -566,6 +577,8 @@ def _shared_nodes(first: _Ids, second: _Ids) -> set[tuple[int | None, int | None
 
 
 def _ids(rule: IdRule) -> Iterator[tuple[int, int | None]]:
+    if rule.parameter is not None:
+        return  # unknown
     if rule.nodes is None:
         yield rule.base, None
     for node in rule.nodes or ():
@@ -576,7 +589,7 @@ def _is_answered_by_itself(command: Command) -> bool:
     """Whether only the node of a request answers it; or the nodes of a broadcast, each with its own id."""
     if command.request is None or command.reply is None:
         return True
-    to, source = command.request.id.nodes, command.reply.id.nodes
-    if to is None and source is not None:
+    to, sources = command.request.id.nodes, {reply.message.id.nodes is None for reply in command.replies}
+    if to is None and sources == {False}:
         return bool(command.from_each)
-    return (to is None) is (source is None) and not command.from_each
+    return sources == {to is None} and not command.from_each

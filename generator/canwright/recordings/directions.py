@@ -35,7 +35,7 @@ from typing import NamedTuple
 
 from ..model.edition import Edition
 from ..model.message import Direction, Message
-from ..semantics.decoder import Identified, Rejection, rejects_constants
+from ..semantics.decoder import Identified, Rejection, rejects_checked
 from ..semantics.frame import CanFrame, node_of
 from .bus_behaviour import COPIED_WITHIN, LOOKED_AHEAD, Behaviour
 from .frame_classes import (
@@ -50,7 +50,7 @@ from .frame_classes import (
     bus_window,
     frame_classes,
 )
-from .log_frame import LogFrame, Mark
+from .log_frame import LogFrame, Mark, new_tuple
 from .observed_behaviour import Observed, observe
 
 _WINDOWS = (None, 20_000_000, 200_000_000)
@@ -81,6 +81,8 @@ class DecidedBy(str, Enum):
     """The recorder logged a frame twice; the first one counts."""
     NONE = "none"
     """No message has the id, or none the content."""
+
+    __hash__ = str.__hash__  # that of Enum takes longer
 
 
 class DirectedFrame(NamedTuple):
@@ -156,12 +158,13 @@ class PendingFrame:
 class _Exchange:
     """A request that waits for replies on a channel, and the frames after it that can be replies or requests."""
 
-    __slots__ = ("channel", "missing", "request", "rule", "settled", "until", "waiting")
+    __slots__ = ("channel", "expected", "missing", "request", "rule", "settled", "until", "waiting")
 
     def __init__(self, rule: DirectionRule, request: PendingFrame, opened: Opened) -> None:
         self.rule = rule
         self.request = request
-        self.channel, self.missing = opened
+        self.channel, self.expected = opened
+        self.missing = self.expected
         """The number of replies that it waits for."""
         self.until = request.clock + rule.window
         self.waiting: list[PendingFrame] = []
@@ -520,7 +523,7 @@ class Directions:
                         self._repeat(exchange)
                         return self._answered(arrived)
                     if reply is not None:
-                        return _Answered(exchange, reply)
+                        return new_tuple(_Answered, (exchange, reply))
         return None
 
     def _request(self, arrived: PendingFrame, decided_by: DecidedBy) -> DirectedFrame:
@@ -563,21 +566,22 @@ class Directions:
             message = None if isinstance(identified, Rejection) or rejection else identified.message
             return _directed(arrived, Direction.REPLY, decided_by, node, message, rejection)
         exchange, (message, node) = answered
-        self._close(exchange)
+        self._close(exchange, message)
         if node is None and exchange.rule.request is not None:
             node = exchange.rule.request.node
-        rejection = rejects_constants(message, recorded.frame, {}) if message in own.with_constants else None
+        rejection = rejects_checked(message, recorded.frame, {}) if message in own.with_checks else None
         asked = exchange.request
         latency = None
         if recorded.time is not None and asked.recorded.time is not None and recorded.time >= asked.recorded.time:
             latency = recorded.time - asked.recorded.time
-        is_late = latency is not None and _is_late(exchange.rule, latency, node)
+        is_late = latency is not None and _is_late(exchange, latency, node)
         known = None if rejection else message
         return _directed(arrived, Direction.REPLY, decided_by, node, known, rejection, (asked.number, latency, is_late))
 
-    def _close(self, exchange: _Exchange) -> None:
-        """Counts a reply; the last one closes the exchange."""
-        exchange.missing -= 1
+    def _close(self, exchange: _Exchange, reply: Message) -> None:
+        """Counts a reply; the last one closes the exchange, and so does one that is sent instead of others."""
+        is_last = any(r.is_alternative and r.message is reply for r in exchange.rule.frame_class.command.replies)
+        exchange.missing = 0 if is_last else exchange.missing - 1
         open_ = exchange.request.bus.open
         channel = open_.get(exchange.channel)
         if not exchange.missing and channel and exchange in channel:
@@ -673,16 +677,16 @@ def _directed(
 ) -> DirectedFrame:
     """The result for a frame; `answer` is the number of the request, the latency, and whether it is late."""
     edition, ends_part = arrived.known.rule.frame_class.edition, arrived.exchange is None and not arrived.bus.open
-    return DirectedFrame(
-        arrived.recorded, arrived.number, node, edition, direction, decided_by, message, rejection, ends_part, *answer
-    )
+    known = arrived.recorded, arrived.number, node, edition, direction, decided_by, message, rejection, ends_part
+    return new_tuple(DirectedFrame, known + answer)
 
 
-def _is_late(asking: DirectionRule, latency: int, node: int | None) -> bool:
-    """Whether a reply is late. Nodes that answer one broadcast reply one after the other."""
-    from_each = asking.frame_class.exchange.nodes
-    after = asking.late_after
-    return after is not None and latency > after * (from_each.index(node) + 1 if node in from_each else 1)
+def _is_late(exchange: _Exchange, latency: int, node: int | None) -> bool:
+    """Whether a reply is late. Several frames, and the nodes that answer one broadcast, come one after the other."""
+    from_each = exchange.rule.frame_class.command.from_each
+    after = exchange.rule.late_after
+    position = from_each.index(node) if node in from_each else exchange.expected - exchange.missing - 1
+    return after is not None and latency > after * (position + 1)
 
 
 def direction_by_content(rule: DirectionRule, content: int) -> tuple[Direction | None, DecidedBy] | None:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field
+from ..model.layout import ChecksumRole, Field
 from ..model.message import Direction, Message
 from ..model.types import Assignment
-from ..semantics.decoder import Rejection, rejects_constants
+from ..semantics.decoder import Rejection, rejects_checked
 from ..semantics.encoder import Encoder
 from ..semantics.frame import CanFrame, raw_of
 from .frame_classes import MessageForm, frame_classes
@@ -68,7 +68,7 @@ Only = Mapping[str, tuple[str, ...]]
 
 def _meaning(form: MessageForm, frame: CanFrame, assignment: Assignment, only: Only) -> Meaning:
     message = form.message
-    rejection = rejects_constants(message, frame, assignment)
+    rejection = rejects_checked(message, frame, assignment)
     if rejection is not None:
         return Meaning(message.direction, None, None, (), (), rejection)
     variant = message.layout.variant(assignment)
@@ -76,6 +76,7 @@ def _meaning(form: MessageForm, frame: CanFrame, assignment: Assignment, only: O
     parameter = None if variant else message.layout.parameter
     varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.role.is_value]
     meanings = [meaning for f, limits in varying for meaning in _fields(f, frame, assignment, only, limits)]
+    meanings += [_checksum(field, frame) for field in fields if isinstance(field.role, ChecksumRole)]
     unusual = [*_reserved(form, frame)]
     for field, limits in varying:
         unusual += _unusual(field, frame, assignment, {**only, **limits})
@@ -119,8 +120,16 @@ def _fields(field: Field, frame: CanFrame, assignment: Assignment, command: Only
     unit = field.type.unit.symbol if field.type.unit else ""
     for (name, segments), number in zip(formatting.elements(field), raws, strict=True):
         values = list(_values(field, number, assignment, {**command, **only}))
-        place = formatting.place(field.space, segments)
+        place = formatting.place(field.space, segments, order=field.type.order)
         yield FieldMeaning(name, place, number, values, unit, formatting.condition(only))
+
+
+def _checksum(field: Field, frame: CanFrame) -> FieldMeaning:
+    """The checksum of a frame that has it."""
+    (_, segments), *_ = formatting.elements(field)
+    raw = raw_of(field, frame)
+    assert isinstance(raw, int)
+    return FieldMeaning(field.name, formatting.place(field.space, segments), raw, [("", "correct")], "", "")
 
 
 def _values(field: Field, raw: int, assignment: Assignment, only: Only) -> Iterator[tuple[str, CellValue]]:

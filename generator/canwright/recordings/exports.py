@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import functools
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import sent
 from ..semantics.decoder import Rejection
-from .rows import Cell, CellValue, Row
+from .rows import MAX_FORMS, CellValue, Column, Row, RowForm
 
 CSV_COLUMNS = (
     "number",
@@ -41,9 +41,10 @@ def bus_name(bus: str) -> str:
 
 def decimal(number: int, places: int, kept: int) -> str:
     """An integer shifted by decimal places, of which the first are kept: `decimal(1_250_000, 9, 6)` is `0.001250`."""
-    sign = "-" if number < 0 else ""
-    whole, rest = divmod(abs(number), 10**places)
-    return f"{sign}{whole}.{rest:0{places}d}"[: kept - places or None]
+    digits = str(number)
+    if number < 0 or len(digits) <= places:
+        digits = f"{number:0{places + 1 + (number < 0)}}"
+    return f"{digits[:-places]}.{digits[-places:]}"[: kept - places or None]
 
 
 def seconds(time: int | None, kept: int = 9) -> str:
@@ -59,13 +60,14 @@ def milliseconds(latency: int | None, kept: int = 6) -> str:
 class CsvLines:
     """Rows as CSV, one line for each value; a frame without values has one line."""
 
-    header = ",".join(CSV_COLUMNS) + "\n"
-
     def __init__(self) -> None:
         self._writer: Any = csv.writer(_Returned(), lineterminator="\n")
+        self._header = ",".join(CSV_COLUMNS) + "\n"
 
-    def __call__(self, row: Row) -> str:
-        return "".join(self._lines(row))
+    def __call__(self, rows: Iterable[Row]) -> str:
+        """The rows as lines; before the first ones, the header."""
+        header, self._header = self._header, ""
+        return header + "".join(line for row in rows for line in self._lines(row))
 
     def _lines(self, row: Row) -> Iterator[str]:
         judged = row.judged
@@ -75,7 +77,7 @@ class CsvLines:
             bus_name(judged.recorded.bus),
             sent(judged.recorded.frame),
             _text(judged.node),
-            row.edition,
+            row.form.label,
             judged.direction.value if judged.direction else "",
             judged.decided_by.value,
             judged.message.command if judged.message else "",
@@ -83,9 +85,9 @@ class CsvLines:
             milliseconds(judged.latency),
         ]
         rejection = judged.rejection.text if judged.rejection else ""
-        for cell in row.cells:
-            yield self._line([*start, cell.column.name, cell.raw, _joined(cell.value), cell.column.unit, rejection])
-        if not row.cells:
+        for column, raw, value in row.cells:
+            yield self._line([*start, column.name, raw, _joined(value), column.unit, rejection])
+        if not row.form.columns:
             yield self._line([*start, "", "", "", "", rejection])
 
     def _line(self, cells: list[object]) -> str:
@@ -108,35 +110,85 @@ def _joined(value: CellValue) -> object:
     return "|".join(value) if isinstance(value, list) else "" if value is None else value
 
 
-def json_line(row: Row) -> str:
-    """A row as one line of JSON. Times are in seconds, latencies in milliseconds, as exact decimals."""
-    judged = row.judged
+Text = tuple[int, Callable[[CellValue], str]]
+"""The place of a field, and the function that writes its value as JSON."""
+
+
+class JsonLines:
+    """Rows as lines of JSON. Times are in seconds, latencies in milliseconds, as exact decimals."""
+
+    def __init__(self) -> None:
+        self._formats: dict[RowForm, tuple[str, Sequence[Text]]] = {}
+
+    def __call__(self, rows: Iterable[Row]) -> str:
+        """The rows as lines."""
+        return "".join(map(self._line, rows))
+
+    def _line(self, row: Row) -> str:
+        judged, form, fields, _ = row
+        (time, _, frame, _), number, _, _, _, _, _, rejection, _, request, latency, _ = judged
+        line, texts = self._formats.get(form) or self._format(form)
+        if texts:
+            fields = [*fields]
+            for at, written in texts:
+                fields[at] = written(fields[at])
+        return line % (
+            number,
+            "null" if time is None else decimal(time, 9, 9),
+            sent(frame),
+            "null" if request is None else request,
+            "null" if latency is None else decimal(latency, 6, 6),
+            *fields,
+            "null" if rejection is None else _json_rejection(rejection),
+        )
+
+    def _format(self, form: RowForm) -> tuple[str, Sequence[Text]]:
+        if len(self._formats) >= MAX_FORMS:
+            self._formats.clear()
+        self._formats[form] = known = _json_format(form)
+        return known
+
+
+def _json_format(form: RowForm) -> tuple[str, Sequence[Text]]:
+    """The line of a row, as a format of what differs: number, time, frame, request, latency, fields, and rejection.
+
+    With it, the places of the fields that are not always numbers, each with the function that writes its value.
+    """
     facts = (
-        ("number", judged.number),
-        ("time", seconds(judged.recorded.time) or "null"),
-        ("bus", _quoted(bus_name(judged.recorded.bus))),
-        ("frame", f'"{sent(judged.recorded.frame)}"'),
-        ("node", _json(judged.node)),
-        ("edition", _json(row.edition or None)),
-        ("direction", _json(judged.direction.value if judged.direction else None)),
-        ("decided_by", _quoted(judged.decided_by.value)),
-        ("command", _json(judged.message.command if judged.message else None)),
-        ("request", _json(judged.request)),
-        ("latency_ms", milliseconds(judged.latency) or "null"),
-        ("fields", "{" + ", ".join(map(_json_field, row.cells)) + "}"),
-        ("rejection", "null" if judged.rejection is None else _json_rejection(judged.rejection)),
+        ("number", "%d"),
+        ("time", "%s"),
+        ("bus", _constant(bus_name(form.bus))),
+        ("frame", '"%s"'),
+        ("node", _constant(form.node)),
+        ("edition", _constant(form.label or None)),
+        ("direction", _constant(form.direction.value if form.direction else None)),
+        ("decided_by", _constant(form.decided_by.value)),
+        ("command", _constant(form.message.command if form.message else None)),
+        ("request", "%s"),
+        ("latency_ms", "%s"),
+        ("fields", "{" + ", ".join(map(_json_field, form.columns)) + "}"),
+        ("rejection", "%s"),
     )
-    return "{" + ", ".join([f'"{name}": {text}' for name, text in facts]) + "}\n"
+    columns = enumerate(zip(form.columns, form.numbers, strict=True))
+    written = (
+        (at, _or_no_value if of.field.type.no_values else _json) for at, (of, is_number) in columns if not is_number
+    )
+    texts = [(2 * at + 1, function) for at, function in written]
+    return "{" + ", ".join([f'"{name}": {text}' for name, text in facts]) + "}\n", texts
 
 
-def _json_field(cell: Cell) -> str:
-    column, raw, value = cell
-    unit = f', "unit": {_quoted(column.unit)}' if column.unit else ""
-    return f'{_quoted(column.name)}: {{"raw": {raw}, "value": {_json(value)}{unit}}}'
+def _json_field(column: Column) -> str:
+    unit = f', "unit": {_constant(column.unit)}' if column.unit else ""
+    return f'{_constant(column.name)}: {{"raw": %d, "value": %s{unit}}}'
 
 
 def _json_rejection(rejection: Rejection) -> str:
     return f'{{"reason": {_quoted(rejection.reason.value)}, "text": {_quoted(rejection.text)}}}'
+
+
+def _constant(value: CellValue) -> str:
+    """A value as JSON in a format."""
+    return _json(value).replace("%", "%%")
 
 
 def _json(value: CellValue) -> str:
@@ -146,6 +198,11 @@ def _json(value: CellValue) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_quoted, value))}]"
     return "null" if value is None else repr(value)
+
+
+def _or_no_value(value: CellValue) -> str:
+    """A number as JSON, or null with the name for no value."""
+    return f'null, "no_value": {_quoted(value)}' if isinstance(value, str) else _json(value)
 
 
 _quoted = functools.lru_cache(maxsize=1 << 12)(json.encoder.encode_basestring_ascii)

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 
 from ..model.edition import Edition
 from ..model.layout import Field, Space
-from ..model.message import Direction, IdRule, Message
+from ..model.message import Command, Direction, IdRule, Message
 from ..model.types import Type
 from ..semantics.bits import data_bits, placed
 from ..semantics.candidates import Candidates
-from ..semantics.decoder import Decoder, Identified, Rejection, rejects_constants
-from ..semantics.exchange import ExchangePlan, check_reply, exchange_plans
+from ..semantics.decoder import Decoder, Identified, Rejection, rejects_checked
+from ..semantics.exchange import check_reply, exchange_plans
 from ..semantics.frame import (
     CanFrame,
     Parts,
@@ -50,7 +50,7 @@ class Channel(NamedTuple):
 
 
 class Opened(NamedTuple):
-    """A channel on which a request is answered, and the number of replies."""
+    """A channel on which a request is answered, and the number of replies there, at most."""
 
     channel: Channel
     replies: int
@@ -107,24 +107,25 @@ class FrameClass:
     replies: tuple[MessageForm, ...]
     opens: tuple[Opened, ...]
     answers: tuple[Channel, ...]
-    with_constants: frozenset[Message]
+    with_checks: frozenset[Message]
     _replies_to: dict[FrameClass, Identified | None] = field(default_factory=dict)
 
     @cached_property
-    def exchange(self) -> ExchangePlan:
-        """The exchange that the request starts."""
+    def command(self) -> Command:
+        """The command of the request."""
         assert self.request is not None
-        return exchange_plans(self.edition)[self.request.message]
+        return self.edition.command(self.request.message.command)
 
     @cached_property
     def is_echoed(self) -> bool:
         """Whether the node sends the request back."""
-        return self.request is not None and self.exchange.is_echo
+        return self.request is not None and self.command.is_echoed
 
     @cached_property
     def has_node_in_data(self) -> bool:
-        """Whether the node in the data of the request or of its reply decides which frames answer it."""
-        return self.exchange.asked is not None or self.exchange.reported is not None
+        """Whether the node in the data of the request or of a reply decides which frames answer it."""
+        plans = exchange_plans(self.edition)[self.request.message] if self.request else ()
+        return any(plan.asked is not None or plan.reported is not None for plan in plans)
 
     @cached_property
     def is_certain(self) -> bool:
@@ -133,13 +134,11 @@ class FrameClass:
             return True
         identified = self.identified[Direction.REQUEST]
         is_request = isinstance(identified, Identified) and identified.message is self.request.message
-        return is_request and self.request.message not in self.with_constants and not self.has_node_in_data
+        return is_request and self.request.message not in self.with_checks and not self.has_node_in_data
 
     def reply_to(self, asking: FrameClass, request: CanFrame, reply: CanFrame) -> Identified | None:
         """The message with which a frame of this class answers a request of class `asking`; None if it does not."""
-        if asking.is_echoed and request.data != reply.data:
-            return None
-        if asking.has_node_in_data:
+        if asking.has_node_in_data or (asking.is_echoed and request.data != reply.data):
             return _answer(self.decoder, request, reply)
         if asking not in self._replies_to:
             self._replies_to[asking] = _answer(self.decoder, request, reply)
@@ -150,7 +149,7 @@ class FrameClass:
         identified = self.identified[direction]
         if isinstance(identified, Rejection):
             return identified
-        return rejects_constants(identified.message, frame, {}) if identified.message in self.with_constants else None
+        return rejects_checked(identified.message, frame, {}) if identified.message in self.with_checks else None
 
 
 class DirectionRule:
@@ -169,7 +168,7 @@ class DirectionRule:
         self._reply_time = behaviour.reply_time
         self._is_by_time = any(bits.value is None for bits in behaviour.old_bits)
         if self.request is not None:
-            within = frame_class.exchange.command.reply_within_ms
+            within = frame_class.command.reply_within_ms
             self._own_time = None if within is None else int(within * 1_000_000)
             old = behaviour.old_bits_of(self.request.message)
             if old is not None:
@@ -263,15 +262,11 @@ class FrameClasses:
     def __init__(self, edition: Edition) -> None:
         self.edition = edition
         self._decoder = Decoder(edition)
-        self._with_constants = frozenset(
+        self._with_checks = frozenset(
             m for m in edition.all_messages() if any(f.role.is_checked for f in m.layout.fields)
         )
         rules = dict.fromkeys(reply.id for reply in edition.messages(Direction.REPLY))
         self._rules = {rule: number for number, rule in enumerate(rules)}
-        self._forget()
-
-    def _forget(self) -> None:
-        """Forgets the classes, of which a log with random frames has many."""
         self._candidates = Candidates(self.edition)
         self._ids: dict[tuple[int, bool, bool], IdClass] = {}
         self._classes: dict[tuple[int, bool, bool, int, int], FrameClass] = {}
@@ -281,7 +276,7 @@ class FrameClasses:
         id_ = frame.id, frame.extended, frame.remote
         if id_ not in self._ids:
             if len(self._ids) >= MAX_CLASSES:
-                self._forget()
+                self._ids.clear()
             having = [message for message in self.edition.all_messages() if has_id_rule(message, frame)]
             in_data = [message.node_bits for message in having if message.id.nodes is None]
             runs = [*(key for message in having for key in message.keys), *(bits for bits in in_data if bits)]
@@ -295,7 +290,7 @@ class FrameClasses:
         known = (frame.id, frame.extended, frame.remote, len(frame.data), bits)
         if known not in self._classes:
             if len(self._classes) >= MAX_CLASSES:
-                self._forget()
+                self._classes.clear()
             self._classes[known] = self._class(frame)
         return self._classes[known]
 
@@ -316,17 +311,19 @@ class FrameClasses:
             replies=tuple(form for form in forms if form.message.direction is Direction.REPLY),
             opens=self._opens(request) if request else (),
             answers=tuple(dict.fromkeys(self._channel(rule, n) for rule, node in sources for n in (node, None))),
-            with_constants=self._with_constants,
+            with_checks=self._with_checks,
         )
 
     def _opens(self, request: MessageForm) -> tuple[Opened, ...]:
         command = self.edition.command(request.message.command)
-        if command.reply is None:
-            return ()
-        rule, nodes = command.reply.id, command.from_each or (request.node,)
-        if rule.nodes is None:
-            return (Opened(self._channel(rule, None), len(nodes)),)
-        return tuple(Opened(self._channel(rule, node), 1) for node in nodes)
+        nodes = command.from_each or (request.node,)
+        opened: dict[Channel, int] = {}
+        for reply in command.replies:
+            rule = reply.message.id
+            for node in nodes:
+                channel = self._channel(rule, node if rule.nodes is not None else None)
+                opened[channel] = opened.get(channel, 0) + (0 if reply.is_alternative else reply.frames)
+        return tuple(Opened(channel, max(1, frames)) for channel, frames in opened.items())
 
     def _channel(self, rule: IdRule, node: int | None) -> Channel:
         return Channel(self.edition, self._rules[rule], node)
@@ -344,7 +341,7 @@ def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified 
 def form_of(message: Message, frame: CanFrame) -> MessageForm:
     """A message that a frame can be by its id, its length and its keys."""
     always = [f for f in message.layout.fields if not f.only]
-    constant = [f for f in always if f.role.is_checked]
+    constant = [f for f in always if f.role.required_raw is not None]
     in_id = [f for f in constant if f.space is Space.ID]
     limited = [(f, _allows(f.type)) for f in always if f.role.is_value and f.space is Space.DATA]
     reserved = message_plan(message).reserved
@@ -381,7 +378,10 @@ def _allows(type_: Type) -> Callable[[Any], Any] | None:
     if len(spans) < len(cases):
         return None
     limits = min(span.low for span in spans), max(span.high for span in spans)
-    return None if limits == type_.raw_limits else _is_between(*limits, full)
+    if limits == type_.number_limits:
+        return None
+    between = [_is_between(*limits, full), *(_is_between(raws[0], raws[-1], full) for raws in spans[0].no_values)]
+    return lambda bits: functools.reduce(operator.or_, [is_between(bits) for is_between in between])
 
 
 def _is_between(low: int, high: int, full: int) -> Callable[[Any], Any]:

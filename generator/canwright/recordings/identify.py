@@ -16,10 +16,10 @@ from __future__ import annotations
 import dataclasses
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
 from ..model.edition import Edition
 from ..model.message import Direction, IdRule
-from ..semantics.bits import data_bits
 from ..semantics.frame import CanFrame, node_in_id, node_of
 from .changes import BLOCK, NodeFrames
 from .log_frame import LogFrame, Mark
@@ -45,33 +45,16 @@ def identify(recorded: Iterable[LogFrame], editions: Sequence[Edition]) -> Ident
     return identifier.result()
 
 
-class _Code:
-    """The frames of a line with one first key: their kind, or the bits of all keys and the kinds by these."""
-
-    __slots__ = ("key_bits", "kind", "kinds")
-
-    def __init__(self, key_bits: int) -> None:
-        self.key_bits = key_bits
-        self.kind: ScoredClass | None = None
-        self.kinds: dict[int, ScoredClass] = {}
-
-
+@dataclass(slots=True)
 class _IdState:
-    """The frames of one id and length on a bus; `rule` is None if the id belongs to no edition.
+    """The frames of one id and length on a bus, by the bytes of their first key; `rule` is None if the id belongs to no edition.
 
-    Their node is that of the id, or if `node` is None, depends on the `node_bits` of the data.
+    Of each first key, these are the bits that identify a frame further, and the nodes and kinds of frames by these.
     """
 
-    __slots__ = ("codes", "first", "node", "node_bits", "nodes", "rule")
-
-    def __init__(self, rule: IdRule | None, first: slice[int, int, None], node_bits: int) -> None:
-        self.rule = rule
-        self.first = first
-        """The bytes of the first key."""
-        self.codes: dict[bytes, _Code] = {}
-        self.node: NodeFrames | None = None
-        self.node_bits = node_bits
-        self.nodes: dict[int, NodeFrames] = {}
+    rule: IdRule | None
+    first: slice[int, int, None]
+    codes: dict[bytes, tuple[int, dict[int, tuple[NodeFrames, ScoredClass]]]]
 
 
 class Identifier:
@@ -114,10 +97,10 @@ class Identifier:
             if foreign in self._foreign or len(self._foreign) < MAX_FOREIGN:
                 self._foreign[foreign] += 1
             return None
-        node = line.node or self._node(line, recorded)
-        code = line.codes.get(content[line.first])
-        kind = code and (code.kind or code.kinds.get(int.from_bytes(content, "little") & code.key_bits))
-        observation = (kind or self._kind(line, frame)).observation(id_, content)
+        key_bits, places = line.codes.get(content[line.first]) or self._code(line, frame)
+        bits = key_bits and int.from_bytes(content, "little") & key_bits
+        node, kind = places.get(bits) or self._place(line.rule, places, bits, recorded)
+        observation = kind.observation(id_, content)
         direction = self._direction(bus, mark) if mark is not None else None
         known = observation if direction is None else (observation, direction)
         step = node.state.steps.get(known) or self._step(node, observation, direction)
@@ -164,33 +147,29 @@ class Identifier:
         if len(self._lines) >= MAX_KNOWN:
             self._lines.clear()
         having = self._kinds.messages(frame)
-        if having:
-            message, number = next(
-                ((m, n) for m in having if (n := node_in_id(m, frame)) is not None), (having[0], None)
-            )
-            nodes = [m.node_bits for m in having if m.id.nodes is None] if number is None else []
-            bits = data_bits((run.space, run.segments) for run in nodes if run is not None)
-            line = _IdState(message.id, self._kinds.first_key(frame), bits)
-            if not bits:
-                line.node = self._frames_of(bus, number)
-        else:
-            line = _IdState(None, slice(0, 0), 0)
+        line = _IdState(having[0].id if having else None, self._kinds.first_key(frame), {})
         self._lines[bus, frame.id, frame.extended, frame.remote, len(frame.data)] = line
         return line
 
-    def _node(self, line: _IdState, recorded: LogFrame) -> NodeFrames:
-        """The frames of the node in the data of a frame."""
+    def _code(self, line: _IdState, frame: CanFrame) -> tuple[int, dict[int, tuple[NodeFrames, ScoredClass]]]:
+        """The frames with the first key of a frame, remembered for its line."""
+        if len(line.codes) >= MAX_COUNTED:
+            line.codes.clear()
+        code = line.codes[frame.data[line.first]] = self._kinds.further_bits(frame), {}
+        return code
+
+    def _place(
+        self, rule: IdRule, places: dict[int, tuple[NodeFrames, ScoredClass]], bits: int, recorded: LogFrame
+    ) -> tuple[NodeFrames, ScoredClass]:
+        """The frames of the node, and the kind, of a frame, remembered by the bits that identify it."""
         frame = recorded.frame
-        key_bits = self._kinds.all_key_bits(frame)
-        known = int.from_bytes(frame.data, "little") & (line.node_bits | key_bits)
-        node = line.nodes.get(known)
-        if node is None:
-            if len(line.nodes) >= MAX_COUNTED:
-                line.nodes.clear()
-            messages = self._kinds.candidates(frame)
-            number = next((n for m in messages if (n := node_of(m, frame)) is not None), None)
-            node = line.nodes[known] = self._frames_of(recorded.bus, number)
-        return node
+        if len(places) >= MAX_COUNTED:
+            places.clear()
+        in_id = (node_in_id(message, frame) for message in self._kinds.messages(frame))
+        in_data = (node_of(message, frame) for message in self._kinds.candidates(frame))
+        node = self._frames_of(recorded.bus, next((n for n in (*in_id, *in_data) if n is not None), None))
+        place = places[bits] = node, self._kinds.kind(frame, rule)
+        return place
 
     def _frames_of(self, bus: str, number: int | None) -> NodeFrames:
         node = self._nodes.get((bus, number))
@@ -198,24 +177,6 @@ class Identifier:
             state = self._state(((),) * len(self.editions))
             node = self._nodes[bus, number] = NodeFrames(bus, number, self.editions, state)
         return node
-
-    def _kind(self, line: _IdState, frame: CanFrame) -> ScoredClass:
-        """The kind of a frame, remembered for its line."""
-        assert line.rule is not None
-        first = frame.data[line.first]
-        if len(line.codes) >= MAX_COUNTED:
-            line.codes.clear()
-        code = line.codes.get(first)
-        if code is None:
-            code = line.codes[first] = _Code(self._kinds.key_bits(frame))
-        kind = self._kinds.kind(frame, line.rule)
-        if not code.key_bits:
-            code.kind = kind
-            return kind
-        if len(code.kinds) >= MAX_COUNTED:
-            code.kinds.clear()
-        code.kinds[int.from_bytes(frame.data, "little") & code.key_bits] = kind
-        return kind
 
     def _state(self, waiting: tuple[Waiting, ...]) -> State:
         return self._states.setdefault(waiting, State(waiting))

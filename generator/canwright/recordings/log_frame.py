@@ -8,6 +8,10 @@ from enum import Enum
 from typing import NamedTuple
 
 from ..semantics.frame import CanFrame
+from ..targets.columns.runtime._candump import SkippedPart as SkippedPart
+
+new_tuple = tuple.__new__
+"""Makes a NamedTuple in half of the time."""
 
 
 class Mark(str, Enum):
@@ -24,17 +28,6 @@ class LogFrame(NamedTuple):
     bus: str
     frame: CanFrame
     mark: Mark | None
-
-
-class SkippedPart(str, Enum):
-    """What else is in a log; each is counted and then skipped."""
-
-    MALFORMED = "malformed"
-    TRUNCATED = "truncated end"
-    ERROR = "error frames"
-    FD = "CAN FD or XL frames"
-    OTHER = "other lines"
-    """Comments and events that a log format allows."""
 
 
 OVERLONG = "\ufffd"

@@ -1,7 +1,8 @@
 """The edition and the parameters of each node of a log: given by the user, or identified from the frames.
 
 A log in a file is read twice: once to identify the editions, once to decode. Of a stream, frames of a node wait until its
-edition is identified, at most LOOKAHEAD frames; the edition can change later.
+edition is identified, at most LOOKAHEAD frames. Each time the stream has paused for PATIENCE seconds in all, it is enough
+that some edition fits; the edition can change later.
 """
 
 from __future__ import annotations
@@ -19,10 +20,14 @@ from .changes import BLOCK, NodeFrames
 from .directions import Change, DirectedFrame
 from .identify import Identifier
 from .log_frame import LogFrame
+from .readers import Log
 from .results import Identification, NodeResult, Place
 
 LOOKAHEAD = 2048
 """The maximum number of frames of a stream that wait until editions are identified."""
+PATIENCE = 0.2
+"""The time in seconds after which any edition that fits is enough. Only pauses of the stream count, so that the speed of
+the computer does not change the results."""
 Key = tuple[str, int | None]
 """A bus and a node."""
 
@@ -174,6 +179,12 @@ class Identifiers:
             identifier.add(recorded)
 
     @property
+    def is_certain(self) -> bool:
+        """Whether one family has the ids of more frames than each other one."""
+        first, *rest = sorted(identifier.foreign for identifier in self._all)
+        return not rest or first < rest[0]
+
+    @property
     def best(self) -> Identifier:
         """The identifier of the family."""
         return min(self._all, key=lambda identifier: identifier.foreign)
@@ -189,19 +200,31 @@ def nodes_of(identifier: Identifier, settings: Sequence[NodeSetting]) -> Nodes:
 
 
 def follow(
-    frames: Iterator[LogFrame], editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
+    log: Log, editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
 ) -> tuple[Nodes, Iterator[LogFrame]]:
     """The nodes of a stream, and its frames; later choices are added to the nodes before the frame is yielded."""
     identifiers = Identifiers(editions, recorder)
+    frames = iter(log)
     start: list[LogFrame] = []
+    due = 0.0
     for frame in itertools.islice(frames, LOOKAHEAD):
+        due = due if start else log.waited + PATIENCE
         start.append(frame)
         identifiers.add(frame)
+        if log.waited > due:
+            due = log.waited + PATIENCE
+            if identifiers.is_certain and _has_fitting(identifiers.best):
+                break
         if len(start) % (4 * BLOCK) == 0 and _is_decided(identifiers.best):
             break
     identifier = identifiers.best
     nodes = nodes_of(identifier, settings)
-    return nodes, itertools.chain(start, _Following(identifier, nodes, len(start)).frames(frames))
+    return nodes, itertools.chain(start, _Following(identifier, nodes, len(start)).frames(frames, log))
+
+
+def _has_fitting(identifier: Identifier) -> bool:
+    """Whether an edition fits each node: with few frames, as requests without their replies, often none does."""
+    return all(result.editions for result in _with_nodes(identifier.result()))
 
 
 def _is_decided(identifier: Identifier) -> bool:
@@ -223,14 +246,18 @@ class _Following:
         self._next: dict[NodeFrames, int] = {}
         """The number of frames of a node at which it is examined again."""
 
-    def frames(self, frames: Iterable[LogFrame]) -> Iterator[LogFrame]:
-        """The frames of a stream; those of a new node wait."""
+    def frames(self, frames: Iterable[LogFrame], log: Log) -> Iterator[LogFrame]:
+        """The next frames of a stream; those of a new node wait."""
+        due = log.waited + PATIENCE
         for frame in frames:
             node = self._identifier.add(frame)
             self._held.append((self._number, frame, node))
             if node is not None:
                 self._examine(node)
             self._number += 1
+            if log.waited > due:
+                due = log.waited + PATIENCE
+                self._choose_fitting()
             while self._held and (self._held[0][2] not in self._waiting or len(self._held) > LOOKAHEAD):
                 yield self._released()
         while self._held:
@@ -248,6 +275,13 @@ class _Following:
             results = self._identifier.results_of(node)
             if node not in self._waiting or len(results[-1].editions) == 1:
                 self._choose(node, results[-1])
+
+    def _choose_fitting(self) -> None:
+        """Chooses the editions of the nodes that wait, if any edition fits: with few frames often none does."""
+        for node in [*self._waiting]:
+            result = self._identifier.results_of(node)[-1]
+            if result.editions:
+                self._choose(node, result)
 
     def _released(self) -> LogFrame:
         _, frame, node = self._held[0]

@@ -177,15 +177,17 @@ class Observed:
         if judged.direction is Direction.REQUEST:
             self.requests += command.reply is not None and not command.is_echoed
         else:
-            self.replies += command.request is not None
-            self.unexpected += command.request is not None and judged.request is None
+            self.replies += command.only_answers
+            self.unexpected += command.only_answers and judged.request is None
             self._certain += judged.decided_by in ("content", "id", "mark")
         if time is None:
             return
         self._copies.add(judged, time, command)
         if judged.direction is not Direction.REPLY:
             return
-        is_certain = judged.decided_by in ("content", "id", "mark") and not command.from_each
+        is_certain = judged.decided_by in ("content", "id", "mark") and not (
+            command.from_each or command.has_several_frames
+        )
         if judged.latency is not None and is_certain and command.reply_within_ms is None:
             self._latencies.append(judged.latency)
         if judged.decided_by == "content" and command.request is not None:

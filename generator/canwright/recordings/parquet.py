@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..model.edition import Edition
+from ..model.joined import JoinedText
 from ..model.layout import Field, Layout
-from ..model.types import Encoding, Type
+from ..model.types import Encoding
+from ..targets.columns.view import columns_of, tables_of
 from .exports import bus_name
 from .packages import require
-from .rows import Row
+from .rows import Row, RowForm, elements
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 _BATCH = 4096
 """The number of rows of a table that are written at once."""
@@ -27,10 +32,12 @@ class ParquetTables:
     """
 
     def __init__(self, folder: Path) -> None:
-        require("pyarrow", "pyarrow", "Parquet")
-        self._folder = folder
+        for package in ("numpy", "pyarrow"):
+            require(package, package, "Parquet")
+        from ..targets.columns.runtime.arrow import TableFiles
+
+        self._files = TableFiles(folder)
         self._tables: dict[Layout, _LayoutTable] = {}
-        self._paths: set[Path] = set()
         self._buffered = 0
 
     def write(self, row: Row) -> None:
@@ -39,36 +46,35 @@ class ParquetTables:
             return
         table = self._tables.get(judged.message.layout)
         if table is None:
-            path = self._path(judged.edition, judged.message.layout)
-            table = self._tables[judged.message.layout] = _LayoutTable(path, judged.edition, judged.message.layout)
-        table.add(row)
+            table = self._tables[judged.message.layout] = _LayoutTable(judged.edition, judged.message.layout)
+        table.rows.append(row)
         self._buffered += 1
-        if len(table.rows) >= _BATCH or self._buffered >= _MAX_BUFFERED:
-            for full in [table] if self._buffered < _MAX_BUFFERED else self._tables.values():
-                self._buffered -= full.flush()
+        if len(table.rows) >= _BATCH:
+            self._flush(table)
+        elif self._buffered >= _MAX_BUFFERED:
+            self._flush(*self._tables.values())
 
     def close(self) -> None:
-        for table in self._tables.values():
-            table.close()
+        self._flush(*self._tables.values())
+        self._files.close()
 
-    def _path(self, edition: Edition, layout: Layout) -> Path:
-        folder = self._folder / edition.name
-        folder.mkdir(parents=True, exist_ok=True)
-        path, number = folder / f"{layout.name}.parquet", 2
-        while path in self._paths:
-            path, number = folder / f"{layout.name}-{number}.parquet", number + 1
-        self._paths.add(path)
-        return path
+    def _flush(self, *tables: _LayoutTable) -> None:
+        for table in tables:
+            if table.rows:
+                self._files.write(table.name, table.batch())
+                self._buffered -= len(table.rows)
+                table.rows.clear()
 
 
 class _LayoutTable:
-    """The file of one layout."""
+    """The rows of one layout that are not written yet."""
 
-    def __init__(self, path: Path, edition: Edition, layout: Layout) -> None:
+    def __init__(self, edition: Edition, layout: Layout) -> None:
         import pyarrow as pa
-        import pyarrow.parquet as pq
 
-        columns: list[Any] = [
+        from ..targets.columns.runtime.arrow import table_schema
+
+        frame = [
             pa.field("number", pa.int64(), nullable=False),
             pa.field("time", pa.int64(), metadata={"unit": "ns"}),
             pa.field("bus", pa.string(), nullable=False),
@@ -79,89 +85,77 @@ class _LayoutTable:
             pa.field("request", pa.int64()),
             pa.field("latency", pa.int64(), metadata={"unit": "ns"}),
         ]
-        names = {column.name for column in columns}
-        self._fields: dict[Field, int] = {}
-        by_content: dict[object, int] = {}
-        for field in layout.fields:
-            if not field.role.is_value:
-                continue
-            unit = field.type.unit.symbol if field.type.unit else None
-            same = (field.name, unit, field.is_array, _kind(field.type), _raw_width(field.type))
-            if same not in by_content:
-                by_content[same] = len(columns)
-                for name, type_, metadata in _columns(field):
-                    columns.append(pa.field(_unused(name, names), type_, metadata=metadata))
-            self._fields[field] = by_content[same]
-        metadata = {"family": edition.family, "edition": edition.name, "spec": edition.hash, "table": layout.name}
-        self._schema = pa.schema(columns, metadata=metadata)
-        self._writer = pq.ParquetWriter(path, self._schema)
-        self.rows: list[Sequence[object]] = []
+        self._names = columns_of(layout, [column.name for column in frame])
+        columns = [column for field, names in self._names.items() for column in _columns(field, *names)]
+        table = tables_of(edition)[layout]
+        self.name = f"{edition.name}/{table}"
+        self.schema = table_schema([*frame, *columns], edition.family, edition.name, edition.hash, table)
+        self.rows: list[Row] = []
 
-    def add(self, row: Row) -> None:
-        judged = row.judged
-        assert judged.message is not None
-        values: list[Any] = [None] * len(self._schema.names)
-        values[:9] = (
-            judged.number,
-            judged.recorded.time,
-            bus_name(judged.recorded.bus),
-            judged.node,
-            judged.direction.value if judged.direction else None,
-            judged.decided_by.value,
-            judged.message.command,
-            judged.request,
-            judged.latency,
-        )
-        for cell in row.cells:
-            field = cell.column.field
-            at = self._fields[field]
-            if field.is_array:
-                values[at] = [*(values[at] or ()), cell.value]
-                values[at + 1] = [*(values[at + 1] or ()), cell.raw]
-            else:
-                values[at], values[at + 1] = cell.value, cell.raw
-        self.rows.append(values)
-
-    def flush(self) -> int:
-        """Writes the rows; returns their number."""
+    def batch(self) -> pa.RecordBatch:
+        """The rows as columns."""
         import pyarrow as pa
 
-        count = len(self.rows)
-        if count:
-            arrays = [pa.array(c, f.type) for c, f in zip(zip(*self.rows, strict=True), self._schema, strict=True)]
-            self._writer.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self._schema))
-            self.rows.clear()
-        return count
+        recorded, number, node, _, direction, rule, message, _, _, request, latency, _ = _columns_of(
+            row.judged for row in self.rows
+        )
+        time, bus, _, _ = _columns_of(recorded)
+        columns = [
+            number,
+            time,
+            [*map(bus_name, bus)],
+            node,
+            [each and each.value for each in direction],
+            [each.value for each in rule],
+            [each.command for each in message],
+            request,
+            latency,
+        ]
+        for field in self._names:
+            columns += self._values(field)
+        arrays = [pa.array(column, of.type) for column, of in zip(columns, self.schema, strict=True)]
+        return pa.RecordBatch.from_arrays(arrays, schema=self.schema)
 
-    def close(self) -> None:
-        self.flush()
-        self._writer.close()
+    def _values(self, field: Field) -> tuple[Sequence[object], Sequence[object]]:
+        """The values of a field and its raw integers; None in rows without it."""
+        places = {form: _places(form, field) for form in {row.form for row in self.rows}}
+        listed = [(row.fields, places[row.form]) for row in self.rows]
+        if field.type.no_values:
+            listed = [([_number_or_none(value) for value in fields], own) for fields, own in listed]
+        joined = field.type.joined
+        if field.is_array and joined is None:
+            return [[fields[at + 1] for at in own] or None for fields, own in listed], [
+                [fields[at] for at in own] or None for fields, own in listed
+            ]
+        raws = [fields[own[0]] if own else None for fields, own in listed]
+        if joined is not None:
+            raws = [None if raw is None else elements(joined, raw) for raw in raws]
+        return [fields[own[0] + 1] if own else None for fields, own in listed], raws
 
 
-def _columns(field: Field) -> Sequence[tuple[str, Any, dict[str, str] | None]]:
-    """Name, type and metadata of the column of the values and of that of the raw integers."""
+def _number_or_none(value: object) -> object:
+    """A number; None for the name for no value."""
+    return None if isinstance(value, str) else value
+
+
+def _columns_of(rows: Iterable[Sequence[Any]]) -> Iterator[Sequence[Any]]:
+    return zip(*rows, strict=True)
+
+
+def _places(form: RowForm, field: Field) -> Sequence[int]:
+    """The places of the raw integers of a field in the fields of a row."""
+    return [2 * at for at, column in enumerate(form.columns) if column.field is field]
+
+
+def _columns(field: Field, name: str, raw_name: str) -> tuple[pa.Field, pa.Field]:
+    """The column of the values and that of the raw integers."""
     import pyarrow as pa
 
     type_ = field.type
-    value = {"number": pa.float64(), "enum": pa.string(), "flags": pa.list_(pa.string())}[_kind(type_)]
-    raw = pa.uint64() if _raw_width(type_) == "u64" else pa.int64()
-    unit = {"unit": type_.unit.symbol} if type_.unit else None
+    is_text = type_.enum or isinstance(type_.joined, JoinedText)
+    value = pa.string() if is_text else pa.list_(pa.string()) if type_.flags else pa.float64()
+    raw = pa.uint64() if type_.width == 64 and type_.encoding is not Encoding.SIGNED else pa.int64()
     if field.is_array:
-        value, raw = pa.list_(value), pa.list_(raw)
-    return (field.name, value, unit), (f"{field.name}_raw", raw, None)
-
-
-def _kind(type_: Type) -> str:
-    return "enum" if type_.enum else "flags" if type_.flags else "number"
-
-
-def _raw_width(type_: Type) -> str:
-    return "u64" if type_.width == 64 and type_.encoding is not Encoding.SIGNED else "i64"
-
-
-def _unused(name: str, names: set[str]) -> str:
-    """A name that no other column has; it is added to them."""
-    while name in names:
-        name += "_"
-    names.add(name)
-    return name
+        value, raw = value if type_.joined else pa.list_(value), pa.list_(raw)
+    unit = {"unit": type_.unit.symbol} if type_.unit else None
+    return pa.field(name, value, metadata=unit), pa.field(raw_name, raw)

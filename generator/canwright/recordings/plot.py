@@ -72,6 +72,8 @@ class Plot:
             name = cell.column.name
             if name not in self._fields and cell.column.field.name not in self._fields:
                 continue
+            if cell.no_value is not None:
+                continue
             named = cell.value is None or isinstance(cell.value, (str, list))
             value, unit = (cell.raw, "raw") if named else (cell.value, cell.column.unit)
             assert isinstance(value, (int, float))

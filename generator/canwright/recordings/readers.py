@@ -7,10 +7,11 @@ import gzip
 import io
 import lzma
 import sys
+import time
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import Any, BinaryIO, cast
 
 from . import by_python_can, candump, savvycan
 from .log_frame import OVERLONG, Counts, LogFrame, SkippedPart
@@ -35,11 +36,17 @@ class LogError(Exception):
 
 
 class Log:
-    """The frames of a log, once, in their order. `counts` has what was skipped so far, and at the end the frames."""
+    """The frames of a log, once, in their order. `counts` has what was skipped so far, and at the end the frames.
+
+    `before_wait` is called before each read of a stream, which may have to wait for the next frames; `waited` is the time
+    in seconds that these reads have taken.
+    """
 
     def __init__(self, source: BinaryIO, name: str) -> None:
         self.counts = Counts()
         self.name = name
+        self.before_wait: Callable[[], object] = lambda: None
+        self.waited = 0.0
         self._source = source
 
     @property
@@ -50,8 +57,9 @@ class Log:
     def __iter__(self) -> Iterator[LogFrame]:
         """Raises LogError and OSError."""
         frames = 0
+        source = self._source if self.is_file else cast("BinaryIO", _Stream(self._source, self))
         try:
-            for recorded in _read(_buffered(self._source), self.counts):
+            for recorded in _read(_buffered(source), self.counts):
                 frames += 1
                 if recorded.frame.remote:
                     self.counts.remote += 1
@@ -67,6 +75,24 @@ class Log:
                 f"{self.name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
                 "ASC, BLF, TRC, MF4 or CSV"
             )
+
+
+class _Stream(io.RawIOBase):
+    """The source of a log that announces each read."""
+
+    def __init__(self, source: BinaryIO, log: Log) -> None:
+        self._source, self._log = source, log
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        self._log.before_wait()
+        start = time.monotonic()
+        content: bytes = self._source.read1(len(buffer))  # type: ignore[attr-defined]
+        self._log.waited += time.monotonic() - start
+        buffer[: len(content)] = content
+        return len(content)
 
 
 @contextlib.contextmanager

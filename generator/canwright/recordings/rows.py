@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, NamedTuple
 
+from ..model.edition import Edition
+from ..model.joined import Joined
 from ..model.layout import Element, Field, Space
-from ..model.message import Message
-from ..model.types import Assignment, Encoding, Type
+from ..model.message import Direction, Message
+from ..model.types import Assignment, Encoding, Linear, Type, factors
 from ..semantics.decoder import linear_of, value_of
-from ..semantics.frame import CanFrame, bits_at, parts_of
-from .directions import DirectedFrame
+from ..semantics.frame import bits_at, parts_of
+from .directions import DecidedBy, DirectedFrame
+from .log_frame import new_tuple
 
 CellValue = int | float | str | list[str] | None
-"""A number in the unit, the name of a member, the names of flags; None without a scale or a name."""
+"""A number in the unit or the name for no value, the name of a member, the names of flags; None without a scale or a name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,39 +41,75 @@ class Cell(NamedTuple):
     raw: int
     value: CellValue
 
+    @property
+    def no_value(self) -> str | None:
+        """The name for no value of a number; None for a number, and for a name of an enum."""
+        return self.value if isinstance(self.value, str) and self.column.field.type.no_values else None
+
+
+_Reader = tuple[bool, Callable[[int], int], Callable[[int], CellValue]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RowForm:
+    """The rows of alike frames: of one message on one bus, to or from one node, in one direction by one rule.
+
+    `label` has the names of all editions that fit. Some values are missing without the parameters `missing`.
+    """
+
+    bus: str
+    node: int | None
+    edition: Edition | None
+    label: str
+    direction: Direction | None
+    decided_by: DecidedBy
+    message: Message | None
+    columns: Sequence[Column]
+    missing: Sequence[str]
+    readers: Sequence[_Reader]
+    """For each column: whether it is in the id, its raw integer in the id or in the data as one integer, and its value."""
+    numbers: Sequence[bool]
+    """For each column, whether all values are numbers."""
+    plausible: Sequence[tuple[int, float, float]]
+    """The positions of columns whose values can be implausible, with the limits."""
+
+    def row(self, judged: DirectedFrame) -> Row:
+        """The row of a frame."""
+        _, _, (id_, content, _, _), _ = judged.recorded
+        data = int.from_bytes(content, "little")
+        fields: list[Any] = []
+        for in_id, read, value in self.readers:
+            raw = read(id_ if in_id else data)
+            fields += raw, value(raw)
+        implausible: Sequence[int] = ()
+        if self.plausible:
+            implausible = [at for at, low, high in self.plausible if not _is_between(fields[2 * at + 1], low, high)]
+        return new_tuple(Row, (judged, self, fields, implausible))
+
+
+def _is_between(value: CellValue, low: float, high: float) -> bool:
+    return not isinstance(value, (int, float)) or low <= float(value) <= high
+
 
 class Row(NamedTuple):
-    """A frame with the values of its fields. Some are missing without the parameters `missing`.
+    """A frame with the raw integer and the value of each column of its form, one after the other in `fields`.
 
-    `edition` has the names of all editions that fit. `implausible` are values outside the plausible range of their type.
+    `implausible` are the positions of the columns with values outside the plausible range of their type.
     """
 
     judged: DirectedFrame
-    edition: str
-    cells: tuple[Cell, ...] = ()
-    missing: tuple[str, ...] = ()
-    implausible: tuple[Cell, ...] = ()
+    form: RowForm
+    fields: Sequence[Any]
+    implausible: Sequence[int]
+
+    @property
+    def cells(self) -> Iterable[Cell]:
+        """The columns with their raw integers and values."""
+        return map(Cell, self.form.columns, self.fields[::2], self.fields[1::2])
 
 
-class _Reader(NamedTuple):
-    """How a column is read: from the id or the data as one integer, as a raw integer, and as a value."""
-
-    column: Column
-    in_id: bool
-    raw: Callable[[int], int]
-    value: Callable[[int], CellValue]
-    is_plausible: Callable[[CellValue], bool] | None
-    """None if all values are plausible."""
-
-
-class _Plan(NamedTuple):
-    """How the fields of a message are read under some parameters."""
-
-    readers: tuple[_Reader, ...]
-    missing: tuple[str, ...]
-
-
-_MAX_PLANS = 1 << 14
+MAX_FORMS = 1 << 14
+"""The maximum number of forms of rows that are remembered."""
 
 
 def _edition_name(judged: DirectedFrame) -> str:
@@ -84,62 +124,61 @@ class RowReader:
     ) -> None:
         self._assignment = assignment
         self._label = label
-        self._plans: dict[tuple[Message, str, int | None], _Plan] = {}
+        self._forms: dict[tuple[object, ...], RowForm] = {}
 
     def rows(self, judged: Iterable[DirectedFrame]) -> Iterator[Row]:
         """A row for each frame."""
-        for directed in judged:
-            edition = self._label(directed)
-            if directed.message is None:
-                yield Row(directed, edition)
-                continue
-            known = (directed.message, directed.recorded.bus, directed.node)
-            plan = self._plans.get(known)
-            if plan is None:
-                if len(self._plans) >= _MAX_PLANS:
-                    self._plans.clear()
-                plan = self._plans[known] = _plan(
-                    directed.message, self._assignment(directed.recorded.bus, directed.node)
-                )
-            yield Row(directed, edition, *_read(plan, directed.recorded.frame))
+        forms, label = self._forms, self._label
+        for frame in judged:
+            (_, bus, _, _), _, *known, _, _, _, _, _ = frame  # node, edition, direction, rule and message
+            alike = (bus, label(frame), *known)
+            yield (forms.get(alike) or self._form(alike, frame)).row(frame)
+
+    def _form(self, alike: tuple[object, ...], frame: DirectedFrame) -> RowForm:
+        if len(self._forms) >= MAX_FORMS:
+            self._forms.clear()
+        bus = frame.recorded.bus
+        assignment = self._assignment(bus, frame.node)
+        fields, missing = _fields(frame.message, assignment) if frame.message else ((), ())
+        listed = [(field, *reading) for field in fields for reading in _readings(field, assignment)]
+        limits = [None if field.type.joined else field.type.plausible_limits for field, _, _ in listed]
+        form = self._forms[alike] = RowForm(
+            bus=bus,
+            node=frame.node,
+            edition=frame.edition,
+            label=self._label(frame),
+            direction=frame.direction,
+            decided_by=frame.decided_by,
+            message=frame.message,
+            columns=tuple(column for _, column, _ in listed),
+            missing=missing,
+            readers=tuple(reader for _, _, reader in listed),
+            numbers=tuple(
+                field.type.joined is None and _scale(field.type, assignment) is not None for field, _, _ in listed
+            ),
+            plausible=tuple((at, *ends) for at, ends in enumerate(limits) if ends is not None),
+        )
+        return form
 
 
-def cells(message: Message, frame: CanFrame, assignment: Assignment) -> tuple[Cell, ...]:
-    """The values of a frame that is known to be a message."""
-    values, _, _ = _read(_plan(message, assignment), frame)
-    return values
-
-
-def _read(plan: _Plan, frame: CanFrame) -> tuple[tuple[Cell, ...], tuple[str, ...], tuple[Cell, ...]]:
-    """The values, the parameters that are missing, and the values that are not plausible."""
-    id_, data = frame.id, int.from_bytes(frame.data, "little")
-    cells, implausible = [], []
-    for column, in_id, raw_of, value, is_plausible in plan.readers:
-        raw = raw_of(id_ if in_id else data)
-        cell = Cell(column, raw, value(raw))
-        cells.append(cell)
-        if is_plausible is not None and not is_plausible(cell.value):
-            implausible.append(cell)
-    return tuple(cells), plan.missing, tuple(implausible)
-
-
-def _plan(message: Message, assignment: Assignment) -> _Plan:
+def _fields(message: Message, assignment: Assignment) -> tuple[Sequence[Field], Sequence[str]]:
+    """The fields with values under some parameters, and the parameters that are missing."""
     layout = message.layout
     variant = layout.variant(assignment)
     fields = variant.fields if variant else tuple(field for field in layout.fields if not field.only)
+    fields = tuple(field for field in fields if field.role.is_value)
     missing = [] if variant or layout.parameter is None else [layout.parameter]
-    readers = []
-    for field in fields:
-        if field.role.is_value:
-            missing += [name for name in needed(field.type, assignment) if name not in assignment]
-            value, is_plausible = (
-                value_reader(field.type, assignment),
-                field.type.is_plausible if field.type.plausible else None,
-            )
-            for column, element in zip(columns(field), field.elements, strict=True):
-                raw = _raw_reader(field.type, element)
-                readers.append(_Reader(column, field.space is Space.ID, raw, value, is_plausible))
-    return _Plan(tuple(readers), tuple(dict.fromkeys(missing)))
+    missing += [name for field in fields for name in needed(field.type, assignment) if name not in assignment]
+    return fields, tuple(dict.fromkeys(missing))
+
+
+def _readings(field: Field, assignment: Assignment) -> Iterator[tuple[Column, _Reader]]:
+    """The columns of a field, and how they are read."""
+    joined = field.type.joined
+    parts = field.elements if joined is None else (_joined_element(field),)
+    value = value_reader(field.type, assignment) if joined is None else _joined_reader(joined)
+    for column, element in zip(columns(field), parts, strict=True):
+        yield column, (field.space is Space.ID, _raw_reader(field.type, element), value)
 
 
 def _raw_reader(type_: Type, element: Element) -> Callable[[int], int]:
@@ -153,8 +192,35 @@ def _raw_reader(type_: Type, element: Element) -> Callable[[int], int]:
     return lambda source: (bits_at(parts, source) ^ sign) - sign
 
 
+def _joined_element(field: Field) -> Element:
+    """All elements of a field as one integer, the first one in its highest bits."""
+    width, last = field.type.width, len(field.elements) - 1
+    shifted = (
+        replace(segment, raw_low=segment.raw_low + width * (last - number))
+        for number, element in enumerate(field.elements)
+        for segment in element.segments
+    )
+    return Element(None, tuple(shifted))
+
+
+def elements(joined: Joined, raw: int) -> list[int]:
+    """The elements in the integer of a field with joined ones."""
+    shifts = range(joined.width * (joined.count - 1), -1, -joined.width)
+    return [raw >> shift & (1 << joined.width) - 1 for shift in shifts]
+
+
+def _joined_reader(joined: Joined) -> Callable[[int], CellValue]:
+    def value(raw: int) -> CellValue:
+        read = joined.value(elements(joined, raw))
+        return int(read) if isinstance(read, Fraction) else read
+
+    return value
+
+
 def columns(field: Field) -> tuple[Column, ...]:
     """The columns of a field."""
+    if field.type.joined is not None:
+        return (Column(field.name, field),)
     return tuple(
         Column(field.name if element.index is None else f"{field.name}[{element.index}]", field)
         for element in field.elements
@@ -168,13 +234,13 @@ def needed(type_: Type, assignment: Assignment) -> Iterator[str]:
             yield type_.linear.parameter
         linear = type_.linear.at(assignment)
         if linear is not None and linear.times is not None:
-            yield linear.times
+            yield from factors(linear.times).names
 
 
 def value_reader(type_: Type, assignment: Assignment) -> Callable[[int], CellValue]:
     """The conversion from a raw integer to a value: an integer, or the nearest float."""
-    linear = linear_of(type_, assignment)
-    if linear is not None and type_.is_number and type_.encoding is not Encoding.FLOAT:
+    linear = _scale(type_, assignment)
+    if linear is not None:
         factor, addend, divisor = linear.as_quotient
         if divisor == 1:
             return lambda raw: raw * factor + addend
@@ -182,6 +248,14 @@ def value_reader(type_: Type, assignment: Assignment) -> Callable[[int], CellVal
 
     def value(raw: int) -> CellValue:
         exact = value_of(type_, raw, assignment)
+        if isinstance(exact, Fraction) and exact.denominator == 1 and type_.encoding is not Encoding.FLOAT:
+            return exact.numerator
         return exact if exact is None or isinstance(exact, (str, list)) else float(exact)
 
     return value
+
+
+def _scale(type_: Type, assignment: Assignment) -> Linear | None:
+    """The scale of integers that all are numbers; None for floats, names and flags, and without the parameter that the scale depends on."""
+    is_integer = type_.is_number and type_.encoding is not Encoding.FLOAT and not type_.no_values
+    return linear_of(type_, assignment) if is_integer else None

@@ -32,7 +32,7 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
             counts.skip(SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED, number, line)
             continue
         if length > MAX_DATA_BYTES:
-            counts.skip(SkippedPart.FD, number, line)
+            counts.skip(SkippedPart.XL, number, line)
         elif len(data) < length:
             counts.skip(SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED, number, line)
         else:

@@ -17,8 +17,8 @@ from ..model.message import Direction, IdRule, Message
 from ..semantics.bits import data_bits
 from ..semantics.candidates import Candidates
 from ..semantics.frame import CanFrame, bits_at, has_id, read_bits
-from .checks import STRONG, WEAK, Check, FieldCheck, Reason, ReservedCheck
-from .probes import probes_of, unpackers
+from .checks import STRONG, WEAK, Check, Reason, field_checks, reserved_check
+from .probes import Probes
 
 MAX_KNOWN = 1 << 12
 """The maximum number of observations of one kind of frame that are remembered."""
@@ -60,32 +60,27 @@ class ScoredClass:
     def __init__(self, forms: Sequence[Sequence[ScoredForm]], nothing: Sequence[Reason], length: int) -> None:
         self._forms = forms
         self._nothing = nothing
-        self._probes = probes_of(form.checks for form in dict.fromkeys(form for own in forms for form in own))
-        unpacked = [probe for probe in self._probes if probe.is_integer and probe.end <= length]
-        (self._unpack, self._results), *self._more = unpackers(unpacked, length)
-        self._others = [probe for probe in self._probes if probe not in unpacked]
+        probes = Probes((form.checks for form in dict.fromkeys(form for own in forms for form in own)), length)
+        self._unpack, self._results, self._others = probes.unpack, probes.results, probes.others
         self._known: dict[tuple[object, ...], Observation] = {}
-        self._observations: dict[tuple[int, ...], Observation] = {}
+        self._observations: dict[tuple[object, ...], Observation] = {}
 
     def observation(self, id_: int, data: bytes) -> Observation:
         """The observation of a frame with this id and data."""
-        numbers: tuple[object, ...] = tuple(map(getitem, self._results, self._unpack(data)))
-        for unpack, results in self._more:
-            numbers += tuple(map(getitem, results, unpack(data)))
+        results: tuple[object, ...] = tuple(map(getitem, self._results, self._unpack(data)))
         if self._others:
-            numbers += tuple([probe.result_of(id_, data) for probe in self._others])
-        return self._known.get(numbers) or self._new(numbers, id_, data)
+            results += tuple([probe.result_of(id_, data) for probe in self._others])
+        return self._known.get(results) or self._new(results, id_, data)
 
-    def _new(self, numbers: tuple[object, ...], id_: int, data: bytes) -> Observation:
-        """The observation of a frame; frames with equal results of all checks have the same."""
-        results = tuple(probe.result_of(id_, data) for probe in self._probes)
-        observation = self._observations.get(results)
-        if observation is None:
-            observation = Observation(self, self.interpretations(id_, data))
-            if len(self._observations) < MAX_KNOWN:
-                self._observations[results] = observation
+    def _new(self, results: tuple[object, ...], id_: int, data: bytes) -> Observation:
+        """The observation of a frame; frames with equal reasons have the same."""
+        by_edition = self.interpretations(id_, data)
+        reasons = tuple(interpretation.reasons for own in by_edition for interpretation in own)
+        observation = self._observations.get(reasons) or Observation(self, by_edition)
+        if len(self._observations) < MAX_KNOWN:
+            self._observations[reasons] = observation
         if len(self._known) < MAX_KNOWN:
-            self._known[numbers] = observation
+            self._known[results] = observation
         return observation
 
     def interpretations(self, id_: int, data: bytes) -> tuple[tuple[Interpretation, ...], ...]:
@@ -123,22 +118,19 @@ class ScoredClasses:
         start, end = (bits & -bits).bit_length() // 8, bits.bit_length() // 8
         return slice(start, end) if bits == (1 << 8 * end) - (1 << 8 * start) else slice(0, 0)
 
-    def key_bits(self, frame: CanFrame) -> int:
-        """The data bits, without those of `first_key`, of all keys of the messages with that key and the id of a frame."""
-        first = self.first_key(frame)
-        bits = data_bits(
-            (key.space, key.segments)
-            for message in self.messages(frame)
+    def further_bits(self, frame: CanFrame) -> int:
+        """The data bits that identify a frame beside `first_key`: other keys, and the node if the id has none."""
+        messages, first = self.messages(frame), self.first_key(frame)
+        having = [
+            message
+            for message in messages
             if first == slice(0, 0)
             or not message.keys
             or read_bits(message.keys[0], frame) in (*message.accepted_codes, *message.identifying_codes)
-            for key in message.keys
-        )
-        return bits & ~((1 << 8 * first.stop) - (1 << 8 * first.start))
-
-    def all_key_bits(self, frame: CanFrame) -> int:
-        """The data bits of all keys of the messages with the id of a frame."""
-        return data_bits((key.space, key.segments) for message in self.messages(frame) for key in message.keys)
+        ]
+        nodes = (message.node_bits for message in messages if message.id.nodes is None)
+        runs = [*(key for message in having for key in message.keys), *(bits for bits in nodes if bits)]
+        return data_bits((run.space, run.segments) for run in runs) & ~((1 << 8 * first.stop) - (1 << 8 * first.start))
 
     def candidates(self, frame: CanFrame) -> list[Message]:
         """The messages that a frame can be in any edition."""
@@ -187,9 +179,9 @@ class ScoredForm:
         for at in range(message.dlc):
             mask = ~(keys | fields) >> at * 8 & 0xFF
             if mask:
-                self.checks.append(ReservedCheck(at, mask, where))
+                self.checks.append(reserved_check(at, mask, where))
         for field in variant.fields:
-            self.checks += FieldCheck.of(field, where, is_request=is_request)
+            self.checks += field_checks(field, where, is_request=is_request)
 
     def interpret(self, id_: int, data: int) -> Interpretation:
         """A frame as this message, with the reasons against it."""

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Direction
-from ..semantics.exchange import exchange_plans
 from ..semantics.plan import message_plan
 from .checks import STRONG, Reason
 from .scoring import Interpretation, Observation, ScoredClass, reply_rule
@@ -19,10 +18,11 @@ MAX_OPEN = 4
 
 
 class Open(NamedTuple):
-    """A request that waits for its reply; `is_certain` if its frame cannot be a reply too."""
+    """A request that waits for its replies; `is_certain` if its frame cannot be a reply too, `is_answered` after a reply."""
 
     command: str
     is_certain: bool
+    is_answered: bool = False
 
 
 Waiting = tuple[Open, ...]
@@ -108,12 +108,14 @@ def meaning(
         for each in interpretations
         if not each.is_request
         for open_ in waiting
-        if edition.command(open_.command).reply is each.message
+        if any(reply.message is each.message for reply in edition.command(open_.command).replies)
     ]
     is_regular = request is not None and not request.reasons
     if answers and (not is_regular or _is_like_a_reply(edition, request)):
         reply, answered = min(answers, key=lambda item: item[0].points)
-        return Meaning(reply, tuple(open_ for open_ in waiting if open_ is not answered))
+        remaining = tuple(open_ for open_ in waiting if open_ is not answered)
+        has_further = edition.command(answered.command).has_several_frames
+        return Meaning(reply, (*remaining, answered._replace(is_answered=True)) if has_further else remaining)
     if request is not None and not is_regular and len(interpretations) == 1:
         message = request.message
         assert message is not None
@@ -126,7 +128,7 @@ def meaning(
     if message is None or best.points >= STRONG:
         return Meaning(best, waiting)
     if message.direction is Direction.REPLY:
-        return Meaning(best, waiting, is_unrequested=edition.command(message.command).request is not None)
+        return Meaning(best, waiting, is_unrequested=edition.command(message.command).only_answers)
     reply_message = edition.command(message.command).reply
     if reply_message is None or (not has_number and reply_message.id.nodes is not None):
         return Meaning(best, waiting)
@@ -134,6 +136,8 @@ def meaning(
     replaced = next((open_ for open_ in waiting if open_.command == opened.command), None)
     kept = tuple(open_ for open_ in waiting if open_ is not replaced)
     unanswered = replaced or (kept[0] if len(kept) >= MAX_OPEN else None)
+    if unanswered is not None and unanswered.is_answered:
+        unanswered = None
     return Meaning(best, (*kept[1 - MAX_OPEN :], opened), opened, unanswered)
 
 
@@ -164,4 +168,4 @@ def _is_like_a_reply(edition: Edition, request: Interpretation | None) -> bool:
     """Whether a reply can equal the request: it is an echo, or the request has no reserved bit."""
     assert request is not None and request.message is not None
     message = request.message
-    return exchange_plans(edition)[message].is_echo or not message_plan(message).reserved.mask
+    return edition.command(message.command).is_echoed or not message_plan(message).reserved.mask

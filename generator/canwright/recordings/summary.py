@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ..model.edition import Edition
-from ..model.message import Command, Direction
+from ..model.message import Command, Direction, Message
 from ..model.refusal import Refusal
+from ..model.sending import Sending
 from ..semantics.decoder import Rejection
 from ..semantics.frame import CanFrame
 from .directions import DecidedBy, DirectedFrame
-from .rows import Cell, Row
+from .log_frame import new_tuple
+from .periods import Periods
+from .rows import MAX_FORMS, Cell, Row, RowForm
 
 _MAX_WAITING = 1 << 16
 """The maximum number of requests that wait for their replies; more than ever have an open exchange."""
@@ -54,12 +58,13 @@ class NodeSummary:
     missing: int = 0
     late: int = 0
     unexpected: int = 0
-    copies: int = 0
     rejected: dict[Refusal, RejectedFrames] = field(default_factory=dict)
     implausible: dict[str, ImplausibleValues] = field(default_factory=dict)
     decided: Counter[DecidedBy] = field(default_factory=Counter)
     without: dict[str, None] = field(default_factory=dict)
     """Parameters that are not given, so that values are missing."""
+    periods: dict[Message, Periods] = field(default_factory=dict)
+    """The gaps between frames that have a period or a time-out, by message."""
     timed: int = 0
     latency: int = 0
     longest: int = 0
@@ -69,18 +74,31 @@ class NodeSummary:
         return self.decided.total()
 
     @property
+    def copies(self) -> int:
+        return self.decided[DecidedBy.COPY]
+
+    @property
     def mean_latency(self) -> int | None:
         return self.latency // self.timed if self.timed else None
 
 
-@dataclass
-class _Waiting:
-    """A request that waits for its replies."""
+class _Counted:
+    """The frames of one form of rows, counted, and the node and the command that they belong to."""
 
+    __slots__ = ("command", "count", "node")
+
+    def __init__(self, node: NodeSummary, command: Command | None) -> None:
+        self.node = node
+        self.command = command
+        self.count = 0
+
+
+class _Waiting(NamedTuple):
+    """A request that waits for its replies, and the nodes that have replied."""
+
+    request: _Counted
     bus: str
-    node: int | None
-    command: Command
-    replied: set[int | None] = field(default_factory=set)
+    replied: set[int | None]
 
 
 class Summary:
@@ -93,7 +111,10 @@ class Summary:
 
         An id is a number, whether it has 29 bits, and whether the frame is remote."""
         self.other_foreign = 0
+        self._forms: dict[RowForm, _Counted] = {}
         self._waiting: dict[int, _Waiting] = {}
+        self._end: dict[str, int] = {}
+        """The time of the last frame of each bus."""
 
     @property
     def has_implausible(self) -> bool:
@@ -102,42 +123,68 @@ class Summary:
 
     def add(self, row: Row) -> None:
         """Counts a row."""
-        judged = row.judged
-        frame = judged.recorded.frame
-        if judged.edition is None:
-            id_ = frame.id, frame.extended, frame.remote
-            if id_ in self.foreign or len(self.foreign) < _MAX_FOREIGN:
-                self.foreign[id_] += 1
-            else:
-                self.other_foreign += 1
+        judged, form, _, implausible = row
+        time, bus, frame, _ = judged.recorded
+        if time is not None:
+            self._end[bus] = time
+        if form.edition is None:
+            self._add_foreign(frame)
             return
-        node = self._node(judged.recorded.bus, judged.node)
-        node.editions[judged.edition] = None
-        node.labels[row.edition] = None
-        if judged.message is not None:
-            node.commands[judged.edition.command(judged.message.command).spec_name] = None
-        node.decided[judged.decided_by] += 1
-        for name in row.missing:
-            node.without[name] = None
-        if judged.decided_by is DecidedBy.COPY:
-            node.copies += 1
+        counted = self._forms.get(form) or self._counted(form, form.edition)
+        counted.count += 1
+        message = form.message
+        if message is None or form.decided_by is DecidedBy.COPY:
+            if judged.rejection is not None and form.decided_by is not DecidedBy.COPY:
+                self._reject(counted.node, judged.rejection, frame)
             return
-        for cell in row.implausible:
-            known_values = node.implausible.setdefault(cell.column.name, ImplausibleValues(cell, frame))
-            known_values.count += 1
-        node.requests += judged.direction is Direction.REQUEST
-        node.replies += judged.direction is Direction.REPLY
+        if message.sending is not None and time is not None and judged.rejection is None:
+            _time(counted.node, message, message.sending, judged.number, time)
+        if implausible:
+            self._add_implausible(counted.node, row)
         if judged.rejection is not None:
-            reason = judged.rejection.reason
-            known = node.rejected.setdefault(reason, RejectedFrames(judged.rejection, frame))
-            known.count += 1
-        elif judged.direction is Direction.REQUEST:
-            self._request(judged, judged.edition)
+            self._reject(counted.node, judged.rejection, frame)
+        elif form.direction is Direction.REQUEST:
+            self._request(counted, judged)
         else:
-            self._reply(node, judged, judged.edition)
+            self._reply(counted, judged)
+
+    def _add_foreign(self, frame: CanFrame) -> None:
+        id_ = frame.id, frame.extended, frame.remote
+        if id_ in self.foreign or len(self.foreign) < _MAX_FOREIGN:
+            self.foreign[id_] += 1
+        else:
+            self.other_foreign += 1
+
+    def _counted(self, form: RowForm, edition: Edition) -> _Counted:
+        """The count of a form of rows; its node has an edition and a command from its first frame on."""
+        if len(self._forms) >= MAX_FORMS:
+            self._add_counts()
+        node = self._node(form.bus, form.node)
+        node.editions[edition] = None
+        node.labels[form.label] = None
+        command = edition.command(form.message.command) if form.message else None
+        if command is not None:
+            node.commands[command.spec_name] = None
+        for name in form.missing:
+            node.without[name] = None
+        counted = self._forms[form] = _Counted(node, command)
+        return counted
+
+    def _add_counts(self) -> None:
+        """Adds the counts of forms to their nodes."""
+        for form, counted in self._forms.items():
+            counted.node.decided[form.decided_by] += counted.count
+            if form.decided_by is not DecidedBy.COPY:
+                counted.node.requests += counted.count * (form.direction is Direction.REQUEST)
+                counted.node.replies += counted.count * (form.direction is Direction.REPLY)
+        self._forms.clear()
 
     def finish(self) -> None:
-        """Counts the requests that still wait as missing."""
+        """Completes the counts: requests that still wait are missing, and messages are silent until the end of the log."""
+        self._add_counts()
+        for (bus, _), node in self.nodes.items():
+            for periods in node.periods.values():
+                periods.add(None, self._end[bus])
         for waiting in self._waiting.values():
             self._count_missing(waiting)
         self._waiting.clear()
@@ -148,24 +195,35 @@ class Summary:
             known = self.nodes[bus, node] = NodeSummary()
         return known
 
-    def _request(self, judged: DirectedFrame, edition: Edition) -> None:
-        assert judged.message is not None
-        command = edition.command(judged.message.command)
-        if not command.replies:
+    def _add_implausible(self, node: NodeSummary, row: Row) -> None:
+        cells, frame = [*row.cells], row.judged.recorded.frame
+        for at in row.implausible:
+            known = node.implausible.setdefault(cells[at].column.name, ImplausibleValues(cells[at], frame))
+            known.count += 1
+
+    def _reject(self, node: NodeSummary, rejection: Rejection, frame: CanFrame) -> None:
+        known = node.rejected.setdefault(rejection.reason, RejectedFrames(rejection, frame))
+        known.count += 1
+
+    def _request(self, counted: _Counted, judged: DirectedFrame) -> None:
+        assert counted.command is not None
+        if not counted.command.replies:
             return
-        self._waiting[judged.number] = _Waiting(judged.recorded.bus, judged.node, command)
+        self._waiting[judged.number] = new_tuple(_Waiting, (counted, judged.recorded.bus, set()))
         if len(self._waiting) > _MAX_WAITING:
             self._count_missing(self._waiting.pop(next(iter(self._waiting))))
 
-    def _reply(self, node: NodeSummary, judged: DirectedFrame, edition: Edition) -> None:
-        assert judged.message is not None
+    def _reply(self, counted: _Counted, judged: DirectedFrame) -> None:
+        assert counted.command is not None
+        node = counted.node
         if judged.request is None:
-            node.unexpected += edition.command(judged.message.command).request is not None
+            node.unexpected += counted.command.only_answers
             return
         waiting = self._waiting.get(judged.request)
         if waiting is not None:
+            assert waiting.request.command is not None
             waiting.replied.add(judged.node)
-            if len(waiting.replied) >= max(1, len(waiting.command.from_each)):
+            if len(waiting.replied) >= max(1, len(waiting.request.command.from_each)):
                 del self._waiting[judged.request]
         node.late += judged.is_late
         if judged.latency is not None:
@@ -175,9 +233,18 @@ class Summary:
 
     def _count_missing(self, waiting: _Waiting) -> None:
         """Of a broadcast, only nodes with frames in the log count."""
-        if not waiting.command.from_each:
-            self._node(waiting.bus, waiting.node).missing += not waiting.replied
+        assert waiting.request.command is not None
+        if not waiting.request.command.from_each:
+            waiting.request.node.missing += not waiting.replied
             return
-        for node in waiting.command.from_each:
+        for node in waiting.request.command.from_each:
             if (waiting.bus, node) in self.nodes and node not in waiting.replied:
                 self.nodes[waiting.bus, node].missing += 1
+
+
+def _time(node: NodeSummary, message: Message, sending: Sending, number: int, time: int) -> None:
+    """Counts the gap before a frame of a message with a period or a time-out."""
+    if sending.every_ms or sending.timeout_ms:
+        if message not in node.periods:
+            node.periods[message] = Periods(sending)
+        node.periods[message].add(number, time)

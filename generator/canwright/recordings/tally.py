@@ -17,12 +17,15 @@ from ..semantics.frame import CanFrame
 from .checks import STRONG
 from .results import JUDGED, EditionScore, Evidence, NodeResult, Place
 from .scoring import ScoredClass
-from .steps import Step, Waiting
+from .steps import Meaning, Open, Step, Waiting
 
 LEAD = 3
 """The points against an edition, in excess of those against the best one, with which it does not fit any more."""
 SHARE = Fraction(1, 20)
 """The minimum share of the frames of a kind; evidence from fewer frames is not listed first."""
+
+MAX_ADDED = 1 << 8
+"""The maximum number of steps that are collected before they are counted."""
 
 
 class Seen(NamedTuple):
@@ -32,28 +35,82 @@ class Seen(NamedTuple):
     example: CanFrame
 
 
-class _ClassTally:
-    """The frames of one kind; the lists have a number for each edition."""
+def merge(counts: dict[Step, Seen], more: Mapping[Step, Seen]) -> None:
+    """Adds frames by step."""
+    for step, seen in more.items():
+        known = counts.get(step)
+        counts[step] = seen if known is None else Seen(known.frames + seen.frames, known.example)
 
-    def __init__(self, editions: int, example: CanFrame) -> None:
-        self.example = example
-        self.frames = 0
-        self.unexplained = 0
-        self.explained = [0] * editions
-        self.points = [0] * editions
-        self.weak = [0] * editions
+
+class _EditionTally:
+    """The frames of a node under one edition, by kind, counted."""
+
+    def __init__(self) -> None:
+        self.explained: Counter[ScoredClass] = Counter()
+        self.points: Counter[ScoredClass] = Counter()
+        self.weak: Counter[ScoredClass] = Counter()
         """Points for what a host may send."""
+        self.names: Counter[str] = Counter()
+        self._reasons: Counter[tuple[str, str, int]] = Counter()
+        """The frames with a reason, by its text, the name of the message and its points."""
+        self._bytes: Counter[tuple[str, int]] = Counter()
+        self._examples: dict[str, CanFrame] = {}
+        self._opened: Counter[bool] = Counter()
+        """Requests that have a reply; those that are certain, and those that can be replies too."""
+        self._unanswered: Counter[Open] = Counter()
+        self._unrequested = 0
 
+    def add(self, kind: ScoredClass, meaning: Meaning, cost: int, count: int, example: CanFrame) -> None:
+        """Counts frames with one meaning."""
+        interpretation = meaning.interpretation
+        self.explained[kind] += count * (interpretation.points < STRONG)
+        self.points[kind] += count * cost
+        self.weak[kind] += count * (interpretation.points - cost)
+        self.names[interpretation.kind] += count
+        self._unrequested += count * meaning.is_unrequested
+        if meaning.opened is not None:
+            self._opened[meaning.opened.is_certain] += count
+        if meaning.unanswered is not None:
+            self._unanswered[meaning.unanswered] += count
+        for text, points in {reason.text: reason.points for reason in interpretation.reasons}.items():
+            self._reasons[text, interpretation.kind, points] += count
+            self._examples.setdefault(text, example)
+        for reason in interpretation.reasons:
+            if reason.byte is not None:
+                self._bytes[reason.text, reason.byte] += count
 
-class _Found:
-    """A reason against an edition: the number of frames, and the first."""
+    def requests(self, waiting: Waiting) -> tuple[int, Mapping[str, int]]:
+        """The number of requests that have a reply, and the unanswered ones by command.
 
-    def __init__(self, name: str, points: int, example: CanFrame) -> None:
-        self.name = name
-        self.points = points
-        self.example = example
-        self.frames = 0
-        self.by_byte: Counter[int] = Counter()
+        If the log has more replies without a request than answered requests, and few other requests, its recorder does not
+        see requests; then frames that can be replies too are no requests.
+        """
+        unanswered = self._unanswered + Counter(open_ for open_ in waiting if not open_.is_answered)
+        answered = self._opened.total() - unanswered.total()
+        replies_only = self._unrequested > max(answered, self._opened.total() // 2)
+        uncertain = sum(count for open_, count in unanswered.items() if not open_.is_certain) if replies_only else 0
+        by_command: Counter[str] = Counter()
+        for (command, is_certain, _), count in unanswered.items():
+            by_command[command] += count * (is_certain or not replies_only)
+        return max(self._opened.total() - uncertain, by_command.total()), +by_command
+
+    def evidence(self, rare: float) -> tuple[Evidence, ...]:
+        """All evidence against the edition, the strongest first."""
+        listed = []
+        for (text, name, points), count in self._reasons.items():
+            if not count:
+                continue
+            among = self.names[name]
+            where = text
+            by_byte = {byte: number for (of, byte), number in self._bytes.items() if of == text and number > 0}
+            if by_byte:
+                often = [byte for byte, number in by_byte.items() if Fraction(number, among) >= SHARE]
+                bytes_ = sorted(often or by_byte)
+                where = f"{text}: {', '.join(f'DATA[{byte}]' for byte in bytes_)} should be 0"
+                points = min(points * len(bytes_), STRONG)
+            counts = count >= rare and Fraction(count, among) >= SHARE
+            listed.append(Evidence(points, where, count, among, self._examples[text], counts))
+        return tuple(sorted(listed, key=lambda e: (not e.counts, -e.points, -e.count)))
 
 
 class Tally:
@@ -62,109 +119,70 @@ class Tally:
     def __init__(self, editions: Sequence[Edition], start: Place | None = None) -> None:
         self.start = start
         self._editions = editions
-        self._kinds: dict[ScoredClass, _ClassTally] = {}
-        self._found: list[dict[str, _Found]] = [{} for _ in editions]
-        self._names: list[Counter[str]] = [Counter() for _ in editions]
-        self._opened: list[Counter[bool]] = [Counter() for _ in editions]
-        """Requests that have a reply; those that are certain, and those that can be replies too."""
-        self._unanswered: list[Counter[tuple[str, bool]]] = [Counter() for _ in editions]
-        self._unrequested = [0] * len(editions)
+        self._frames: Counter[ScoredClass] = Counter()
+        self._unexplained: Counter[ScoredClass] = Counter()
+        self._examples: dict[ScoredClass, CanFrame] = {}
+        self._by_edition = [_EditionTally() for _ in editions]
+        self._added: dict[Step, Seen] = {}
+        """Frames that are not counted yet."""
 
-    def add(self, counts: Mapping[Step, Seen], sign: int = 1) -> None:
-        """Counts frames by step; removes them if the sign is negative."""
+    def add(self, counts: Mapping[Step, Seen]) -> None:
+        """Counts frames by step."""
+        merge(self._added, counts)
+        if len(self._added) > MAX_ADDED:
+            self._count_added()
+
+    def remove(self, counts: Mapping[Step, Seen]) -> None:
+        """Removes frames that were added."""
+        self._count_added()
+        self._count(counts, -1)
+
+    def _count_added(self) -> None:
+        self._count(self._added, 1)
+        self._added = {}
+
+    def _count(self, counts: Mapping[Step, Seen], sign: int) -> None:
         for step, (number, example) in counts.items():
             count = sign * number
-            kind = self._kinds.get(step.kind)
-            if kind is None:
-                kind = self._kinds[step.kind] = _ClassTally(len(self._editions), example)
-            kind.frames += count
+            self._frames[step.kind] += count
+            self._examples.setdefault(step.kind, example)
             if step.is_unexplained:
-                kind.unexplained += count
+                self._unexplained[step.kind] += count
                 continue
-            for i, meaning in enumerate(step.meanings):
-                interpretation = meaning.interpretation
-                kind.explained[i] += count * (interpretation.points < STRONG)
-                kind.points[i] += count * step.costs[i]
-                kind.weak[i] += count * (interpretation.points - step.costs[i])
-                self._names[i][interpretation.kind] += count
-                self._unrequested[i] += count * meaning.is_unrequested
-                if meaning.opened is not None:
-                    self._opened[i][meaning.opened.is_certain] += count
-                if meaning.unanswered is not None:
-                    self._unanswered[i][meaning.unanswered] += count
-                for reason in interpretation.reasons:
-                    if reason.text not in self._found[i]:
-                        self._found[i][reason.text] = _Found(interpretation.kind, reason.points, example)
-                    if reason.byte is not None:
-                        self._found[i][reason.text].by_byte[reason.byte] += count
-                for text in {reason.text for reason in interpretation.reasons}:
-                    self._found[i][text].frames += count
+            for own, meaning, cost in zip(self._by_edition, step.meanings, step.costs, strict=True):
+                own.add(step.kind, meaning, cost, count, example)
 
     def result(self, bus: str, node: int | None, waiting: Sequence[Waiting]) -> NodeResult:
         """The result for the node; `waiting` are the requests without a reply at the end."""
-        frames = sum(kind.frames for kind in self._kinds.values())
-        judged = frames - sum(kind.unexplained for kind in self._kinds.values())
-        explained = [sum(kind.explained[i] for kind in self._kinds.values()) for i in range(len(self._editions))]
-        noise = frames - max(explained)
+        self._count_added()
+        frames = self._frames.total()
+        judged = frames - self._unexplained.total()
+        noise = frames - max(own.explained.total() for own in self._by_edition)
         rare = max(math.sqrt(frames) / 10, noise / 32)
-        often = [kind for kind in self._kinds.values() if kind.frames >= rare]
+        often = [kind for kind, count in self._frames.items() if count >= rare]
         scores = []
-        for i, edition in enumerate(self._editions):
-            weak = min(sum(kind.weak[i] for kind in often), LEAD - 1)
-            score = sum(kind.points[i] for kind in often) + weak
-            against = self._evidence(i, rare)
-            scores.append(EditionScore(edition, explained[i], score, against, *self._requests(i, waiting[i])))
+        for edition, own, open_ in zip(self._editions, self._by_edition, waiting, strict=True):
+            score = sum(own.points[kind] for kind in often) + min(sum(own.weak[kind] for kind in often), LEAD - 1)
+            explained = own.explained.total()
+            scores.append(EditionScore(edition, explained, score, own.evidence(rare), *own.requests(open_)))
         possible = [candidate for candidate in scores if judged > JUDGED * frames and candidate.is_possible(judged)]
         scores.sort(key=lambda candidate: (candidate not in possible, candidate.score, -candidate.explained))
         limit = min((candidate.score for candidate in possible), default=0) + LEAD * max(1, math.sqrt(noise))
         fitting = tuple(candidate.edition for candidate in scores if candidate in possible and candidate.score < limit)
-        seen = {name for names in self._names for name, count in names.items() if count}
+        seen = {name for own in self._by_edition for name, count in own.names.items() if count}
         differing = _differing(fitting)
-        unexplained = [(kind.example, kind.unexplained) for kind in self._kinds.values() if kind.unexplained]
+        unexplained = [(example, self._unexplained[kind]) for kind, example in self._examples.items()]
         return NodeResult(
             bus=bus,
             node=node,
             frames=frames,
-            unexplained=tuple(sorted(unexplained, key=lambda item: -item[1])),
+            unexplained=tuple(sorted((item for item in unexplained if item[1]), key=lambda item: -item[1])),
             scores=tuple(scores),
             editions=fitting,
             distinguishing=_distinguishing(fitting, seen, differing),
             differing=frozenset(differing),
             start=self.start,
         )
-
-    def _requests(self, edition: int, waiting: Waiting) -> tuple[int, Mapping[str, int]]:
-        """The number of requests that have a reply, and the unanswered ones by command.
-
-        If the log has more replies without a request than answered requests, and few other requests, its recorder does not
-        see requests; then frames that can be replies too are no requests.
-        """
-        opened, unanswered = self._opened[edition], self._unanswered[edition] + Counter(waiting)
-        answered = opened.total() - unanswered.total()
-        replies_only = self._unrequested[edition] > max(answered, opened.total() // 2)
-        uncertain = sum(count for open_, count in unanswered.items() if not open_[1]) if replies_only else 0
-        by_command: Counter[str] = Counter()
-        for (command, is_certain), count in unanswered.items():
-            by_command[command] += count * (is_certain or not replies_only)
-        return max(opened.total() - uncertain, by_command.total()), +by_command
-
-    def _evidence(self, edition: int, rare: float) -> tuple[Evidence, ...]:
-        """All evidence against an edition, the strongest first."""
-        listed = []
-        for text, reason in self._found[edition].items():
-            if not reason.frames:
-                continue
-            among = self._names[edition][reason.name]
-            counts = reason.frames >= rare and Fraction(reason.frames, among) >= SHARE
-            where, points = text, reason.points
-            by_byte = +reason.by_byte
-            if by_byte:
-                often = [byte for byte, count in by_byte.items() if Fraction(count, among) >= SHARE]
-                bytes_ = sorted(often or by_byte)
-                where = f"{text}: {', '.join(f'DATA[{byte}]' for byte in bytes_)} should be 0"
-                points = min(points * len(bytes_), STRONG)
-            listed.append(Evidence(points, where, reason.frames, among, reason.example, counts))
-        return tuple(sorted(listed, key=lambda e: (not e.counts, -e.points, -e.count)))
 
 
 def _differing(fitting: Sequence[Edition]) -> Counter[str]:

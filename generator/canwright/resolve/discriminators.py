@@ -102,7 +102,7 @@ def _separate_constants(message: Message) -> Constants:
 
 def _constants(message: Message) -> Constants:
     """The constants that exist for all parameters, by bits."""
-    fields = (f for f in message.layout.fields if f.role.is_checked and not f.only and not f.is_array)
+    fields = (f for f in message.layout.fields if f.role.required_raw is not None and not f.only and not f.is_array)
     return {(field.space, field.elements[0].segments): field for field in fields}
 
 

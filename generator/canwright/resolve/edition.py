@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 
 from ..diagnostics.diagnostic import DocumentPath, SpecError
 from ..document.document import Document
 from ..language import edition as schema
-from ..language.notation import LAST_ID, SHORT_ID
+from ..language.notation import LAST_ID, last_id
 from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting, State
 from ..model.types import ImpliedTitle
-from .command_forms import CommandForm
 from .discriminators import keyed_by_constants, with_claims
 from .layouts import LayoutResolver
-from .messages import MessageResolver
-from .parameters import resolve_parameters
+from .messages import CommandForm, MessageResolver
+from .parameters import resolve_parameters, with_limits_of_ids
 from .report import Limited, Report
 from .titles import titled
 from .types import deprecation, resolve_types
@@ -70,6 +70,7 @@ def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
         for name, written in spec.commands.items()
         for form in messages.forms(name)
     ]
+    resolved = with_claims(keyed_by_constants(commands))
     return Edition(
         family=spec.family,
         name=spec.edition,
@@ -83,12 +84,13 @@ def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
         bus=Bus(
             host=spec.bus.host,
             dlc=spec.bus.dlc,
+            frame_format=spec.bus.frame_format,
             max_nodes=spec.bus.max_nodes,
             reply_within_ms=spec.bus.reply_within_ms,
             modes=tuple(modes.values()),
             manual=spec.bus.manual or "",
         ),
-        parameters=tuple(parameters.values()),
+        parameters=with_limits_of_ids(report, spec, parameters, addresses.values(), resolved),
         settings=tuple(settings.values()),
         effects=tuple(effects.values()),
         states=tuple(
@@ -115,7 +117,7 @@ def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
             )
             for name, written in spec.tables.items()
         ),
-        commands=with_claims(keyed_by_constants(commands)),
+        commands=resolved,
         errata=tuple(
             Erratum(
                 id=erratum.id,
@@ -167,6 +169,8 @@ def _command(
         if layout == schema.ENTRY:
             command_effects += [effects[name] for name in entry.effects]
         only |= layouts.only(at, entry.only)
+    if request is not None and only:
+        request = dataclasses.replace(request, only=only)
     return Command(
         name=form.name,
         short_spec_name=written.short_name or form.command,
@@ -189,6 +193,7 @@ def _command(
         about=written.about,
         notes=tuple(written.notes),
         manual=written.manual or "",
+        manual_name=written.manual_name or "",
         path=path,
     )
 
@@ -210,16 +215,19 @@ def _address(report: Report, name: str, written: schema.AddressSpec) -> Address:
 def _id_rule(report: Report, address: DocumentPath, written: schema.AddressSpec, direction: Direction) -> IdRule:
     expression = written.id_of(direction)
     nodes = written.nodes if expression.node_step is not None else None
-    limit = LAST_ID if written.extended else SHORT_ID
-    rule = IdRule(base=expression.base, node_step=expression.node_step or 1, nodes=nodes, extended=written.extended)
-    highest = _highest(rule)
+    limit = last_id(written.extended)
+    rule = IdRule(
+        base=expression.base,
+        node_step=expression.node_step or 1,
+        nodes=nodes,
+        extended=written.extended,
+        parameter=expression.parameter,
+        parameter_step=expression.parameter_step,
+    )
+    highest = rule.highest
     if highest > limit:
         longer = "" if written.extended or highest > LAST_ID else ", or write `extended: true` for a 29-bit id"
         hint = f"check {'`id` and `nodes`' if nodes else 'the id'}{longer}"
         path = (*address, "id" if written.id is not None else direction.value)
         report.finding(path, "id-space", f"the id 0x{highest:X} exceeds the maximum of 0x{limit:X}", hint)
     return rule
-
-
-def _highest(rule: IdRule) -> int:
-    return rule.base + (rule.nodes[-1] * rule.node_step if rule.nodes else 0)

@@ -1,17 +1,20 @@
-"""Resolver of messages: keys, tables, reply forms."""
+"""Resolver of messages: keys, tables, forms of commands and replies."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 from ..diagnostics.diagnostic import DocumentPath, nearest
 from ..language import edition as schema
+from ..language.sending import sending_of
 from ..model.layout import Layout
 from ..model.message import (
     Address,
     Direction,
     EchoReply,
+    FrameSequence,
     Key,
     KeyRole,
     Message,
@@ -20,13 +23,28 @@ from ..model.message import (
     Reply,
     SharedReply,
 )
-from .command_forms import CommandForm
 from .layouts import LayoutResolver, segments_at
 from .report import Limited, Report
 from .titles import titled
 
 LONGEST_CHAIN = 20
 """The maximum length of a chain of commands that use the reply of the next one."""
+
+
+@dataclass(frozen=True)
+class CommandForm:
+    """A command, or its variant for one entry of a table."""
+
+    command: str
+    entry: str | None
+    layout: Layout | None
+    keys: tuple[Key, ...]
+    kind: str | None = None
+    dlc: int | None = None
+
+    @property
+    def name(self) -> str:
+        return self.command if self.entry is None else f"{self.command}_{self.entry}"
 
 
 class MessageResolver:
@@ -77,6 +95,11 @@ class MessageResolver:
 
     def of(self, form: CommandForm) -> tuple[Message | None, tuple[Reply, ...]]:
         """Request and replies of a command."""
+        request, replies = self._with_reply(form)
+        return request, (*replies, *self._further(form)) if request and replies else replies
+
+    def _with_reply(self, form: CommandForm) -> tuple[Message | None, tuple[Reply, ...]]:
+        """The request and the first reply."""
         key = (form.command, form.entry)
         if key not in self._done:
             self._pending.append(form.command)
@@ -102,7 +125,7 @@ class MessageResolver:
             reply = self._message(form, Direction.REPLY, form.name, {})
             return (EchoReply(message=dataclasses.replace(reply, layout=request.layout, dlc=request.dlc)),)
         if isinstance(written, schema.MessageSpec) and written.of is not None:
-            return self._other(path, form, written, written.of)
+            return self._other((*path, "of"), form, written.of, self._from_each(path, written))
         message = self._message(form, Direction.REPLY, f"{form.name}_reply", written)
         form_of_reply = SharedReply if message.layout.shared else OwnReply
         from_each = self._from_each(path, written) if isinstance(written, schema.MessageSpec) else ()
@@ -114,22 +137,45 @@ class MessageResolver:
         self._report.count(Limited.REPLIES, len(nodes), (*path, "from_each"))
         return tuple(nodes)
 
-    def _other(self, path: DocumentPath, form: CommandForm, written: schema.MessageSpec, of: str) -> tuple[Reply, ...]:
+    def _further(self, form: CommandForm) -> Iterator[Reply]:
+        """The replies of other commands that follow the reply or come instead; each once, those of the address last."""
+        written, path = self._spec.commands[form.command], ("commands", form.command)
+        address = self.address_of(form.command)
+        shared = self._spec.addresses[address].alternative_replies
+        named = [((*path, key, i), of) for key in schema.FURTHER_REPLIES for i, of in enumerate(getattr(written, key))]
+        named += [(("addresses", address, "alternative_replies", i), of) for i, of in enumerate(shared)]
+        known = {form.command}
+        for at, of in named:
+            if at[0] == "commands" and of in known:
+                itself = of == form.command
+                text = "this is the command itself" if itself else f"`{of}` is repeated"
+                self._report.finding(at, "circular-reference" if itself else "no-effect", text, "remove it")
+            elif self._spec.commands[of].reply in (None, "none"):
+                self._report.finding(at, "missing-reply", f"`{of}` has no reply", "name a command with a reply")
+            elif of not in known:
+                known.add(of)
+                replies = self._other(at, form, of, ())
+                is_alternative = schema.FURTHER_REPLIES[0] not in at
+                yield from (dataclasses.replace(reply, is_alternative=is_alternative) for reply in replies)
+
+    def _other(
+        self, path: DocumentPath, form: CommandForm, of: str, from_each: tuple[int, ...]
+    ) -> tuple[OtherReply, ...]:
+        """The reply of the command `of`, which is named at a path."""
         if of in self._pending:
             in_turn = of != self._pending[-1]
             text = f"`{of}` uses the reply of this command" if in_turn else "this command refers to its own reply"
             hint = "define the reply of one of them" if in_turn else "define the reply"
-            self._report.finding((*path, "of"), "circular-reference", text, hint)
+            self._report.finding(path, "circular-reference", text, hint)
             return ()
         if len(self._pending) > LONGEST_CHAIN:
             text = f"more than {LONGEST_CHAIN} commands in a chain use the reply of the next one"
-            self._report.finding((*path, "of"), "circular-reference", text, "write the command that defines the reply")
+            self._report.finding(path, "circular-reference", text, "write the command that defines the reply")
             return ()
-        other_form = self._other_form((*path, "of"), form, of)
+        other_form = self._other_form(path, form, of)
         if other_form is None:
             return ()
-        from_each = self._from_each(path, written)
-        replies = self.of(other_form)[1]
+        replies = self._with_reply(other_form)[1]
         return tuple(OtherReply(message=r.message, from_each=from_each, of=other_form.name) for r in replies)
 
     def _other_form(self, path: DocumentPath, form: CommandForm, of: str) -> CommandForm | None:
@@ -184,8 +230,13 @@ class MessageResolver:
             keys=(*keys, *form.keys),
             accepted_codes=tuple(spec.accept or ()),
             identifying_codes=(),
+            only={},
             dlc=self._dlc(path, spec, of_entry),
             remote=bool(spec.remote),
+            sending=sending_of(
+                spec, answers=direction is Direction.REPLY and self._spec.commands[command].request != "none"
+            ),
+            sequence=next((FrameSequence(field=name, numbers=n) for name, n in (spec.frames or {}).items()), None),
             layout=layout,
             largest_node=_largest_node(address) or self._largest_node,
             path=path,
@@ -231,7 +282,7 @@ class MessageResolver:
 
     def _key(self, name: str, role: KeyRole, selector: schema.Selector, value: int, path: DocumentPath) -> Key:
         order = selector.byte_order or self._spec.byte_order
-        _, width = selector.raw
+        width = selector.raw.width
         self._fits(value, width, path)
         return Key(
             name=name,

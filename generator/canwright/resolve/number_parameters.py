@@ -36,6 +36,8 @@ def number(edition: Edition, parameter: Parameter, text: str) -> Fraction:
     """The number in a text. Raises ValueError with a sentence if it is invalid for the parameter."""
     given = notation.rational(text)
     low, high = parameter.minimum, parameter.maximum
+    if parameter.whole and given.denominator != 1:
+        raise ValueError(f"`{parameter.name}` must be a whole number")
     if edition.is_factor(parameter) and given <= 0:
         raise ValueError(f"`{parameter.name}` must be above 0, because a scale is a multiple of it")
     if low is not None and given < low:

@@ -10,10 +10,24 @@ from typing import Literal, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language import edition as schema
-from ..language.notation import Multiple
+from ..language.notation import Multiple, RawFormat
 from ..language.units import read_units
 from ..model.deprecation import Deprecation
-from ..model.types import IDENTITY, Bound, ByParameter, Encoding, Linear, Member, Order, Parameter, Range, Type
+from ..model.joined import JoinedDigits, JoinedText
+from ..model.types import (
+    IDENTITY,
+    Bound,
+    ByParameter,
+    Encoding,
+    Linear,
+    Member,
+    NoValue,
+    Order,
+    Parameter,
+    Range,
+    Type,
+    factors,
+)
 from .report import Report
 from .titles import implied_title, titled
 
@@ -27,22 +41,28 @@ def resolve_types(report: Report, spec: schema.EditionSpec, parameters: Mapping[
     }
 
 
-def bare_type(raw: tuple[Encoding, int], order: Order, languages: Sequence[str], path: DocumentPath) -> Type:
+_DIGIT = Range(Bound(Fraction(0)), Bound(Fraction(9)))
+
+
+def bare_type(raw: RawFormat, order: Order, languages: Sequence[str], path: DocumentPath) -> Type:
     """The type of a field with only a raw format: a number without scale, unit or range."""
-    encoding, width = raw
+    encoding, width, joined = raw
     letter = {Encoding.UNSIGNED: "u", Encoding.SIGNED: "i", Encoding.FLOAT: "f"}[encoding]
+    name = joined.format if joined else f"{letter}{width}"
     empty = dict.fromkeys(languages, "")
     always = ByParameter.always
     return Type(
-        name=f"{letter}{width}",
+        name=name,
         width=width,
         encoding=encoding,
         order=order,
         unit=None,
         linear=always(IDENTITY),
-        raw_range=always(None),
+        raw_range=always(_DIGIT if isinstance(joined, JoinedDigits) else None),
+        joined=joined,
         enum=(),
         flags=(),
+        no_values=(),
         plausible=None,
         title=empty,
         about=empty,
@@ -63,8 +83,11 @@ class _TypeResolver:
     path: DocumentPath
 
     def resolve(self, name: str, spec: schema.TypeSpec) -> Type:
-        encoding, width = spec.raw
+        encoding, width, joined = spec.raw
         linear = self._linear(spec)
+        if isinstance(joined, JoinedText):
+            joined = JoinedText(joined.count, joined.codec, spec.padding or 0)
+        raw_range = self._raw_range(spec, linear)
         return Type(
             name=name,
             width=width,
@@ -72,9 +95,11 @@ class _TypeResolver:
             order=spec.byte_order or self.edition.byte_order,
             unit=read_units()[1][spec.unit] if spec.unit is not None else None,
             linear=linear,
-            raw_range=self._raw_range(spec, linear),
+            raw_range=ByParameter.always(_DIGIT) if isinstance(joined, JoinedDigits) else raw_range,
+            joined=joined,
             enum=tuple(self._member(*member) for member in (spec.enum or {}).items()),
             flags=tuple(self._member(*flag) for flag in (spec.flags or {}).items()),
+            no_values=tuple(self._no_value(*no_value) for no_value in (spec.no_value or {}).items()),
             plausible=self._plausible(spec, linear),
             title=titled(spec.title, name),
             about=spec.about,
@@ -106,6 +131,20 @@ class _TypeResolver:
             about=written.about,
         )
 
+    def _no_value(self, name: str, written: range | schema.NoValueSpec) -> NoValue:
+        spec = written if isinstance(written, schema.NoValueSpec) else None
+        raws = written if isinstance(written, range) else written.raw
+        return NoValue(
+            name=name,
+            renamed_from=spec.renamed_from if spec else None,
+            deprecated=deprecation(spec.deprecated) if spec else None,
+            value=raws[-1],
+            raws=raws,
+            without_effects=(),
+            title=titled(spec.title, name) if spec else implied_title(name, self.edition.languages),
+            about=spec.about if spec else dict.fromkeys(self.edition.languages, ""),
+        )
+
     def _linear(self, spec: schema.TypeSpec) -> ByParameter[Linear]:
         scale = self._multiples("scale", 1 if spec.scale is None else spec.scale)
         offset = self._multiples("offset", 0 if spec.offset is None else spec.offset)
@@ -127,8 +166,10 @@ class _TypeResolver:
 
     def _line(self, scale: Multiple | None, offset: Multiple | None) -> Linear | None:
         """Scale and offset as one conversion; None if one is unknown or invalid, or if they are incompatible."""
-        known = {None, *(name for name, parameter in self.parameters.items() if not parameter.is_choice)}
-        if scale is None or offset is None or not {scale.parameter, offset.parameter} <= known:
+        if scale is None or offset is None:
+            return None
+        names = {name for part in (scale, offset) if part.parameter for name in factors(part.parameter).names}
+        if any(self.parameters[name].is_choice for name in names):
             return None
         if offset.value and offset.parameter != scale.parameter:
             text = "scale and offset are not multiples of one parameter"
@@ -149,11 +190,11 @@ class _TypeResolver:
             self._need_number((key,), written.parameter)
         return ByParameter.always(_number(written) if isinstance(written, int) else _none_or(written))
 
-    def _need_number(self, at: DocumentPath, name: str | None) -> None:
+    def _need_number(self, at: DocumentPath, times: str | None) -> None:
         """Reports a factor that is not a number parameter."""
-        if name is None:
-            return
-        if self.parameters[name].is_choice:
+        for name in factors(times).names if times else ():
+            if not self.parameters[name].is_choice:
+                continue
             text = f"`{name}` is a choice among values, not a `number`, so it cannot be a factor"
             self.report.finding((*self.path, *at), "parameter-kind", text, f"write {{by: {name}, …}} with its values")
 
@@ -220,7 +261,9 @@ class _TypeResolver:
         ends = (limits.low, limits.high)
         if any(end.constant or end.parameter not in (None, line.times) for end in ends):
             text = f"the scale is a multiple of `{line.times}`, but this range is not"
-            hint = f"write, for example, -{line.times}..{line.times}, or write `raw_range`"
+            hint = "write `raw_range`"
+            if line.times.isidentifier():
+                hint = f"write, for example, -{line.times}..{line.times}, or {hint}"
             self.report.finding((*self.path, "range"), "two-parameters", text, hint)
         elif limits.low.coefficient > limits.high.coefficient:
             text = "the range is empty: its low end is above its high end"

@@ -1,19 +1,22 @@
 """Rules about a spec, one in each module, listed in one table with the rules that loading and resolving check.
 
-Belongs here: what makes a valid spec wrong or unclear, as findings; `checker` runs the rules phase by phase. Each has an
-incorrect and a correct example in `examples/`. Imports `diagnostics`, `document`, `model`, `language`, `semantics`,
-`resolve` and the registry of `targets`.
+Belongs here: what makes a valid spec wrong or unclear, as findings; `checker` runs the rules phase by phase. The first line
+of a module is the purpose of its rule, which `canwright explain` shows. Each has an incorrect and a correct example in
+`examples/`. Imports `diagnostics`, `document`, `model`, `language`, `semantics`, `resolve` and the registry of `targets`.
 """
 
 from __future__ import annotations
 
+from types import ModuleType
+
 from ..diagnostics.diagnostic import Severity
-from ..resolve.report import MAX_COMMANDS, MAX_FIELDS
 from . import (
     ambiguous_message,
     beyond_frame,
     beyond_width,
     bit_number,
+    checksum_field,
+    counter_field,
     deprecation_period,
     differing_quantity,
     duplicate_code,
@@ -21,6 +24,8 @@ from . import (
     exchange_contradiction,
     file_name,
     frame_contradiction,
+    frame_length,
+    frame_number,
     id_bits,
     id_collision,
     long_name,
@@ -29,6 +34,7 @@ from . import (
     missing_manual,
     mixed_type,
     name_collision,
+    no_value,
     node_field,
     overlap,
     parameter_range,
@@ -37,135 +43,58 @@ from . import (
     reserved_word,
     too_large,
     unknown_node,
+    unreviewed_frame,
     unused,
     zero_scale,
 )
 from .reading_catalogue import LOAD_RULES
 from .rule import Phase, Rule
 
+
+def _rule(module: ModuleType, phase: Phase = Phase.PARTS, severity: Severity = Severity.ERROR) -> Rule:
+    """The rule of a module: its name, the first line of its docstring and its `check`."""
+    purpose = (module.__doc__ or "").partition("\n\n")[0]
+    return Rule(module.__name__.rpartition(".")[2].replace("_", "-"), purpose, module.check, severity, phase)
+
+
 WARNING = Severity.WARNING
 
 RULES: tuple[Rule, ...] = (
-    Rule(
-        "too-large",
-        f"A spec has at most {MAX_COMMANDS} commands, {MAX_FIELDS} fields, {too_large.MAX_COMBINATIONS} combinations of "
-        f"choices and a size of {too_large.MAX_SIZE}, which is the sum of the sizes of its parts.",
-        too_large.check,
-        phase=Phase.SIZE,
-    ),
-    Rule(
-        "overlap",
-        "Fields and keys of one message do not overlap.",
-        overlap.check,
-    ),
-    Rule(
-        "beyond-frame",
-        "Every field lies within the data bytes or the bits of the id.",
-        beyond_frame.check,
-    ),
-    Rule("beyond-width", "Ranges and constants fit the width of their type.", beyond_width.check),
-    Rule("zero-scale", "A scale is not 0.", zero_scale.check),
-    Rule(
-        "member-value",
-        "The values of an enum and the bits of flags are distinct and fit the width of the type.",
-        member_value.check,
-    ),
-    Rule("mixed-type", "A type is either a number, an enum or flags.", mixed_type.check),
-    Rule(
-        "parameter-range",
-        "The limits of a parameter allow a value, and its choices are distinct.",
-        parameter_range.check,
-    ),
-    Rule(
-        "deprecation-period",
-        "The end of a deprecation is not before its start, and its dates exist.",
-        deprecation_period.check,
-    ),
-    Rule("repeated-value", "A list of names or codes has no duplicates.", repeated_value.check),
-    Rule("reserved-word", "A reserved word of the language is not used as a name.", reserved_word.check),
-    Rule(
-        "file-name",
-        "Families, editions and commands have names that files can have on every system.",
-        file_name.check,
-    ),
-    Rule(
-        "duplicate-code",
-        "No two commands of one address have the same code.",
-        duplicate_code.check,
-    ),
-    Rule(
-        "duplicate-name",
-        "The names of commands, layouts and errata are unique.",
-        duplicate_name.check,
-    ),
-    Rule(
-        "ambiguous-message",
-        "Messages that a receiver cannot distinguish have one layout.",
-        ambiguous_message.check,
-        phase=Phase.WHOLE,
-    ),
-    Rule(
-        "id-collision",
-        "No id belongs to two addresses, or to a request and a reply of different nodes.",
-        id_collision.check,
-        phase=Phase.WHOLE,
-    ),
-    Rule(
-        "id-bits",
-        "Fields and selectors in the id do not use bits of the address.",
-        id_bits.check,
-    ),
-    Rule("unknown-node", "The nodes in `from_each` are nodes of the address.", unknown_node.check, phase=Phase.WHOLE),
-    Rule(
-        "node-field",
-        "The field that contains the node is an unsigned number without a scale, and always exists.",
-        node_field.check,
-    ),
-    Rule(
-        "name-collision",
-        "Different items have different names in every target, such as C, which compares 63 characters, or Python.",
-        name_collision.check,
-    ),
-    Rule(
-        "frame-contradiction",
-        "Golden frames decode and encode as listed.",
-        frame_contradiction.check,
-        phase=Phase.FRAMES,
-    ),
-    Rule(
-        "refused-contradiction",
-        "Golden frames and values listed under `refused` are rejected for the listed reason.",
-        refused_contradiction.check,
-        phase=Phase.FRAMES,
-    ),
-    Rule(
-        "exchange-contradiction",
-        "The exchanges in golden frames are accepted or rejected as listed.",
-        exchange_contradiction.check,
-        phase=Phase.FRAMES,
-    ),
-    Rule(
-        "missing-frame",
-        "Every request and reply has a golden frame.",
-        missing_frame.check,
-        WARNING,
-        phase=Phase.COVERAGE,
-    ),
-    Rule("missing-manual", "Every command has the section of the manual.", missing_manual.check, WARNING),
-    Rule(
-        "differing-quantity",
-        "All types of a quantity have one unit and scale, or a reason in `differs`.",
-        differing_quantity.check,
-        WARNING,
-    ),
-    Rule(
-        "bit-number",
-        "The position of a big-endian field or selector of less than a byte has the number of a bit.",
-        bit_number.check,
-        WARNING,
-    ),
-    Rule("unused", "Every item that a spec defines is used.", unused.check, WARNING, Phase.COVERAGE),
-    Rule("long-name", "A name does not exceed the maximum length of a target, such as DBC.", long_name.check, WARNING),
+    _rule(too_large, Phase.SIZE)._replace(purpose=too_large.PURPOSE),
+    _rule(overlap),
+    _rule(frame_length),
+    _rule(beyond_frame),
+    _rule(beyond_width),
+    _rule(zero_scale),
+    _rule(member_value),
+    _rule(mixed_type),
+    _rule(no_value),
+    _rule(parameter_range),
+    _rule(deprecation_period),
+    _rule(repeated_value),
+    _rule(reserved_word),
+    _rule(file_name),
+    _rule(duplicate_code),
+    _rule(duplicate_name),
+    _rule(ambiguous_message, Phase.WHOLE),
+    _rule(id_collision, Phase.WHOLE),
+    _rule(id_bits),
+    _rule(unknown_node, Phase.WHOLE),
+    _rule(node_field),
+    _rule(checksum_field),
+    _rule(counter_field),
+    _rule(frame_number),
+    _rule(name_collision, Phase.NAMES),
+    _rule(frame_contradiction, Phase.FRAMES),
+    _rule(refused_contradiction, Phase.FRAMES),
+    _rule(exchange_contradiction, Phase.FRAMES),
+    _rule(missing_frame, Phase.COVERAGE, severity=WARNING),
+    _rule(unreviewed_frame, Phase.COVERAGE, severity=WARNING),
+    _rule(missing_manual, severity=WARNING),
+    _rule(differing_quantity, severity=WARNING),
+    _rule(bit_number, severity=WARNING),
+    _rule(unused, Phase.COVERAGE, severity=WARNING),
+    _rule(long_name, Phase.NAMES, WARNING),
 )
 
 ALL_RULES: dict[str, Rule] = {rule.id: rule for rule in (*LOAD_RULES, *RULES)}

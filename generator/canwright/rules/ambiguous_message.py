@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import reduce
 from itertools import islice
+from operator import or_
 from typing import NamedTuple
 
 from ..language.edition import EditionSpec
 from ..model.edition import Edition
 from ..model.layout import Space
 from ..model.message import Direction, Message
+from ..semantics.bits import placed
 from . import bit_patterns, can_ids
 from .duplicate_code import without_duplicates
 from .rule import CheckInput, Finding, Findings, RelatedItem
@@ -62,18 +65,14 @@ def _findings(subject: CheckInput) -> Findings:
                 without_code.add(most)
 
 
-Bits = dict[tuple[Space, int], int]
-"""Bits of a frame with their values."""
-
-
 class _Frames(NamedTuple):
     """The frames of a message: ids, bits of the id that vary, keys, and bits of fields."""
 
     message: Message
     ids: range
     free_bits: int
-    fixed: Bits
-    fields: frozenset[tuple[Space, int]]
+    keys: bit_patterns.Known
+    fields: int
 
 
 def _ambiguous(edition: Edition, direction: Direction) -> Iterator[tuple[Message, Message]]:
@@ -87,9 +86,16 @@ def _ambiguous(edition: Edition, direction: Direction) -> Iterator[tuple[Message
 
 
 def _frames(message: Message) -> _Frames:
-    fields = frozenset((f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits)
-    ids, free_bits = can_ids.of_message(message), can_ids.free_bits(message)
-    return _Frames(message, ids, free_bits, _fixed(message), fields)
+    keys = bit_patterns.Known(
+        sum(_at(key.space, placed(key.segments, -1)) for key in message.keys),
+        sum(_at(key.space, placed(key.segments, key.value)) for key in message.keys),
+    )
+    fields = reduce(or_, (_at(f.space, placed(e.segments, -1)) for f in message.layout.fields for e in f.elements), 0)
+    return _Frames(message, can_ids.of_message(message), can_ids.free_bits(message), keys, fields)
+
+
+def _at(space: Space, bits: int) -> int:
+    return bits << (_ID_KEYS if space is Space.ID else _DATA)
 
 
 def _without_explicit_request(spec: EditionSpec, direction: Direction, commands: Sequence[str]) -> str:
@@ -126,11 +132,7 @@ SHOWN = 3
 def _known(frames: _Frames) -> bit_patterns.Known:
     """The known bits of a frame of a message: those of the id, then those of the keys."""
     mask, value = can_ids.known(frames.ids, frames.free_bits)
-    for (space, bit), value_of_bit in frames.fixed.items():
-        at = bit + (_ID_KEYS if space is Space.ID else _DATA)
-        mask |= 1 << at
-        value |= value_of_bit << at
-    return bit_patterns.Known(mask, value)
+    return bit_patterns.Known(mask | frames.keys.mask, value | frames.keys.value)
 
 
 def _same_frame(first: _Frames, second: _Frames) -> bool:
@@ -138,29 +140,19 @@ def _same_frame(first: _Frames, second: _Frames) -> bool:
     if (message.id.extended, message.remote) != (second_message.id.extended, second_message.remote):
         return False
     if (
-        (message.id, first.fixed) == (second_message.id, second.fixed)
+        (message.id, first.keys) == (second_message.id, second.keys)
         and message.dlc != second_message.dlc
         and not message.remote
     ):
         return False
-    if any(second.fixed.get(bit, value) != value for bit, value in first.fixed.items()):
+    if (first.keys.value ^ second.keys.value) & first.keys.mask & second.keys.mask:
         return False
     if _is_remainder(first, second) or _is_remainder(second, first):
         return False
     return can_ids.meet(first.ids, second.ids, first.free_bits | second.free_bits) is not None
 
 
-def _fixed(message: Message) -> Bits:
-    """The bits of the keys of a message, with their values."""
-    return {
-        (key.space, s.byte * 8 + s.low + i): key.value >> (s.raw_low + i) & 1
-        for key in message.keys
-        for s in key.segments
-        for i in range(s.width)
-    }
-
-
 def _is_remainder(first: _Frames, second: _Frames) -> bool:
     """Whether a message is every frame except the other: it has fields at the additional keys of the other."""
-    own, further = first.fixed.keys(), second.fixed.keys()
-    return own < further and not first.fields.isdisjoint(further - own)
+    own, further = first.keys.mask, second.keys.mask
+    return not own & ~further and bool(first.fields & further & ~own)

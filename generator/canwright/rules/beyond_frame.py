@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.layout import MAX_DATA_BYTES, Field, Segment, Space
+from ..model.layout import Field, Segment, Space
 from ..model.message import KeyRole, Message
 from ..model.types import Order
 from .byte_order import highest_byte
@@ -11,6 +11,7 @@ from .rule import CheckInput, Finding, Findings
 
 
 def check(subject: CheckInput) -> Findings:
+    most = subject.edition.bus.frame_format.max_data_bytes
     seen: set[DocumentPath | str | tuple[str, tuple[Segment, ...]]] = set()
     for message in subject.edition.all_messages():
         limit = {Space.DATA: 0 if message.remote else message.dlc * 8, Space.ID: 29 if message.id.extended else 11}
@@ -18,18 +19,18 @@ def check(subject: CheckInput) -> Findings:
             last = max(s.byte * 8 + s.low + s.width for e in field.elements for s in e.segments)
             if last > limit[field.space] and field.path not in seen:
                 seen.add(field.path)
-                yield _beyond(message, field, limit[field.space])
+                yield _beyond(message, field, limit[field.space], most)
         for key in message.keys:
             last = max(s.byte * 8 + s.low + s.width for s in key.segments)
             if last <= limit[key.space]:
                 continue
             is_code, address = key.role is KeyRole.CODE, subject.spec.addresses[message.address]
-            if is_code and not (address.selector or address.reply_selector) and last > MOST[key.space]:
+            if is_code and not (address.selector or address.reply_selector) and last > _bits(key.space, most):
                 if "selector" not in seen:
                     yield Finding(
                         ("selector", "at"),
                         "this selector is beyond the end of every frame",
-                        f"`at` counts bytes: write 0 to {MAX_DATA_BYTES - 1}",
+                        f"`at` counts bytes: write 0 to {most - 1}",
                     )
                 seen.add("selector")
             else:
@@ -46,8 +47,9 @@ def check(subject: CheckInput) -> Findings:
                 yield Finding((*message.path, "remote" if message.remote else "dlc"), text, hint)
 
 
-MOST = {Space.DATA: 8 * MAX_DATA_BYTES, Space.ID: 29}
-"""The maximum number of bits of a frame."""
+def _bits(space: Space, most: int) -> int:
+    """The maximum number of bits of a frame."""
+    return 8 * most if space is Space.DATA else 29
 
 
 def _short_id(message: Message, name: str, bits: int) -> Finding:
@@ -56,7 +58,7 @@ def _short_id(message: Message, name: str, bits: int) -> Finding:
     return Finding(("addresses", message.address), text, f"check `at` and `raw` of the {name}{longer}", key=True)
 
 
-def _beyond(message: Message, field: Field, limit: int) -> Finding:
+def _beyond(message: Message, field: Field, limit: int, most: int) -> Finding:
     bits = [bit for e in field.elements for bit in e.bits]
     at: DocumentPath = (*field.path, "at")
     if field.space is Space.ID:
@@ -68,8 +70,8 @@ def _beyond(message: Message, field: Field, limit: int) -> Finding:
     available = f"has bytes 0 to {message.dlc - 1}" if message.dlc else "has no data"
     available = "is a remote frame without data" if message.remote else available
     hint = "check `at`, the type and `dlc`"
-    if MAX_DATA_BYTES <= first < MAX_DATA_BYTES * 8:
-        hint = f"`at` counts bytes from 0 to {MAX_DATA_BYTES - 1}; bit {first} is in byte {first // 8}"
+    if most <= first < most * 8:
+        hint = f"`at` counts bytes from 0 to {most - 1}; bit {first} is in byte {first // 8}"
     elif (start := highest_byte(field)) is not None and first < message.dlc:
         hint = f"`at` is the first, highest byte of a big-endian field: write at: {start} for bytes {start} to {first}"
     elif (

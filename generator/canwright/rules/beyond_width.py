@@ -54,11 +54,13 @@ def _plausible(edition: Edition) -> Findings:
         if wanted is None or type_.encoding is Encoding.FLOAT or not lines or any(line.times for line in lines):
             continue
         limits = type_.raw_range.constant
-        ends = (limits.low.constant, limits.high.constant) if limits and limits.is_constant else type_.raw_limits
+        ends = (limits.low.constant, limits.high.constant) if limits and limits.is_constant else type_.number_limits
         values = [raw * line.scale + line.offset for line in lines for raw in ends]
         if max(values) < wanted.low.constant or min(values) > wanted.high.constant:
             limit = (
-                f"a width of {formatting.counted(type_.width, 'bit')}" if ends == type_.raw_limits else "the raw range"
+                f"a width of {formatting.counted(type_.width, 'bit')}"
+                if ends == type_.number_limits
+                else "the raw range"
             )
             allowed = f"{formatting.exact(min(values))}..{formatting.exact(max(values))}"
             text = f"no value is within this range; {limit} allows {allowed}"
@@ -72,23 +74,22 @@ def _constants(edition: Edition) -> Findings:
             continue
         raw = field.role.raw
         low, high = field.type.raw_limits
-        is_reserved = isinstance(field.role, ReservedRole)
-        key, what = ("reserved", "the reserved value") if is_reserved else ("constant", "the constant")
+        what = "the reserved value" if isinstance(field.role, ReservedRole) else "the constant"
         if not low <= raw <= high:
             text = f"{raw} is outside {low}..{high}, the limits of {formatting.counted(field.type.width, 'bit')}"
-            yield Finding((*field.path, key), text, f"check {what}, and the sign and width of the field")
+            yield Finding((*field.path, field.role.key), text, f"check {what}, and the sign and width of the field")
         elif field.type.enum and raw not in (values := {m.value: m.name for m in field.type.enum}):
             names = ", ".join(f"{value} is {name}" for value, name in values.items())
             text = f"`{field.type.name}` has no name for the value {raw}"
-            yield Finding((*field.path, key), text, f"{names}; or write `raw` instead of `type`")
+            yield Finding((*field.path, field.role.key), text, f"{names}; or write `raw` instead of `type`")
         elif not field.type.enum and (limits := _forbidding(field.type, raw)):
             text = f"{raw} is outside {formatting.span(limits)}, the raw range of `{field.type.name}`"
-            yield Finding((*field.path, key), text, f"check {what}, or write `raw` instead of `type`")
+            yield Finding((*field.path, field.role.key), text, f"check {what}, or write `raw` instead of `type`")
 
 
 def _forbidding(type_: Type, raw: int) -> Range | None:
     """A raw range without the raw integer, if it is out of range under all parameters; else None."""
-    if type_.encoding is Encoding.FLOAT:
+    if type_.encoding is Encoding.FLOAT or type_.no_value(raw):
         return None
     limits = [limit for _, limit in type_.raw_range.distinct()]
     beyond = (limit and limit.is_constant and not limit.low.constant <= raw <= limit.high.constant for limit in limits)

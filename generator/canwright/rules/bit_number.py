@@ -13,23 +13,25 @@ def check(subject: CheckInput) -> Findings:
     for path, part in parts(subject.spec):
         if not isinstance(part, FieldSpec | Selector):
             continue
+        if isinstance(part.at, list):
+            continue  # each run states its bits
         width, order = _format(subject.spec, part)
         if width < 8 and order is Order.BIG and part.at.space is Space.DATA and part.at.bit is None:
             name = f"`{path[-1]}`" if isinstance(part, FieldSpec) else "this selector"
             text = f"{name} is big-endian and at byte {part.at.byte}, without a bit number: it starts at bit 7, the highest"
-            yield Finding((*path, "at"), text, _hint(part, width))
+            yield Finding((*path, "at"), text, _hint(part, part.at.byte, width))
 
 
 def _format(spec: EditionSpec, part: FieldSpec | Selector) -> tuple[int, Order]:
     """Width and byte order."""
     if isinstance(part, FieldSpec) and part.type is not None:
         type_ = spec.types[part.type]
-        return type_.raw[1], type_.byte_order or spec.byte_order
-    return part.raw[1] if part.raw else 8, part.byte_order or spec.byte_order
+        return type_.raw.bits, type_.byte_order or spec.byte_order
+    return part.raw.bits if part.raw else 8, part.byte_order or spec.byte_order
 
 
-def _hint(part: FieldSpec | Selector, width: int) -> str:
-    byte, count = part.at.byte, len(part.array or ()) if isinstance(part, FieldSpec) else 0
+def _hint(part: FieldSpec | Selector, byte: int, width: int) -> str:
+    count = len(part.array or ()) if isinstance(part, FieldSpec) else 0
     if count:
         return f"write at: {byte}.7 if the first element is the highest; otherwise {byte}.0 and `byte_order: little`"
     if width == 1:

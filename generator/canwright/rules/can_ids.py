@@ -31,7 +31,7 @@ def of_message(message: Message) -> range:
 
 def free_bits(message: Message) -> int:
     """The bits of the id that fields fill with any value."""
-    fields = (f for f in message.layout.fields if f.space is Space.ID and not f.role.is_checked)
+    fields = (f for f in message.layout.fields if f.space is Space.ID and f.role.required_raw is None)
     segments = [s for f in fields for e in f.elements for s in e.segments]
     return sum(((1 << s.width) - 1) << s.low for s in segments)
 

@@ -10,17 +10,22 @@ from ..document.document import Document
 from . import RULES
 from .rule import CheckInput, Finding, Phase, Rule
 
+OF_THE_SPEC = [phase for phase in Phase if phase < Phase.NAMES]
+"""The phases that need the spec alone, neither targets nor golden frames."""
+
 MAX_COUNTED = 9500
 """The maximum number of findings of a phase that are counted besides the listed ones."""
 
 
-def check(subject: CheckInput, document: Document, frames: Document | None) -> list[Diagnostic]:
+def check(
+    subject: CheckInput, document: Document, frames: Document | None, *, for_output: bool = True
+) -> list[Diagnostic]:
     """The warnings of all rules. Raises SpecError with all findings up to the first phase with an error.
 
-    `document` and `frames` give the positions.
+    `document` and `frames` give the positions. The phases for output run only if `for_output`.
     """
     listed: list[Diagnostic] = []
-    for phase in Phase:
+    for phase in Phase if for_output else OF_THE_SPEC:
         listed += _check(subject, phase, document, frames or document)
         if any(diagnostic.severity is Severity.ERROR for diagnostic in listed):
             raise SpecError(listed)

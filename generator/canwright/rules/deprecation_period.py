@@ -1,4 +1,4 @@
-"""The `until` of a deprecation is not before its `since`; days exist."""
+"""The end of a deprecation is not before its start, and its dates exist."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ def _deprecations(subject: CheckInput) -> Iterator[tuple[DocumentPath, Deprecati
     for type_ in edition.types:
         by_path |= {(*type_.path, "enum", member.name): member.deprecated for member in type_.enum}
         by_path |= {(*type_.path, "flags", flag.name): flag.deprecated for flag in type_.flags}
+        by_path |= {(*type_.path, "no_value", named.name): named.deprecated for named in type_.no_values}
     return (((*path, "deprecated"), deprecation) for path, deprecation in by_path.items() if deprecation is not None)
 
 

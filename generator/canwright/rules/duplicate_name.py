@@ -1,4 +1,7 @@
-"""The names of commands, layouts and errata are unique, including those that tables generate."""
+"""The names of commands, layouts and errata are unique.
+
+So are those that tables generate.
+"""
 
 from __future__ import annotations
 

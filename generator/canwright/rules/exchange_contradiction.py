@@ -23,7 +23,7 @@ def check(subject: CheckInput) -> Findings:
 
 
 def _exchange(decoder: Decoder, entry: Exchange) -> Iterator[EntryProblem]:
-    answer = check_reply(decoder, _frame(entry.request), _frame(entry.reply))
+    answer = check_reply(decoder, _frame(entry.request), _frame(entry.reply), entry.parameters)
     says = answer.reason if isinstance(answer, Rejection) else None
     if says is entry.says:
         return

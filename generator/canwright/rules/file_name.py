@@ -1,4 +1,7 @@
-"""The names of families, editions and commands, which files are named after, are valid file names on every system."""
+"""Families, editions and commands have names that files can have on every system.
+
+Files are named after them.
+"""
 
 from __future__ import annotations
 

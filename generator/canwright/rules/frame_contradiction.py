@@ -12,11 +12,11 @@ from ..model.edition import Edition
 from ..model.golden_frames import GoldenFrame
 from ..model.layout import Field, Space
 from ..model.message import Direction, Message
+from ..model.refusal import Refusal
 from ..model.types import Assignment, Order
-from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value
+from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value, rejects_checked
 from ..semantics.encoder import Encoder, Encoders
-from ..semantics.frame import CanFrame, Raw, difference, node_in_id, raws, wrong_constants
-from . import can_ids
+from ..semantics.frame import CanFrame, Raw, difference, node_in_id, raws, sent_id
 from .golden_entries import KEY, EntryProblem, entry_findings, named
 from .rule import CheckInput, Findings, RelatedItem
 
@@ -45,27 +45,28 @@ class _FrameChecker:
         if message is None:
             return [self._unknown(frame.command, direction)]
         can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-        alone = self._decoder.identify(direction, can)
+        encoder = self._encoders.for_parameters(frame.parameters)
+        assignment = encoder.assignment
+        alone = self._decoder.identify(direction, can, assignment)
         is_expected = isinstance(alone, Identified) and (alone.message.name, alone.node) == (message.name, frame.node)
         if not is_expected:
-            problem = _header(message, frame, can)
+            problem = _header(message, frame, can, assignment)
             if problem:
                 return [(*problem[:3], self._length(message)) if len(can.data) != message.dlc else problem]
-        encoder = self._encoders.for_parameters(frame.parameters)
-        variant = message.layout.variant(encoder.assignment)
+        variant = message.layout.variant(assignment)
         if variant is None:
             text = f"the fields depend on `{message.layout.parameter}`, which is missing"
             return [((), text, f"add parameters: {{{message.layout.parameter}: …}}")]
-        wrong = [
-            (("data",), f"the constant `{f.name}` is not {f.role.sent_raw}", "check `data`")
-            for f in wrong_constants(variant.fields, can)
-        ]
+        missing = [name for name in message.parameters if name not in assignment]
+        if missing:
+            return [((), f"a constant is `{missing[0]}`, which is missing", f"add parameters: {{{missing[0]}: …}}")]
+        rejection = rejects_checked(message, can, assignment)
+        wrong = [(("data",), rejection.text, _CHECKED[rejection.reason])] if rejection else []
         in_data = raws(variant, can)
         fields = {f.name: f for f in variant.fields}
         if not is_expected and (direction is Direction.REQUEST or not _has_same_fields(alone, encoder, can, in_data)):
             text = f"rejected: {alone.text}" if isinstance(alone, Rejection) else named(alone.message, alone.node)
             return [(("data",), f"without its request, this frame is {text}", "check the codes in the spec")]
-        assignment = encoder.assignment
         problems = [*wrong, *_raws(frame, fields, in_data, assignment), *_values(frame, fields, in_data, assignment)]
         return problems or ([] if frame.decode_only else list(_encoded(encoder, message, fields, frame, can)))
 
@@ -87,7 +88,8 @@ class _FrameChecker:
         if command in self._messages[opposite]:
             text = f"`{command}` has no {direction.value}"
             return (direction.value,), text, f"write `{opposite.value}: {command}`, or remove it"
-        hint = nearest(command, self._messages[direction]) or "remove it"
+        near = nearest(command, self._messages[direction])
+        hint = f"{near}; or remove the entry" if near else "remove the entry"
         return (direction.value,), f"there is no command `{command}`", hint
 
 
@@ -116,6 +118,12 @@ def _encoded(
             yield ("raw", name), f"this frame cannot be encoded: {rejection.text}", f"{limits}; {_DECODE_ONLY}"
     sent = encoder.encode_raws(message, frame.node, frame.raw)
     if isinstance(sent, Rejection):
+        if sent.reason is Refusal.NOT_AVAILABLE:
+            yield (
+                ("parameters",),
+                f"this frame cannot be encoded: {sent.text}",
+                f"check `only` of the command; {_DECODE_ONLY}",
+            )
         return
     if sent.id != can.id:
         yield ("id",), f"the id is 0x{can.id:X}, but an encoder writes 0x{sent.id:X}", _CHECK_LAYOUT
@@ -127,35 +135,48 @@ def _encoded(
         yield ("data",), text, _CHECK_LAYOUT
 
 
+_CHECKED = {
+    Refusal.WRONG_CONSTANT: "check `data`",
+    Refusal.WRONG_CHECKSUM: "check `data`, and the algorithm and `over` in the spec",
+}
 _DECODE_ONLY = "or add decode_only: true if the frame is never sent"
 _CHECK_LAYOUT = f"check the layout and its `reserved` fields; {_DECODE_ONLY}"
 
 
-def _header(message: Message, frame: GoldenFrame, can: CanFrame) -> EntryProblem | None:
-    wrong = difference(message, can)
+def _header(message: Message, frame: GoldenFrame, can: CanFrame, assignment: Assignment) -> EntryProblem | None:
+    wrong = difference(message, can, assignment)
     if wrong is None:
-        node = node_in_id(message, can)
+        node = node_in_id(message, can, assignment)
         if node is None and frame.node is not None:
             return ("node",), f"the id 0x{frame.id:X} has no node", _WITHOUT_NODE
         if node != frame.node:
             return ("node",), f"the id 0x{frame.id:X} belongs to node {node}", f"check `id`, or write `node: {node}`"
         return None
+    if wrong.part == "parameter":
+        return (), wrong.text, f"add parameters: {{{message.id.parameter}: …}}"
     if wrong.part in ("extended", "remote"):
         return (), wrong.text, f"{wrong.part}: {str(not getattr(frame, wrong.part)).lower()}"
     if wrong.part == "id":
+        if frame.node is not None and message.id.nodes is not None and frame.node not in message.id.nodes:
+            nodes = f"{message.id.nodes[0]}..{message.id.nodes[-1]}"
+            return ("node",), f"the address `{message.address}` has no node {frame.node}", f"its nodes are {nodes}"
         if frame.node is not None and message.id.nodes is None:
-            fixed = f": the id of all its frames is 0x{message.id.base:X}" if _has_whole_id(message) else ""
+            known = message.id.at(assignment) or message.id
+            fixed = f": the id of all its frames is 0x{known.base:X}" if _has_whole_id(message) else ""
             return ("node",), f"the address `{message.address}` has no node{fixed}", _WITHOUT_NODE
         from_hex = int(str(frame.id), 16) if str(frame.id).isdigit() else 0
-        is_decimal = difference(message, can._replace(id=from_hex)) is None
-        hint = f"did you mean 0x{from_hex:X}?" if is_decimal else _id_of(message, frame)
+        is_decimal = difference(message, can._replace(id=from_hex), assignment) is None
+        hint = f"did you mean 0x{from_hex:X}?" if is_decimal else _id_of(message, frame, assignment)
         return ("id",), wrong.text, hint
     if wrong.part == "length":
         return ("data",), wrong.text, f"write {message.dlc} bytes, or change `dlc`"
     return ("data",), wrong.text, "check `data` and the code in the spec"
 
 
-_WITHOUT_NODE = "remove `node`, or write the id of the address with `node` in the spec"
+_WITHOUT_NODE = (
+    "remove `node`, or write the id of the address with `node` in the spec; "
+    "if a field contains the node, write `holds: node` in it"
+)
 
 
 def _has_whole_id(message: Message) -> bool:
@@ -164,13 +185,13 @@ def _has_whole_id(message: Message) -> bool:
     return Space.ID not in spaces
 
 
-def _id_of(message: Message, frame: GoldenFrame) -> str:
+def _id_of(message: Message, frame: GoldenFrame, assignment: Assignment) -> str:
     """The hint for a wrong id, with the id of the node if no field is a part of it."""
     hint, nodes = "check the id and the address in the spec", message.id.nodes
     node = frame.node
     if nodes is None or node is None or node not in nodes or any(f.space is Space.ID for f in message.layout.fields):
         return hint
-    return f"the id of node {node} is 0x{can_ids.of_message(message)[nodes.index(node)]:X}; {hint}"
+    return f"the id of node {node} is 0x{sent_id(message, node, assignment) or 0:X}; {hint}"
 
 
 def _raws(
@@ -181,8 +202,8 @@ def _raws(
         return [(("raw", name, KEY), *_no_field(name, fields, in_data)) for name in unknown]
     missing = [name for name in in_data if name not in frame.raw]
     if missing:
-        names = ", ".join(f"`{name}`" for name in missing)
-        return [(("raw",), f"`raw` lacks {names}", "write the raw integer of every field; `values` may have fewer")]
+        names = _listed(dict.fromkeys(missing))
+        return [((), f"neither `raw` nor `values` has {names}", "write the raw integer or the value of every field")]
     return [
         (("raw", name), f"`{name}` is {raw} in `data`", _raw_hint(fields[name], raw, frame.raw[name], assignment))
         for name, raw in in_data.items()
@@ -230,8 +251,15 @@ def _values(
 def _no_field(name: str, fields: Mapping[str, Field], in_data: Mapping[str, Raw]) -> tuple[str, str]:
     """The text and hint for a name that is not a field with a value."""
     if name in fields:
-        return f"`{name}` is a constant", "remove it; golden frames list only fields with a value"
+        raw = fields[name].role.sent_raw
+        what = "is a checksum" if raw is None else f"always is 0x{raw:X}"
+        text = f"`{name}` {what} in this spec: it is in `data` only"
+        return text, f"remove it from this entry; the fields to list are {_listed(in_data)}"
     return f"there is no field `{name}`", nearest(name, in_data) or "remove it"
+
+
+def _listed(names: Mapping[str, object]) -> str:
+    return ", ".join(f"`{name}`" for name in names) or "none"
 
 
 def _other_value(field: Field, is_raw: bool, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:

@@ -10,7 +10,7 @@ from ..diagnostics.diagnostic import DocumentPath, nearest
 from ..language.notation import LAST_ID, SHORT_ID
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame, Sourced
+from ..model.golden_frames import CheckedFrame, Exchange, Sourced
 from ..model.layout import Field
 from ..model.message import Message
 from ..model.types import Parameter
@@ -44,15 +44,14 @@ def entry_findings(
 
 def _ids(entry: Sourced) -> Iterator[EntryProblem]:
     """Ids that exceed the maximum of their format."""
-    frames: dict[DocumentPath, Sourced | CheckedFrame] = {(): entry}
+    frames: dict[DocumentPath, CheckedFrame] = {(): entry} if isinstance(entry, CheckedFrame) else {}
     if isinstance(entry, Exchange):
         frames = {("request",): entry.request, ("reply",): entry.reply}
     for path, frame in frames.items():
-        if isinstance(frame, (GoldenFrame, RefusedFrame, CheckedFrame)):
-            last = LAST_ID if frame.extended else SHORT_ID
-            if frame.id > last:
-                hint = "extended: true" if frame.id <= LAST_ID else "check the id"
-                yield (*path, "id"), f"0x{frame.id:X} exceeds the maximum CAN id 0x{last:X}", hint
+        last = LAST_ID if frame.extended else SHORT_ID
+        if frame.id > last:
+            hint = "extended: true" if frame.id <= LAST_ID else "check the id"
+            yield (*path, "id"), f"0x{frame.id:X} exceeds the maximum CAN id 0x{last:X}", hint
 
 
 def _parameters(

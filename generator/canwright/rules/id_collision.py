@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from typing import NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
@@ -23,105 +24,109 @@ def check(subject: CheckInput) -> Findings:
         )
 
 
+class _Owned(NamedTuple):
+    """Ids of an address in one direction."""
+
+    place: int
+    address: Address
+    direction: Direction
+    ids: range
+
+    @property
+    def rule(self) -> IdRule:
+        return self.address.rule(self.direction)
+
+
 def _findings(subject: CheckInput) -> Findings:
     edition = subject.edition
+    meetings = list(_meetings(edition))
     seen: set[tuple[DocumentPath, str]] = set()
     for direction in Direction:
-        for (index, earlier), shared in sorted(_shared(subject, direction).items()):
-            address, earlier_address = edition.addresses[index], edition.addresses[earlier]
-            path = _path(subject, address, direction)
-            if address.rule(direction) != earlier_address.rule(direction) and (path, earlier_address.name) not in seen:
-                seen.add((path, earlier_address.name))
-                text = f"the {direction.value} id 0x{shared:X} also belongs to `{earlier_address.name}`"
-                related = RelatedItem(_path(subject, earlier_address, direction), f"the id of `{earlier_address.name}`")
-                yield Finding(path, text, "check `id` and `nodes` of both addresses", related=(related,))
+        same = [met for met in meetings if met[0].direction is met[1].direction is direction]
+        for later, earlier, shared in sorted(same, key=lambda met: (met[0].place, met[1].place)):
+            path = _path(subject, later)
+            if later.rule != earlier.rule and (path, earlier.address.name) not in seen:
+                seen.add((path, earlier.address.name))
+                text = f"the {direction.value} id 0x{shared:X} also belongs to `{earlier.address.name}`"
+                related = RelatedItem(_path(subject, earlier), f"the id of `{earlier.address.name}`")
+                yield Finding(path, text, BOTH, related=(related,))
         if not seen:
             yield from _unreachable(edition, direction)
-    yield from _between_directions(subject)
-    if not seen:  # ids that collide in one direction usually collide in the other, too
-        yield from _between_addresses(subject)
-
-
-def _path(subject: CheckInput, address: Address, direction: Direction) -> DocumentPath:
-    """The path of the id of an address, which has one id or one for each direction."""
-    return (*address.path, "id" if subject.spec.addresses[address.name].id is not None else direction.value)
-
-
-def _between_directions(subject: CheckInput) -> Findings:
-    """Findings about ids that are requests of one node and replies of another."""
-    edition = subject.edition
-    for address in edition.addresses:
-        rules = address.request, address.reply
-        if rules[0] == rules[1]:
+    reported: set[tuple[Address, Address]] = set()
+    for later, earlier, shared in meetings:
+        pair = later.address, earlier.address
+        if later.direction is earlier.direction or pair in reported:
             continue
-        used = {message.address for message in edition.all_messages()}
-        owned = [(direction, its) for direction in Direction for its in _ids(edition, direction, address, used)]
-        for i, j in bit_patterns.pairs([can_ids.known(its) for _, its in owned]):
-            (direction, replies), (other_direction, requests) = owned[i], owned[j]
-            shared = (
-                can_ids.meet(replies, requests) if direction is not other_direction and replies != requests else None
-            )
-            if shared is not None:
-                yield _shared_by_directions(subject, address, replies, requests, shared)
-                break
+        if later.address is earlier.address:
+            finding = _between_directions(subject, later, earlier, shared)
+        else:  # ids that collide in one direction usually collide in the other, too
+            finding = None if seen else _between_addresses(subject, later, earlier, shared)
+        if finding:
+            reported.add(pair)
+            yield finding
 
 
-def _between_addresses(subject: CheckInput) -> Findings:
-    """Findings about ids that are requests of one address and replies of another, for different nodes."""
-    edition = subject.edition
+BOTH = "check `id` and `nodes` of both addresses"
+
+
+def _meetings(edition: Edition) -> Iterator[tuple[_Owned, _Owned, int]]:
+    """Every two sets of ids that share one, with the lowest shared id: the later set first."""
     used = {message.address for message in edition.all_messages()}
     owned = [
-        (address, direction, ids)
-        for address in edition.addresses
+        _Owned(place, address, direction, ids)
+        for place, address in enumerate(edition.addresses)
         for direction in Direction
         for ids in _ids(edition, direction, address, used)
     ]
-    seen: set[tuple[str, str]] = set()
-    for i, j in bit_patterns.pairs([can_ids.known(ids) for *_, ids in owned]):
-        (address, direction, first), (other_address, other_direction, second) = owned[i], owned[j]
-        rule, other_rule = address.rule(direction), other_address.rule(other_direction)
-        if (
-            direction is other_direction
-            or address is other_address
-            or (address.name, other_address.name) in seen
-            or rule.extended != other_rule.extended
-        ):
-            continue
-        shared = can_ids.meet(first, second) if None not in (rule.nodes, other_rule.nodes) else None
-        if shared is not None and _owner(rule, first, shared) != _owner(other_rule, second, shared):
-            seen.add((address.name, other_address.name))
-            text = (
-                f"0x{shared:X} is the {direction.value}{_owner(rule, first, shared)} here, "
-                f"and the {other_direction.value}{_owner(other_rule, second, shared)} of `{other_address.name}`"
-            )
-            related = RelatedItem(
-                _path(subject, other_address, other_direction),
-                f"the {other_direction.value} id of `{other_address.name}`",
-            )
-            path = _path(subject, address, direction)
-            yield Finding(path, text, "check `id` and `nodes` of both addresses", related=(related,))
+    for i, j in bit_patterns.pairs([can_ids.known(its.ids) for its in owned]):
+        later, earlier = owned[i], owned[j]
+        is_same = (later.place, later.direction) == (earlier.place, earlier.direction)
+        if _kind(later.rule) == _kind(earlier.rule) and not is_same:
+            shared = can_ids.meet(later.ids, earlier.ids)
+            if shared is not None:
+                yield later, earlier, shared
 
 
-def _shared_by_directions(
-    subject: CheckInput, address: Address, replies: range, requests: range, shared: int
-) -> Finding:
-    paths = {direction: _path(subject, address, direction) for direction in Direction}
-    owners = {
-        direction: _owner(address.rule(direction), ids, shared)
-        for direction, ids in ((Direction.REQUEST, requests), (Direction.REPLY, replies))
-    }
+def _kind(rule: IdRule) -> tuple[object, ...]:
+    """What ids have in common that can be compared: those with a parameter only among themselves."""
+    return rule.extended, rule.parameter, rule.parameter_step
+
+
+def _path(subject: CheckInput, owned: _Owned) -> DocumentPath:
+    """The path of the id of an address, which has one id or one for each direction."""
+    address = owned.address
+    return (*address.path, "id" if subject.spec.addresses[address.name].id is not None else owned.direction.value)
+
+
+def _between_directions(subject: CheckInput, replies: _Owned, requests: _Owned, shared: int) -> Finding | None:
+    """The finding about an id that is a request of one node of an address and a reply of another."""
+    if replies.rule == requests.rule or replies.ids == requests.ids:
+        return None
     return Finding(
-        paths[Direction.REPLY],
-        f"the reply ids {_span(replies)} overlap the request ids {_span(requests)}: 0x{shared:X} is "
-        f"the reply{owners[Direction.REPLY]} and the request{owners[Direction.REQUEST]}",
+        _path(subject, replies),
+        f"the reply ids {_span(replies.ids)} overlap the request ids {_span(requests.ids)}: 0x{shared:X} is "
+        f"the reply{_owner(replies, shared)} and the request{_owner(requests, shared)}",
         "check `request`, `reply` and `nodes`; if nodes reply on the id of their request, write one `id` for both",
-        related=(RelatedItem(paths[Direction.REQUEST], "`request`"),),
+        related=(RelatedItem(_path(subject, requests), "`request`"),),
     )
 
 
-def _owner(rule: IdRule, ids: range, shared: int) -> str:
-    """` of node 5`, or nothing if the id does not contain a node; `ids` are those of the rule and of keys in the id."""
-    return "" if rule.nodes is None else f" of node {rule.nodes[ids.index(shared)]}"
+def _between_addresses(subject: CheckInput, first: _Owned, second: _Owned, shared: int) -> Finding | None:
+    """The finding about an id that is a request of one address and a reply of another, for different nodes."""
+    if None in (first.rule.nodes, second.rule.nodes) or _owner(first, shared) == _owner(second, shared):
+        return None
+    text = (
+        f"0x{shared:X} is the {first.direction.value}{_owner(first, shared)} here, "
+        f"and the {second.direction.value}{_owner(second, shared)} of `{second.address.name}`"
+    )
+    related = RelatedItem(_path(subject, second), f"the {second.direction.value} id of `{second.address.name}`")
+    return Finding(_path(subject, first), text, BOTH, related=(related,))
+
+
+def _owner(owned: _Owned, shared: int) -> str:
+    """` of node 5`, or nothing if the id does not contain a node."""
+    nodes = owned.rule.nodes
+    return "" if nodes is None else f" of node {nodes[owned.ids.index(shared)]}"
 
 
 def _span(ids: range) -> str:
@@ -138,7 +143,7 @@ def _unreachable(edition: Edition, direction: Direction) -> Findings:
             free = can_ids.free_bits(message)
             own = can_ids.known(can_ids.of_message(message), free)
             for mask, known, taker in earlier:
-                if (message.id.extended, message.remote) != (taker.id.extended, taker.remote):
+                if (_kind(message.id), message.remote) != (_kind(taker.id), taker.remote):
                     continue
                 if (known.value ^ own.value) & known.mask & own.mask or (message.address, taker.address) in reported:
                     continue
@@ -153,25 +158,6 @@ def _unreachable(edition: Edition, direction: Direction) -> Findings:
                     yield Finding(message.path, text, hint)
         if route.mask:
             earlier.append((route.mask, can_ids.known(can_ids.of_rule(route.rule), route.mask), route.messages[0]))
-
-
-def _shared(subject: CheckInput, direction: Direction) -> dict[tuple[int, int], int]:
-    """The indices of every two addresses that share an id, the later one first, with the lowest shared id."""
-    edition = subject.edition
-    used = {message.address for message in edition.all_messages()}
-    owned = [
-        (place, its)
-        for place, address in enumerate(edition.addresses)
-        for its in _ids(edition, direction, address, used)
-    ]
-    lowest: dict[tuple[int, int], int] = {}
-    for i, j in bit_patterns.pairs([can_ids.known(its) for _, its in owned]):
-        (address, first), (earlier, second) = owned[i], owned[j]
-        same_format = edition.addresses[address].request.extended == edition.addresses[earlier].request.extended
-        shared = can_ids.meet(first, second) if address != earlier and same_format else None
-        if shared is not None:
-            lowest.setdefault((address, earlier), shared)
-    return lowest
 
 
 def _ids(edition: Edition, direction: Direction, address: Address, used: Collection[str]) -> Sequence[range]:

@@ -1,4 +1,4 @@
-"""No target has to change a name."""
+"""A name does not exceed the maximum length of a target, such as DBC."""
 
 from __future__ import annotations
 

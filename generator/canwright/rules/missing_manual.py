@@ -1,4 +1,7 @@
-"""Every command has the section of the manual, if the edition has a manual."""
+"""Every command has the section of the manual.
+
+An edition without a manual needs none.
+"""
 
 from __future__ import annotations
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 from ..model.types import Encoding
 from .rule import CheckInput, Finding, Findings
 
-_OF_NUMBERS = ("unit", "scale", "offset", "range", "plausible", "raw_range")
+_OF_NUMBERS = ("unit", "scale", "offset", "range", "plausible", "raw_range", "no_value")
+_HINTS = {
+    "unit": "{}; named raw integers beside numbers are `no_value`",
+    "no_value": "name these raw integers in `enum`, or {}",
+}
 
 
 def check(subject: CheckInput) -> Findings:
@@ -23,4 +27,6 @@ def check(subject: CheckInput) -> Findings:
         for key in _OF_NUMBERS:
             if getattr(written, key) is not None and (key != "raw_range" or kind == "flags"):
                 text = f"`{key}` has no effect, because the values of this type are names"
-                yield Finding(("types", name, key), text, f"remove `{key}` or `{kind}`", key=True)
+                yield Finding(
+                    ("types", name, key), text, _HINTS.get(key, "{}").format(f"remove `{key}` or `{kind}`"), key=True
+                )

@@ -1,4 +1,7 @@
-"""No two names become one in a target, nor a word that its language reserves."""
+"""Different items have different names in every target, such as C, which compares 63 characters, or Python.
+
+No name is a word that the language of a target reserves.
+"""
 
 from __future__ import annotations
 

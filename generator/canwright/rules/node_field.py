@@ -14,7 +14,7 @@ def check(subject: CheckInput) -> Findings:
             reason = f"`{fields[0].name}` already contains the node" if i else _mismatch(field)
             if reason:
                 yield Finding(
-                    (*field.path, "holds"),
+                    (*field.path, NodeRole.key),
                     reason,
                     "mark one field that is an unsigned number without a scale",
                     key=True,
@@ -24,6 +24,6 @@ def check(subject: CheckInput) -> Findings:
 def _mismatch(field: Field) -> str:
     if field.is_array or field.only:
         return f"`{field.name}` cannot contain the node: it is an array, or depends on a parameter"
-    if not field.type.is_plain or field.type.encoding is not Encoding.UNSIGNED:
+    if not field.type.is_plain or field.type.no_values or field.type.encoding is not Encoding.UNSIGNED:
         return f"`{field.name}` cannot contain the node: it is not an unsigned number without a scale"
     return ""

@@ -1,4 +1,7 @@
-"""The limits of a parameter allow a value, its choices are distinct, and the default bit rate is a bit rate."""
+"""The limits of a parameter allow a value, and its choices are distinct.
+
+So are reply times and default bit rates: they are above 0, and one of the bit rates.
+"""
 
 from __future__ import annotations
 

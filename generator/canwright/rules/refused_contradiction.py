@@ -117,11 +117,13 @@ def _entry_problems(encoder: Encoder, message: Message, entry: RefusedValues) ->
 
 def _mismatch(field: Field, value: Value) -> tuple[str, str] | None:
     """Text and hint for a value of a wrong kind: no list for an array, an unknown name; else None."""
+    if field.type.joined is not None:
+        return (f"`{field.name}` is one value", "write it without brackets") if isinstance(value, list) else None
     if isinstance(value, list) is not (field.is_array or bool(field.type.flags and not isinstance(value, str))):
         return _shape(field)
-    members = field.type.enum or field.type.flags
+    members = field.type.enum or field.type.flags or field.type.no_values
     for part in value if isinstance(value, list) else (value,):
-        if isinstance(part, str) and (members or part not in SPECIAL):
+        if isinstance(part, str) and not (field.type.is_number and part in SPECIAL):
             names = [member.name for member in members]
             if part not in names:
                 text = f"`{field.name}` has no value `{part}`" if members else f"`{field.name}` is a number"

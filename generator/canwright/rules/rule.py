@@ -58,9 +58,11 @@ class Phase(IntEnum):
     """Checks single items of the spec, names and codes."""
     WHOLE = 2
     """Compares the frames of commands and addresses."""
-    FRAMES = 3
+    NAMES = 3
+    """Compares names with those that targets can use. This and the following phases are for output."""
+    FRAMES = 4
     """Compares golden frames with the spec."""
-    COVERAGE = 4
+    COVERAGE = 5
     """Looks for what is missing or unused."""
 
 

@@ -20,6 +20,7 @@ from ..model.layout import Field, Layout
 from ..model.message import LISTED_NODES, Command, Message
 from ..model.metadata import Effect, Setting
 from ..model.types import Text, Type
+from ..resolve.report import MAX_COMMANDS, MAX_FIELDS
 from .rule import CheckInput, Finding, Findings
 
 MAX_COMBINATIONS = 64
@@ -46,6 +47,11 @@ CHARACTER = 0.01
 """The size of a character of a text in one place."""
 VALUE_OF_LINE = 2 / 5
 """The size of a named value of an element, in relation to that of the element."""
+
+PURPOSE = (
+    f"A spec has at most {MAX_COMMANDS} commands, {MAX_FIELDS} fields, {MAX_COMBINATIONS} combinations of "
+    f"choices and a size of {MAX_SIZE}, which is the sum of the sizes of its parts."
+)
 
 
 class Part(Enum):
@@ -157,7 +163,7 @@ def _type(type_: Type) -> float:
 
 
 def _values(type_: Type) -> int:
-    return len(type_.enum) + len(type_.flags)
+    return len(type_.enum) + len(type_.flags) + len(type_.no_values)
 
 
 def _exemptions(command: Command) -> int:

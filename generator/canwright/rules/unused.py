@@ -1,4 +1,7 @@
-"""Every type, layout, table, parameter, effect and setting is used, and so is every exemption from an effect."""
+"""Every item that a spec defines is used.
+
+An item is a type, layout, table, parameter, effect or setting, or an exemption from an effect.
+"""
 
 from __future__ import annotations
 
@@ -66,7 +69,7 @@ def _extended(spec: EditionSpec) -> Iterator[str]:
 
 def _parameters(edition: Edition, messages: Iterable[Message]) -> Iterator[str]:
     for message in messages:
-        yield from message.layout.parameters
+        yield from (*message.parameters, *message.layout.parameters)
         for field in message.layout.fields:
             yield from field.type.numbers
     for only in (*(c.only for c in edition.commands), *(s.only for s in edition.settings)):

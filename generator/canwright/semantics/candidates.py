@@ -11,6 +11,9 @@ from .decoder import Decoder, Identified
 from .frame import CanFrame, has_id, is_message
 from .plan import only_by_request
 
+MAX_KNOWN = 1 << 16
+"""The maximum number of ids, and of kinds of frames, that are remembered."""
+
 
 class Candidates:
     """What the dispatch plan makes of a frame in each direction, and the replies that only a request explains.
@@ -34,6 +37,8 @@ class Candidates:
         bits = int.from_bytes(frame.data, "little") & (self.key_bits(frame) or 0)
         known = (frame.id, frame.extended, frame.remote, len(frame.data), bits)
         if known not in self._known:
+            if len(self._known) >= MAX_KNOWN:
+                self._known.clear()
             self._known[known] = self._candidates(frame)
         return self._known[known]
 
@@ -41,6 +46,8 @@ class Candidates:
         """The data bits of all keys of the messages with this id; None without such a message."""
         known = (frame.id, frame.extended, frame.remote)
         if known not in self._key_bits:
+            if len(self._key_bits) >= MAX_KNOWN:
+                self._key_bits.clear()
             having = [message for message in self._messages if has_id(message, frame)]
             bits = data_bits((key.space, key.segments) for message in having for key in message.keys)
             self._key_bits[known] = bits if having else None

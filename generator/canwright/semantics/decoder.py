@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -18,10 +18,10 @@ from ..model.edition import Edition
 from ..model.layout import Field, Variant
 from ..model.message import BitRun, Direction, Message
 from ..model.refusal import Refusal
-from ..model.types import Assignment, Encoding, Linear, Type, number_of
+from ..model.types import NO_PARAMETERS, Assignment, Encoding, Linear, Type, number_of, product_of
 from .dispatch import Discriminator, DispatchNode, Length, MaskedId, Match, Route, Select, dispatch_plan
-from .frame import CanFrame, Raw, difference, differs, node_in_id, raw_of, read_bits
-from .plan import CheckConstant, ChooseFields, ReadField, message_plan
+from .frame import CanFrame, Raw, checksum_of, difference, differs, node_in_id, raw_of, read_bits
+from .plan import CheckChecksum, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
 
 Value = Fraction | str | list[str] | None
 
@@ -58,13 +58,22 @@ class Decoder:
     def __init__(self, edition: Edition) -> None:
         self.edition = edition
         self._routes = {direction: dispatch_plan(edition, direction).routes for direction in Direction}
-        self._of_id: dict[tuple[Direction, int, bool, bool], tuple[Route, int | None] | None] = {}
+        rules = (route.rule for routes in self._routes.values() for route in routes)
+        self._parameters = sorted({rule.parameter for rule in rules if rule.parameter is not None})
+        """The parameters in ids."""
+        self._of_id: dict[tuple[object, ...], tuple[Route, int | None] | None] = {}
 
-    def identify(self, direction: Direction, frame: CanFrame) -> Identified | Rejection:
+    def identify(
+        self, direction: Direction, frame: CanFrame, assignment: Assignment = NO_PARAMETERS
+    ) -> Identified | Rejection:
         """The message that a frame is, without knowledge of its request."""
-        routed = self._route(direction, frame)
+        routed = self._route(direction, frame, assignment)
         if routed is None:
             kind = ("29-bit " if frame.extended else "") + ("remote " if frame.remote else "")
+            missing = next((r.rule for r in self._of_kind(direction, frame) if r.rule.at(assignment) is None), None)
+            if missing is not None:
+                text = f"0x{frame.id:X} may be an id with the parameter `{missing.parameter}`, which is missing"
+                return Rejection(Refusal.MISSING_PARAMETER, text)
             return Rejection(Refusal.UNKNOWN_ID, f"no {direction.value} has the {kind}id 0x{frame.id:X}")
         route, node = routed
         message = _message(route.then, direction, frame)
@@ -72,32 +81,39 @@ class Decoder:
 
     def decode(self, direction: Direction, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
         """The message that a frame is under some parameters, with its fields."""
-        identified = self.identify(direction, frame)
+        identified = self.identify(direction, frame, assignment)
         return identified if isinstance(identified, Rejection) else _fields(identified, frame, assignment)
 
     def decode_as(self, message: Message, frame: CanFrame, assignment: Assignment) -> Decoded | Rejection:
         """The fields of a frame that is expected to be one message, as the reply to a request is."""
-        wrong = difference(message, frame)
+        wrong = difference(message, frame, assignment)
         if wrong:
             return Rejection(_REASONS.get(wrong.part, Refusal.UNKNOWN_ID), wrong.text)
-        return _fields(Identified(message, node_in_id(message, frame)), frame, assignment)
+        return _fields(Identified(message, node_in_id(message, frame, assignment)), frame, assignment)
 
     def decisions(self, direction: Direction, frame: CanFrame) -> DispatchNode | None:
         """The decisions between the messages that have the id of a frame; None without such a message."""
-        routed = self._route(direction, frame)
+        routed = self._route(direction, frame, NO_PARAMETERS)
         return None if routed is None else routed[0].then
 
-    def _route(self, direction: Direction, frame: CanFrame) -> tuple[Route, int | None] | None:
-        known = (direction, frame.id, frame.extended, frame.remote)
+    def _of_kind(self, direction: Direction, frame: CanFrame) -> Iterator[Route]:
+        """The routes for frames of this kind."""
+        kind = (frame.extended, frame.remote)
+        return (route for route in self._routes[direction] if (route.rule.extended, route.remote) == kind)
+
+    def _route(self, direction: Direction, frame: CanFrame, assignment: Assignment) -> tuple[Route, int | None] | None:
+        known = (direction, frame.id, frame.extended, frame.remote, *map(assignment.get, self._parameters))
         if known not in self._of_id:
-            kind = (frame.extended, frame.remote)
-            routes = (r for r in self._routes[direction] if (r.rule.extended, r.remote) == kind)
-            having = (route for route in routes if route.contains(frame.id))
-            self._of_id[known] = next(((route, route.node(frame.id)) for route in having), None)
+            having = (route for route in self._of_kind(direction, frame) if route.contains(frame.id, assignment))
+            self._of_id[known] = next(((route, route.node(frame.id, assignment)) for route in having), None)
         return self._of_id[known]
 
 
-_REASONS = {"length": Refusal.WRONG_LENGTH, "keys": Refusal.UNKNOWN_CODE}
+_REASONS = {
+    "length": Refusal.WRONG_LENGTH,
+    "keys": Refusal.UNKNOWN_CODE,
+    "parameter": Refusal.MISSING_PARAMETER,
+}
 """The reason for a rejection, by the part of the frame that differs; unknown_id for all other parts."""
 
 
@@ -115,22 +131,28 @@ def _fields(identified: Identified, frame: CanFrame, assignment: Assignment) -> 
         elif isinstance(step, ReadField):
             raw = raw_of(step.field, frame)
             raws[step.field.name], values[step.field.name] = raw, field_value(step.field, raw, assignment)
-        elif differs(step.field, step.raw, frame):
-            return _wrong_constant(step)
+        else:
+            rejection = _rejection(step, frame, assignment)
+            if rejection is not None:
+                return rejection
     variant = layout.variant(assignment)
     assert variant is not None
     return Decoded(*identified, variant, raws, values)
 
 
-def rejects_constants(message: Message, frame: CanFrame, assignment: Assignment) -> Rejection | None:
-    """The rejection of a frame of a message in which a constant differs; None for a frame with all its constants.
+def rejects_checked(message: Message, frame: CanFrame, assignment: Assignment) -> Rejection | None:
+    """The rejection of a frame of a message because of a constant or the checksum; None for a frame that has them.
 
-    A constant that exists only under an unknown parameter is not checked.
+    A constant that exists only under an unknown parameter, or that is an unknown parameter, is not checked.
     """
-    checks = (step for step in message_plan(message).decoding if isinstance(step, CheckConstant))
-    for check in checks:
-        if message.layout.has(check.field, assignment) and differs(check.field, check.raw, frame):
-            return _wrong_constant(check)
+    for check in message_plan(message).decoding:
+        if isinstance(check, (ChooseFields, ReadField)) or not message.layout.has(check.field, assignment):
+            continue
+        if isinstance(check, CheckParameter) and check.parameter not in assignment:
+            continue
+        rejection = _rejection(check, frame, assignment)
+        if rejection is not None:
+            return rejection
     return None
 
 
@@ -140,24 +162,56 @@ def missing_parameter(message: Message, step: ChooseFields) -> Rejection:
     return Rejection(Refusal.MISSING_PARAMETER, text)
 
 
-def _wrong_constant(check: CheckConstant) -> Rejection:
+def _wrong_parameter(check: CheckParameter, frame: CanFrame, assignment: Assignment) -> Rejection | None:
+    """The rejection of a constant that is a parameter; None if it has the right value."""
+    name, raw = check.field.name, number_of(assignment, check.parameter)
+    if raw is None:
+        text = f"the constant `{name}` depends on `{check.parameter}`, which is missing"
+        return Rejection(Refusal.MISSING_PARAMETER, text, name)
+    if raw.denominator == 1 and not differs(check.field, int(raw), frame):
+        return None
+    return Rejection(Refusal.WRONG_CONSTANT, f"the constant `{name}` is not {formatting.exact(raw)}", name)
+
+
+def _rejection(
+    check: CheckConstant | CheckChecksum | CheckParameter, frame: CanFrame, assignment: Assignment
+) -> Rejection | None:
+    """The rejection by a check; None for a frame that passes."""
+    if isinstance(check, CheckParameter):
+        return _wrong_parameter(check, frame, assignment)
     name = check.field.name
-    return Rejection(Refusal.WRONG_CONSTANT, f"the constant `{name}` is not {check.raw}", name)
+    if isinstance(check, CheckConstant):
+        if not differs(check.field, check.raw, frame):
+            return None
+        return Rejection(Refusal.WRONG_CONSTANT, f"the constant `{name}` is not {check.raw}", name)
+    computed = checksum_of(check.checksum, frame)
+    if not differs(check.field, computed, frame):
+        return None
+    text = f"the checksum `{name}` is 0x{raw_of(check.field, frame):X}, but that of these bytes is 0x{computed:X}"
+    return Rejection(Refusal.WRONG_CHECKSUM, text, name)
 
 
 def field_value(field: Field, raw: Raw, assignment: Assignment) -> Value | list[Value]:
     """The value of the raw integer of a field, or the values of an array."""
+    if isinstance(raw, list) and field.type.joined is not None:
+        return field.type.joined.value(raw)
     if isinstance(raw, list):
         return [value_of(field.type, element, assignment) for element in raw]
     return value_of(field.type, raw, assignment)
 
 
 def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
-    """The value of a raw integer: a number in the unit, the name of a member, the names of flags; None without one."""
+    """The value of a raw integer: a number in the unit or the name for no value, the name of a member, the names of flags.
+
+    None if there is no scale or no name.
+    """
     if type_.enum:
         return next((member.name for member in type_.enum if member.value == raw), None)
     if type_.flags:
         return [flag.name for flag in type_.flags if raw >> flag.value & 1]
+    no_value = type_.no_value(raw)
+    if no_value is not None:
+        return no_value.name
     linear = linear_of(type_, assignment)
     if linear is None:
         return None
@@ -186,15 +240,15 @@ def linear_of(type_: Type, assignment: Assignment) -> Linear | None:
     linear = type_.linear.at(assignment)
     if linear is None or linear.times is None:
         return linear
-    number = number_of(assignment, linear.times)
-    return linear.at({linear.times: number}) if number is not None and number > 0 else None
+    number = product_of(assignment, linear.times)
+    return None if number is None else Linear(linear.scale * number, linear.offset * number)
 
 
 def _message(node: DispatchNode, direction: Direction, frame: CanFrame) -> Message | Rejection:
     """The message of a frame: follows the tree of a route."""
     path: list[tuple[Select, int]] = []
     while isinstance(node, Select):
-        value = _read(node.subject, frame)
+        value = subject_value(node.subject, frame)
         path.append((node, value))
         node = node.by_value.get(value, node.otherwise)
     return (
@@ -202,7 +256,8 @@ def _message(node: DispatchNode, direction: Direction, frame: CanFrame) -> Messa
     )
 
 
-def _read(subject: Discriminator, frame: CanFrame) -> int:
+def subject_value(subject: Discriminator, frame: CanFrame) -> int:
+    """The value that a decision is on."""
     if isinstance(subject, Length):
         return len(frame.data)
     if isinstance(subject, MaskedId):

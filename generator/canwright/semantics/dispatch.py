@@ -14,7 +14,7 @@ from typing import NamedTuple
 from ..model.edition import Edition
 from ..model.message import BitRun, Direction, IdRule, Key, Message
 from ..model.refusal import Refusal
-from ..model.types import Order
+from ..model.types import NO_PARAMETERS, Assignment, Order
 
 
 @dataclass(frozen=True)
@@ -83,19 +83,20 @@ class Route:
     messages: tuple[Message, ...]
     then: DispatchNode
 
-    def contains(self, id_: int) -> bool:
+    def contains(self, id_: int, assignment: Assignment = NO_PARAMETERS) -> bool:
         """Whether an id belongs to this rule, with any values of keys and fields."""
-        rest = id_ & ~self.mask
-        return rest == self.rule.base if self.rule.nodes is None else node_of_id(self.rule, rest) is not None
+        return has_rest(self.rule, id_ & ~self.mask, assignment)
 
-    def node(self, id_: int) -> int | None:
+    def node(self, id_: int, assignment: Assignment = NO_PARAMETERS) -> int | None:
         """The node of an id of this rule; None if the rule has no nodes."""
-        return node_of_id(self.rule, id_ & ~self.mask)
+        return node_of_id(self.rule, id_ & ~self.mask, assignment)
 
 
 @dataclass(frozen=True)
 class DispatchPlan:
     """The routes in the order in which they are tried; a frame without a route is rejected (unknown_id).
+
+    If the id of a route for such frames contains a missing parameter, it is rejected for that reason (missing_parameter).
 
     A route is for frames of its kind (29-bit or not, remote or not) whose id it contains. The fewer bits of the id keys
     and fields fill, the earlier a route is tried.
@@ -120,12 +121,21 @@ def selection(message: Message) -> tuple[object, ...]:
     return message.id, message.remote, length, tuple((_bits(key), key.value) for key in message.keys)
 
 
-def node_of_id(rule: IdRule, id_: int) -> int | None:
+def node_of_id(rule: IdRule, id_: int, assignment: Assignment = NO_PARAMETERS) -> int | None:
     """The node of an id without the bits of keys and fields; None without one."""
-    if rule.nodes is None:
+    known = rule.at(assignment)
+    if known is None or known.nodes is None:
         return None
-    node, remainder = divmod(id_ - rule.base, rule.node_step)
-    return node if not remainder and node in rule.nodes else None
+    node, remainder = divmod(id_ - known.base, known.node_step)
+    return node if not remainder and node in known.nodes else None
+
+
+def has_rest(rule: IdRule, id_: int, assignment: Assignment = NO_PARAMETERS) -> bool:
+    """Whether an id without the bits of keys and fields belongs to a rule; no id does if a parameter is missing."""
+    known = rule.at(assignment)
+    if known is not None and known.nodes is None:
+        return id_ == known.base
+    return node_of_id(rule, id_, assignment) is not None
 
 
 def _route(rule: IdRule, remote: bool, messages: Sequence[Message]) -> Route:

@@ -13,15 +13,27 @@ from fractions import Fraction
 
 from ..model import formatting
 from ..model.golden_frames import Value
+from ..model.joined import Joined, JoinedDigits
 from ..model.layout import Field, Space
 from ..model.message import Message
 from ..model.refusal import Refusal
-from ..model.types import Assignment, Bound, Encoding, Type, number_of
+from ..model.types import Assignment, Bound, Encoding, Type, factors
 from .bits import placed
 from .decoder import Rejection, is_finite, linear_of, missing_parameter, value_of
-from .frame import CanFrame, Raw
-from .plan import CheckField, CheckNode, ChooseFields, WriteField, WriteFixed, message_plan
-from .valid_raws import FiniteFloats, FlagBits, NamedRaws, is_within, valid_raws, width_limits
+from .frame import CanFrame, Raw, checksum_of, parameter_raw
+from .plan import (
+    CheckAvailable,
+    CheckField,
+    CheckNode,
+    ChooseFields,
+    NeedParameter,
+    WriteChecksum,
+    WriteField,
+    WriteFixed,
+    WriteParameter,
+    message_plan,
+)
+from .valid_raws import FiniteFloats, FlagBits, NamedRaws, RawInterval, end_of, is_within, valid_raws, width_limits
 
 Number = int | float | Decimal | Fraction
 
@@ -86,10 +98,12 @@ class Encoder:
             return rejection
         _check_names(message, self.fields(message), given)
         raws: dict[Field, Raw] = {}
-        id_, data = message.id.base + (node or 0) * message.id.node_step, 0
+        rule = message.id.at(self.assignment)
+        assert rule is not None  # decided by `rejects`, before the names of fields are known
+        id_, data = rule.base + (node or 0) * rule.node_step, 0
         for step in message_plan(message).encoding:
-            if isinstance(step, (CheckNode, ChooseFields)):
-                continue  # decided by `rejects`, before the names of fields are known
+            if isinstance(step, (CheckAvailable, CheckNode, NeedParameter, ChooseFields)):
+                continue
             if step.field is not None and not message.layout.has(step.field, self.assignment):
                 continue
             if isinstance(step, CheckField):
@@ -98,20 +112,38 @@ class Encoder:
                     return raw
                 raws[step.field] = raw
                 continue
+            if isinstance(step, WriteParameter):
+                value = parameter_raw(step.parameter, self.assignment)
+                if value is None:
+                    text = f"the constant `{step.field.name}` depends on `{step.parameter}`, which is missing"
+                    return Rejection(Refusal.MISSING_PARAMETER, text, step.field.name)
+                raws[step.field] = [value] * len(step.field.elements)
+            if isinstance(step, WriteChecksum):
+                checksum = checksum_of(step.checksum, _frame(message, id_, data))
+                data |= placed(step.field.elements[0].segments, checksum)
+                continue
             for space, bits in _written(step, raws):
                 if space is Space.ID:
                     id_ |= bits
                 else:
                     data |= bits
-        written = b"" if message.remote else data.to_bytes(message.dlc, "little")
-        return CanFrame(id_, written, message.id.extended, message.remote)
+        return _frame(message, id_, data)
 
     def rejects(self, message: Message, node: int | None) -> Rejection | None:
         """The reason why the message cannot be sent to or from a node; None without one."""
         for step in message_plan(message).encoding:
+            if isinstance(step, CheckAvailable):
+                for name, values in step.only.items():
+                    value = self.assignment.get(name, values[0])
+                    if value not in values:
+                        text = f"{message.command} is available with {name}={' or '.join(values)}, not {value}"
+                        return Rejection(Refusal.NOT_AVAILABLE, text)
             if isinstance(step, CheckNode) and (node is None or node not in step.nodes):
                 text = f"{message.name} has no node {node}; its nodes are {step.nodes[0]}..{step.nodes[-1]}"
                 return Rejection(Refusal.UNKNOWN_NODE, text, "node")
+            if isinstance(step, NeedParameter) and message.id.at(self.assignment) is None:
+                text = f"the id of {message.name} depends on `{step.parameter}`, which is missing"
+                return Rejection(Refusal.MISSING_PARAMETER, text)
             if isinstance(step, ChooseFields) and self.fields(message) is None:
                 return missing_parameter(message, step)
         return None
@@ -131,12 +163,18 @@ class Encoder:
 
     def field_raw(self, field: Field, value: Value) -> Raw | Rejection:
         """The raw integer of a value of a field, or a list for an array. Names must be those of the type."""
+        if field.type.joined is not None:
+            return _joined_raws(field, field.type.joined, value)
         elements = value if isinstance(value, list) and field.is_array else [value]
         raws: list[int] = []
         for element in elements:
             raw = self.nearest_raw(field, element)
             if isinstance(raw, Rejection):
                 return raw
+            no_value = None if isinstance(element, str) else field.type.no_value(raw)
+            if no_value is not None:
+                text = f"the raw integer of this value of `{field.name}`, {raw}, means `{no_value.name}`"
+                return Rejection(Refusal.OUT_OF_RANGE, text, field.name)
             rejection = self.rejects_raw(field, raw)
             if rejection:
                 return rejection
@@ -145,8 +183,10 @@ class Encoder:
 
     def nearest_raw(self, field: Field, value: Value) -> int | Rejection:
         """The raw integer nearest to a value, ties away from zero, without a check of the range."""
-        names = {member.name: member.value for member in field.type.enum or field.type.flags}
-        given = value if isinstance(value, list) else [value] if names and isinstance(value, str) else []
+        type_ = field.type
+        names = {member.name: member.value for member in type_.enum or type_.flags or type_.no_values}
+        is_name = isinstance(value, str) and bool(names) and not (type_.is_number and value in SPECIAL)
+        given = value if isinstance(value, list) else [value] if is_name else []
         unknown = [name for name in given if name not in names]
         if unknown:
             return Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` has no value `{unknown[0]}`", field.name)
@@ -188,6 +228,13 @@ class Encoder:
                 return lambda raw: low <= raw <= high
             ends = self._end(valid.scaled.low), self._end(valid.scaled.high)
             return lambda raw: low <= raw <= high and _has_value_within(value_of(type_, raw, self.assignment), *ends)
+        is_number = self._within(valid)
+        if not valid.no_values:
+            return is_number
+        return lambda raw: is_number(raw) or any(raw in raws for raws in valid.no_values)
+
+    def _within(self, valid: RawInterval) -> Callable[[int], bool]:
+        """Whether a raw integer is a number within an interval."""
         first, last = valid.low, valid.high
         if valid.low_bound is None and valid.high_bound is None:
             return lambda raw: first <= raw <= last
@@ -198,8 +245,7 @@ class Encoder:
         """The bound of a range; None if it depends on a missing parameter."""
         if bound is None:
             return None
-        number = number_of(self.assignment, bound.parameter)
-        end = bound.at({} if number is None else {bound.parameter or "": number})
+        end = end_of(bound, self.assignment)
         return end.numerator if end is not None and end.denominator == 1 else end
 
     def _inverse(self, field: Field) -> Callable[[Fraction], int | Rejection]:
@@ -211,7 +257,7 @@ class Encoder:
         linear = linear_of(type_, self.assignment)
         if linear is None or linear.scale == 0:
             line = type_.linear.at(self.assignment)
-            needed = (type_.linear.parameter, line.times if line else None)
+            needed = (type_.linear.parameter, *(factors(line.times).names if line and line.times else ()))
             missing = next((name for name in needed if name is not None and name not in self.assignment), None)
             reason, text = Refusal.NO_SCALE, "has no scale here"
             if missing:
@@ -250,7 +296,13 @@ def _check_names(message: Message, fields: Mapping[str, Field] | None, given: Ma
         raise ValueError(f"{message.name} has the fields {', '.join(fields or ())}, not {', '.join(given)}")
 
 
-def _written(step: WriteFixed | WriteField, raws: Mapping[Field, Raw]) -> Iterator[tuple[Space, int]]:
+def _frame(message: Message, id_: int, data: int) -> CanFrame:
+    """The frame of a message with this id, and these data bytes as a little-endian integer."""
+    written = b"" if message.remote else data.to_bytes(message.dlc, "little")
+    return CanFrame(id_, written, message.id.extended, message.remote)
+
+
+def _written(step: WriteFixed | WriteParameter | WriteField, raws: Mapping[Field, Raw]) -> Iterator[tuple[Space, int]]:
     """The bits that a step writes."""
     if isinstance(step, WriteFixed):
         yield step.space, placed(step.segments, step.raw)
@@ -258,6 +310,18 @@ def _written(step: WriteFixed | WriteField, raws: Mapping[Field, Raw]) -> Iterat
     raw = raws[step.field]
     for element, number in zip(step.field.elements, raw if isinstance(raw, list) else [raw], strict=True):
         yield step.field.space, placed(element.segments, number)
+
+
+def _joined_raws(field: Field, joined: Joined, value: Value) -> list[int] | Rejection:
+    """The raw integers of a text, or of a number of decimal digits."""
+    if isinstance(joined, JoinedDigits) and value in SPECIAL:
+        return Rejection(Refusal.NOT_FINITE, f"{value} is invalid for `{field.name}`", field.name)
+    raws = joined.raws(value)
+    return (
+        Rejection(Refusal.OUT_OF_RANGE, f"{value!s} is invalid for `{field.name}`", field.name)
+        if raws is None
+        else raws
+    )
 
 
 def _wrong_count(field: Field, count: int) -> Rejection | None:

@@ -8,18 +8,21 @@ from fractions import Fraction
 from functools import lru_cache
 
 from ..model.edition import Edition
-from ..model.message import BitRun, Command, Direction, Message
+from ..model.message import BitRun, Command, Direction, EchoReply, Message, Reply
 from ..model.refusal import Refusal
-from .decoder import Decoder, Identified, Rejection, rejects_constants
+from ..model.types import NO_PARAMETERS, Assignment
+from .decoder import Decoder, Identified, Rejection, rejects_checked
 from .frame import CanFrame, difference, node_in_id, read_bits
 from .plan import message_plan
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ExchangePlan:
-    """The checks of a frame after a request, in this order; each rejects it (not_answer).
+    """The checks of a frame after a request for one of the replies to it, in this order; each rejects it (not_answer).
 
-    1. There is a `reply`, and the frame has its id, length and keys.
+    A frame that passes those of any reply answers the request.
+
+    1. The frame has the id, the length and the keys of `reply`.
     2. The node in the id of the frame is expected: one of `nodes`; if these are empty, that of the request, compared in
        the bits of `asked` if the request contains it in a field.
     3. The node in the bits of `reported` is expected, compared in the bits that both fields have.
@@ -30,7 +33,11 @@ class ExchangePlan:
 
     command: Command
     request: Message
-    reply: Message | None
+    reply: Message
+    frames: int
+    """The number of frames of one node, at most."""
+    is_alternative: bool
+    """Whether it is sent instead of the other replies."""
     nodes: tuple[int, ...]
     asked: BitRun | None
     reported: BitRun | None
@@ -41,46 +48,64 @@ class ExchangePlan:
     @property
     def has_distinct_request(self) -> bool:
         """Whether the request reserves bits that the reply does not, so that the data can tell them apart."""
-        if self.reply is None:
-            return False
         return bool(message_plan(self.request).reserved.mask & ~message_plan(self.reply).reserved.mask)
 
 
 @lru_cache(maxsize=16)
-def exchange_plans(edition: Edition) -> Mapping[Message, ExchangePlan]:
-    """The exchange that each request starts; cached, because every target asks for it."""
-    return {c.request: _plan(edition, c, c.request) for c in edition.commands if c.request is not None}
+def exchange_plans(edition: Edition) -> Mapping[Message, Sequence[ExchangePlan]]:
+    """The exchanges that each request starts, one for each reply; cached, because every target asks for it."""
+    return {
+        c.request: [_plan(edition, c, c.request, reply) for reply in c.replies]
+        for c in edition.commands
+        if c.request is not None
+    }
 
 
-def _plan(edition: Edition, command: Command, request: Message) -> ExchangePlan:
+def _plan(edition: Edition, command: Command, request: Message, reply: Reply) -> ExchangePlan:
     within = edition.bus.reply_within_ms if command.reply_within_ms is None else command.reply_within_ms
     return ExchangePlan(
         command=command,
         request=request,
-        reply=command.reply,
+        reply=reply.message,
+        frames=reply.frames,
+        is_alternative=reply.is_alternative,
         nodes=command.from_each,
         asked=None if command.from_each else request.node_bits,
-        reported=command.reply.node_bits if command.reply else None,
-        is_echo=command.is_echoed,
+        reported=reply.message.node_bits,
+        is_echo=isinstance(reply, EchoReply),
         reply_within_ms=within,
     )
 
 
-def check_reply(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified | Rejection:
-    """The reply to a request that a frame is; rejected if it is not one, or if the request is rejected."""
-    sent = decoder.identify(Direction.REQUEST, request)
+def check_reply(
+    decoder: Decoder, request: CanFrame, reply: CanFrame, assignment: Assignment = NO_PARAMETERS
+) -> Identified | Rejection:
+    """The reply to a request that a frame is; rejected if it is none, or if the request is rejected.
+
+    Of the parameters, only those in ids matter.
+    """
+    sent = decoder.identify(Direction.REQUEST, request, assignment)
     if isinstance(sent, Rejection):
         return sent
-    invalid = rejects_constants(sent.message, request, {})
+    invalid = rejects_checked(sent.message, request, {})
     if invalid is not None:
         return invalid
-    plan = exchange_plans(decoder.edition)[sent.message]
-    if plan.reply is None:
-        return _no_answer(f"{plan.command.name} has no reply")
-    wrong = difference(plan.reply, reply)
+    rejected: Rejection | None = None
+    for plan in exchange_plans(decoder.edition)[sent.message]:
+        answer = _checked(plan, sent, request, reply, assignment)
+        if isinstance(answer, Identified):
+            return answer
+        rejected = rejected or answer
+    return rejected or _no_answer(f"{sent.message.command} has no reply")
+
+
+def _checked(
+    plan: ExchangePlan, sent: Identified, request: CanFrame, reply: CanFrame, assignment: Assignment
+) -> Identified | Rejection:
+    wrong = difference(plan.reply, reply, assignment)
     if wrong:
         return _no_answer(wrong.text)
-    source = node_in_id(plan.reply, reply)
+    source = node_in_id(plan.reply, reply, assignment)
     to, bits = sent.node, -1
     if plan.asked:
         to, bits = read_bits(plan.asked, request), (1 << plan.asked.width) - 1

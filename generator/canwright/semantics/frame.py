@@ -6,10 +6,12 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from ..model import formatting
-from ..model.layout import ConstantRole, Field, Segment, Space, Variant
+from ..model.layout import Field, NodeRole, ParameterRole, Segment, Space, Variant
 from ..model.message import BitRun, Message
-from ..model.types import Encoding, Type
-from .dispatch import node_of_id
+from ..model.types import NO_PARAMETERS, Assignment, Encoding, Type, number_of
+from .bits import placed
+from .checksum import ChecksumPlan
+from .dispatch import has_rest, node_of_id
 from .plan import AcceptedKey, message_plan
 
 Raw = int | list[int]
@@ -69,21 +71,50 @@ def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
     return {f.name: raw_of(f, frame) for f in variant.fields if f.role.is_value}
 
 
+def checksum_of(plan: ChecksumPlan, frame: CanFrame) -> int:
+    """The checksum of a frame."""
+    register = plan.init
+    for part in plan.inputs:
+        byte = part if isinstance(part, int) else _read(part.segments, part.space, frame)
+        register = plan.next(register, byte)
+    return register >> plan.shift ^ plan.xor_out
+
+
+def with_checksum(message: Message, frame: CanFrame) -> CanFrame:
+    """A frame as long as a message, with its checksum."""
+    step = message_plan(message).checksum
+    if step is None:
+        return frame
+    segments = step.field.elements[0].segments
+    data = int.from_bytes(frame.data, "little") & ~placed(segments, -1)
+    data |= placed(segments, checksum_of(step.checksum, frame))
+    return frame._replace(data=data.to_bytes(len(frame.data), "little"))
+
+
 def raw_of(field: Field, frame: CanFrame) -> Raw:
     """The raw integer of a field, a list for an array."""
-    integers = [_signed(field.type, _read(e.segments, field.space, frame)) for e in field.elements]
+    integers = [signed(field.type, _read(e.segments, field.space, frame)) for e in field.elements]
     return integers if field.is_array else integers[0]
 
 
-def _signed(type_: Type, raw: int) -> int:
+def signed(type_: Type, raw: int) -> int:
+    """The raw integer of a type whose bits are an unsigned integer."""
     if type_.encoding is Encoding.SIGNED and raw >> (type_.width - 1):
         return raw - (1 << type_.width)
     return raw
 
 
-def wrong_constants(fields: Iterable[Field], frame: CanFrame) -> list[Field]:
+def required_raw(field: Field, assignment: Assignment = NO_PARAMETERS) -> int | None:
+    """The only raw integer that a receiver accepts; None if it accepts more, or if a parameter is missing."""
+    if isinstance(field.role, ParameterRole):
+        return parameter_raw(field.role.parameter, assignment)
+    return field.role.required_raw
+
+
+def wrong_constants(fields: Iterable[Field], frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> list[Field]:
     """The constant fields with another value in a frame."""
-    return [f for f in fields if isinstance(f.role, ConstantRole) and differs(f, f.role.raw, frame)]
+    required = ((field, required_raw(field, assignment)) for field in fields)
+    return [field for field, raw in required if raw is not None and differs(field, raw, frame)]
 
 
 def differs(field: Field, raw: int, frame: CanFrame) -> bool:
@@ -92,37 +123,63 @@ def differs(field: Field, raw: int, frame: CanFrame) -> bool:
     return any(element != raw for element in actual) if isinstance(actual, list) else actual != raw
 
 
-def node_in_id(message: Message, frame: CanFrame) -> int | None:
+def node_in_id(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> int | None:
     """The node in the id of a frame of this message; None without one."""
-    return node_of_id(message.id, frame.id & ~message.id_mask)
+    return node_of_id(message.id, frame.id & ~message.id_mask, assignment)
 
 
-def node_of(message: Message, frame: CanFrame) -> int | None:
+def parameter_raw(parameter: str, assignment: Assignment) -> int | None:
+    """The raw integer of a constant that is a parameter; None if that is missing."""
+    number = number_of(assignment, parameter)
+    return None if number is None or number.denominator != 1 else int(number)
+
+
+def sent_id(message: Message, node: int | None, assignment: Assignment = NO_PARAMETERS) -> int | None:
+    """The id of the frames of this message and node; None if it contains a value of the sender, or an unknown parameter."""
+    rule = message.id.at(assignment)
+    if rule is None:
+        return None
+    id_ = rule.base + (node or 0) * rule.node_step
+    id_ |= sum(placed(key.segments, key.value) for key in message.keys if key.space is Space.ID)
+    for field in message.layout.fields:
+        if field.space is not Space.ID:
+            continue
+        raw = node if isinstance(field.role, NodeRole) else field.role.sent_raw
+        if isinstance(field.role, ParameterRole):
+            raw = parameter_raw(field.role.parameter, assignment)
+        if raw is None:
+            return None
+        id_ |= placed((s for element in field.elements for s in element.segments), raw)
+    return id_
+
+
+def node_of(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> int | None:
     """The node of a frame of this message, in its id or in its data; None without one."""
     bits = message.node_in_data
-    return node_in_id(message, frame) if bits is None else read_bits(bits, frame)
+    return node_in_id(message, frame, assignment) if bits is None else read_bits(bits, frame)
 
 
-def has_id(message: Message, frame: CanFrame) -> bool:
+def has_id(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> bool:
     """Whether the id of a frame is one of the message's, keys in the id included."""
     if not all(_has_key(accepted, frame) for accepted in message_plan(message).keys if accepted.key.space is Space.ID):
         return False
-    return has_id_rule(message, frame)
+    return has_id_rule(message, frame, assignment)
 
 
-def has_id_rule(message: Message, frame: CanFrame) -> bool:
+def has_id_rule(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> bool:
     """Whether the id of a frame is one of the message's, whatever its keys are."""
     if (message.id.extended, message.remote) != (frame.extended, frame.remote):
         return False
-    rest = frame.id & ~message.id_mask
-    return rest == message.id.base if message.id.nodes is None else node_of_id(message.id, rest) is not None
+    return has_rest(message.id, frame.id & ~message.id_mask, assignment)
 
 
-def is_message(message: Message, frame: CanFrame) -> bool:
+def is_message(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> bool:
     """Whether a frame has the id, the length and the keys of a message."""
     if len(frame.data) != message.dlc and not frame.remote:
         return False
-    return has_id(message, frame) and all(_has_key(accepted, frame) for accepted in message_plan(message).keys)
+    return has_id(message, frame, assignment) and all(
+        _has_key(accepted, frame) for accepted in message_plan(message).keys
+    )
 
 
 class Difference(NamedTuple):
@@ -132,15 +189,19 @@ class Difference(NamedTuple):
     text: str
 
 
-def difference(message: Message, frame: CanFrame) -> Difference | None:
+def difference(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> Difference | None:
     """The first difference between a frame and a message; None if the frame is that message."""
-    if is_message(message, frame):
+    if is_message(message, frame, assignment):
         return None
     if frame.extended is not message.id.extended:
         return Difference("extended", f"{message.name} has {'a 29-bit' if message.id.extended else 'an 11-bit'} id")
     if frame.remote is not message.remote:
         return Difference("remote", f"{message.name} is a {'remote' if message.remote else 'data'} frame")
-    if not has_id_rule(message, frame):
+    if not has_id_rule(message, frame, assignment):
+        if message.id.at(assignment) is None:
+            return Difference(
+                "parameter", f"the id of {message.name} depends on `{message.id.parameter}`, which is missing"
+            )
         return Difference("id", f"0x{frame.id:X} is not an id of {message.name}")
     if len(frame.data) != message.dlc and not frame.remote:
         return Difference(

@@ -3,8 +3,7 @@
 With the dispatch plan (`dispatch`), the valid raw integers (`valid_raws`) and the exchanges (`exchange`) this is all that
 frames mean. The reference executes the steps; targets print or interpret them.
 
-Decoding begins when the dispatch plan has identified the message. Encoding begins when the command is available: with
-parameters for which `Command.only` excludes it, a target rejects the command before any step.
+Decoding begins when the dispatch plan has identified the message.
 """
 
 from __future__ import annotations
@@ -14,9 +13,19 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 from ..model.edition import Edition
-from ..model.layout import ConstantRole, Field, FixedRole, ReservedRole, Segment, Space
+from ..model.layout import (
+    ChecksumRole,
+    ConstantRole,
+    Field,
+    FixedRole,
+    ParameterRole,
+    ReservedRole,
+    Segment,
+    Space,
+)
 from ..model.message import Direction, Key, Message
 from .bits import data_bits, placed
+from .checksum import ChecksumPlan, checksum_plan
 
 
 @dataclass(frozen=True)
@@ -25,6 +34,21 @@ class CheckConstant:
 
     field: Field
     raw: int
+
+
+@dataclass(frozen=True)
+class CheckChecksum:
+    """Reject (wrong_checksum) if the field is not the checksum of the frame."""
+
+    field: Field
+    checksum: ChecksumPlan
+
+
+@dataclass(frozen=True)
+class CheckAvailable:
+    """Reject (not_available) if a parameter has a value that is not one of those in `only`; an unknown one is accepted."""
+
+    only: Mapping[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -40,6 +64,21 @@ class ChooseFields:
 
     Before this step, only fields without `only` are used; afterwards, fields that do not exist are skipped.
     """
+
+    parameter: str
+
+
+@dataclass(frozen=True)
+class CheckParameter:
+    """Reject if the parameter is missing (missing_parameter), or if the field has another raw integer (wrong_constant)."""
+
+    field: Field
+    parameter: str
+
+
+@dataclass(frozen=True)
+class NeedParameter:
+    """Reject (missing_parameter) if a parameter in the id is missing."""
 
     parameter: str
 
@@ -72,14 +111,40 @@ class WriteFixed:
 
 
 @dataclass(frozen=True)
+class WriteParameter:
+    """Write the value of a parameter into the field; reject (missing_parameter) if it is missing."""
+
+    field: Field
+    parameter: str
+
+
+@dataclass(frozen=True)
 class WriteField:
     """Write the raw integers of the field. All other bits are 0."""
 
     field: Field
 
 
-DecodingStep = CheckConstant | ChooseFields | ReadField
-EncodingStep = CheckNode | ChooseFields | CheckField | WriteFixed | WriteField
+@dataclass(frozen=True)
+class WriteChecksum:
+    """Write the checksum of all that is written before."""
+
+    field: Field
+    checksum: ChecksumPlan
+
+
+DecodingStep = CheckConstant | CheckChecksum | ChooseFields | CheckParameter | ReadField
+EncodingStep = (
+    CheckAvailable
+    | CheckNode
+    | NeedParameter
+    | ChooseFields
+    | CheckField
+    | WriteFixed
+    | WriteParameter
+    | WriteField
+    | WriteChecksum
+)
 
 
 @dataclass(frozen=True)
@@ -102,8 +167,8 @@ class MaskedBits:
 class MessagePlan:
     """The steps of a message.
 
-    Both directions of the work decide in the order of the steps. Fields are in the order of the spec, and constants that
-    always exist come before the parameter that decides on others.
+    Both directions of the work decide in the order of the steps. Fields are in the order of the spec; constants that always
+    exist, then the checksum, come before the parameter that decides on other fields.
     """
 
     message: Message
@@ -115,6 +180,11 @@ class MessagePlan:
     def length(self) -> int:
         """The number of data bytes of a frame; a remote frame has none."""
         return 0 if self.message.remote else self.message.dlc
+
+    @cached_property
+    def checksum(self) -> CheckChecksum | None:
+        """The check of the checksum; None without one. A message has at most one."""
+        return next((step for step in self.decoding if isinstance(step, CheckChecksum)), None)
 
     @cached_property
     def reserved(self) -> MaskedBits:
@@ -165,15 +235,21 @@ def _decoding(message: Message) -> Iterator[DecodingStep]:
     fields = message.layout.fields
     checks = [CheckConstant(field, field.role.raw) for field in fields if isinstance(field.role, ConstantRole)]
     yield from (check for check in checks if not check.field.only)
+    yield from (CheckChecksum(field, checksum_plan(message, field)) for field in _checksums(message))
     yield from _choice(message)
     yield from (check for check in checks if check.field.only)
+    yield from (CheckParameter(f, f.role.parameter) for f in fields if isinstance(f.role, ParameterRole))
     yield from map(ReadField, value_fields(fields).values())
 
 
 def _encoding(message: Message) -> Iterator[EncodingStep]:
     fields = message.layout.fields
+    if message.only:
+        yield CheckAvailable(message.only)
     if message.id.nodes is not None:
         yield CheckNode(message.id.nodes)
+    if message.id.parameter is not None:
+        yield NeedParameter(message.id.parameter)
     yield from _choice(message)
     values = [field for field in fields if field.role.is_value]
     yield from map(CheckField, values)
@@ -181,7 +257,14 @@ def _encoding(message: Message) -> Iterator[EncodingStep]:
     for field in fields:
         if isinstance(field.role, FixedRole):
             yield from (WriteFixed(field.space, e.segments, field.role.raw, field) for e in field.elements)
+        elif isinstance(field.role, ParameterRole):
+            yield WriteParameter(field, field.role.parameter)
     yield from map(WriteField, values)
+    yield from (WriteChecksum(field, checksum_plan(message, field)) for field in _checksums(message))
+
+
+def _checksums(message: Message) -> Iterable[Field]:
+    return (field for field in message.layout.fields if isinstance(field.role, ChecksumRole))
 
 
 def _choice(message: Message) -> Iterator[ChooseFields]:

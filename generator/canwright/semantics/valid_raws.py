@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 
-from ..model.types import Bound, ByParameter, Encoding, Range, Type
+from ..model.types import Assignment, Bound, ByParameter, Encoding, Range, Type, number_of
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,8 @@ class RawInterval:
     high: int
     low_bound: Bound | None = None
     high_bound: Bound | None = None
+    no_values: tuple[range, ...] = ()
+    """Further valid integers, which have no value: an encoder of values writes them by name."""
 
 
 @dataclass(frozen=True)
@@ -84,15 +86,23 @@ def width_limits(type_: Type) -> ValidRaws:
 def _within(type_: Type, span: Range | None) -> ValidRaws:
     if type_.encoding is Encoding.FLOAT:
         return FiniteFloats(span)
-    low, high = type_.raw_limits
+    low, high = type_.number_limits
+    no_values = tuple(sorted((no_value.raws for no_value in type_.no_values), key=lambda raws: raws.start))
     if span is None:
-        return RawInterval(low, high)
+        return RawInterval(low, high, no_values=no_values)
     return RawInterval(
         low if span.low.parameter else max(low, math.ceil(span.low.constant)),
         high if span.high.parameter else min(high, math.floor(span.high.constant)),
         span.low if span.low.parameter else None,
         span.high if span.high.parameter else None,
+        no_values,
     )
+
+
+def end_of(bound: Bound, assignment: Assignment) -> Fraction | None:
+    """A bound of a range under some parameters; None if it depends on a missing one."""
+    number = number_of(assignment, bound.parameter)
+    return bound.at({} if number is None else {bound.parameter or "": number})
 
 
 def is_within(value: int | Fraction, low: int | Fraction | None, high: int | Fraction | None) -> bool:

@@ -89,6 +89,8 @@ class CodeNames(NamedTuple):
     parameters: Mapping[Parameter, ItemNames]
     types: Mapping[Type, ItemNames]
     """The types with named values; empty if programs write raw integers."""
+    frame: str = ""
+    """The type of a frame; empty if programs do not declare one."""
 
 
 class NameProblem(NamedTuple):

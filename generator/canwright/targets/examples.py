@@ -6,7 +6,7 @@ import functools
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ from ..semantics.encoder import Encoder
 from ..semantics.exchange import check_reply
 from ..semantics.frame import CanFrame
 from ..semantics.valid_raws import RawInterval, valid_raws
-from .base import WorkedExchange
+from .base import EditionInput, WorkedExchange
 
 MAX_TRIED = 12
 """Most frames of a direction that are tried as half of an exchange."""
@@ -110,8 +110,9 @@ class Examples:
 
     def _answers(self, request: GoldenFrame, reply: GoldenFrame) -> bool:
         """Whether a reply answers a request, under parameters that agree."""
-        frames = (CanFrame(frame.id, frame.data, frame.extended, frame.remote) for frame in (request, reply))
-        return _agree(request, reply) and not isinstance(check_reply(self._decoder, *frames), Rejection)
+        sent, answer = (CanFrame(frame.id, frame.data, frame.extended, frame.remote) for frame in (request, reply))
+        known = {**request.parameters, **reply.parameters}
+        return _agree(request, reply) and not isinstance(check_reply(self._decoder, sent, answer, known), Rejection)
 
     def _simplest(self, message: Message | None, node: int) -> GoldenFrame | None:
         variant = message.layout.variant(self.usual_parameters) if message else None
@@ -134,6 +135,22 @@ class Examples:
             data=frame.data,
             raw=raws,
         )
+
+
+def readme_exchange(
+    specifications: Iterable[EditionInput], is_usable: Callable[[Edition, WorkedExchange], bool]
+) -> tuple[Edition, WorkedExchange] | None:
+    """The first usable golden exchange with values in both directions; the first usable one if there is none."""
+    first: tuple[Edition, WorkedExchange] | None = None
+    for item in specifications:
+        examples = Examples(*item)
+        for command in item.edition.commands:
+            usable = (exchange for exchange in examples.answered(command) if is_usable(item.edition, exchange))
+            for exchange in itertools.islice(usable, 1):
+                first = first or (item.edition, exchange)
+                if exchange.request and exchange.request.values:
+                    return item.edition, exchange
+    return first
 
 
 def _simplest_raw(field: Field, node: int, parameters: Assignment) -> RawValue:
@@ -198,6 +215,7 @@ def _next_to_limits(type_: Type) -> frozenset[int]:
     spans = [span for _, span in type_.raw_range.distinct() if span is not None and span.is_constant]
     limits: list[int | Fraction] = [
         *type_.raw_limits,
+        *type_.number_limits,
         *(end.constant for span in spans for end in (span.low, span.high)),
     ]
     return frozenset(near for limit in limits for near in range(math.ceil(limit - 1), math.floor(limit + 1) + 1))

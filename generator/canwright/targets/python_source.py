@@ -6,6 +6,7 @@ import functools
 from collections.abc import Iterable
 
 from ..diagnostics.unicode_safety import visible
+from ..model import formatting
 from ..model.types import Text
 
 
@@ -28,7 +29,7 @@ def tuple_of(items: Iterable[str]) -> str:
 
 def english(text: Text) -> str:
     """The English text, or the first there is, for a docstring."""
-    return plain(text.get("en") or next(iter(text.values()), ""))
+    return plain(formatting.english(text))
 
 
 def member_name(name: str) -> str:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping, Sequence
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..model.edition import Edition
 from .base import Target
 from .options import OptionError, Options, TargetOption
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "canwright.targets"
 OWN_DISTRIBUTION = "canwright"
@@ -19,11 +21,20 @@ class TargetError(Exception):
     """A target that is not installed or cannot be loaded; the message names the package and what to do."""
 
 
+def entry_points() -> Sequence[EntryPoint]:
+    """The entry points of all installed packages, as they register them."""
+    from importlib.metadata import (
+        entry_points,  # many commands need no targets, and this takes as long as loading a spec
+    )
+
+    return tuple(entry_points(group=GROUP))
+
+
 @functools.cache
 def _installed() -> dict[str, EntryPoint]:
     """The entry points by name, sorted. Raises TargetError where two packages register one name."""
     points: dict[str, EntryPoint] = {}
-    for point in sorted(entry_points(group=GROUP), key=lambda point: (point.name, point.value)):
+    for point in sorted(entry_points(), key=lambda point: (point.name, point.value)):
         first = points.setdefault(point.name, point)
         if first.value != point.value:
             raise TargetError(

@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import ClassVar, TypeVar
 
 from ..model.edition import Edition
-from ..model.layout import Field, Layout, Segment, Space
+from ..model.joined import JoinedDigits, JoinedText
+from ..model.layout import ChecksumRole, ConstantRole, CounterRole, Field, Layout, ParameterRole, Segment, Space
 from ..model.message import BitRun, Direction, IdRule, Message
 from ..model.types import ByParameter, Linear, Type
 from ..semantics import dispatch
@@ -57,7 +58,7 @@ class EditionTables(Positions, ABC):
             "types": [self.type(type_) for type_ in self.types],
             "layouts": [self._layout(layout) for layout in self.layouts],
             "messages": [self.message(message) for message in self.messages],
-            "answers": [self.answer(e, e.reply) for e in exchange_plans(self.edition).values() if e.reply],
+            "answers": [self.answer(plan) for plans in exchange_plans(self.edition).values() for plan in plans],
             "explained": [self.messages[message] for message in only_by_request(self.edition)],
             "requests": list(self._routes(Direction.REQUEST)),
             "replies": list(self._routes(Direction.REPLY)),
@@ -69,6 +70,8 @@ class EditionTables(Positions, ABC):
         return {
             "width": type_.width,
             "encoding": type_.encoding.value,
+            "text": [type_.joined.codec, type_.joined.padding] if isinstance(type_.joined, JoinedText) else None,
+            "digits": isinstance(type_.joined, JoinedDigits) or None,
             "unit": type_.unit.symbol if type_.unit else None,
             "enum": [[self.integer(m.value, type_.width), m.name] for m in type_.enum] or None,
             "flags": [[m.value, m.name] for m in type_.flags] or None,
@@ -83,7 +86,11 @@ class EditionTables(Positions, ABC):
         return {"by": of.parameter, "cases": cases}
 
     def field(self, field: Field) -> dict[str, Value]:
-        """A field; `fixed` is the raw integer that is always sent, which a receiver checks in a `constant`."""
+        """A field; `fixed` is the raw integer that is always sent, which a receiver checks in a `constant`.
+
+        A constant without it has the value of `parameter`. A `checksum` is computed as the
+        message states.
+        """
         fixed = field.role.sent_raw
         return {
             "name": field.name,
@@ -92,28 +99,37 @@ class EditionTables(Positions, ABC):
             "indices": [element.index or 0 for element in field.elements] if field.is_array else None,
             "only": list(field.only) or None,
             "fixed": None if fixed is None else self.integer(fixed, field.type.width),
-            "constant": field.role.is_checked or None,
+            "constant": field.role.key == ConstantRole.key or None,
+            "parameter": field.role.parameter if isinstance(field.role, ParameterRole) else None,
+            "checksum": isinstance(field.role, ChecksumRole) or None,
+            "counter": [field.role.first, field.role.last] if isinstance(field.role, CounterRole) else None,
         }
 
     def message(self, message: Message) -> dict[str, Value]:
-        """A message; `node` are the bits that contain its node if the id does not."""
-        only = self.edition.command(message.command).only if message.direction is Direction.REQUEST else {}
+        """A message; `node` are the bits that contain its node if the id does not.
+
+        `frames` are the field with the number of the frame, the first and the last number, if there are several frames.
+        """
+        sequence = message.sequence
         return {
             "command": message.command,
             "direction": message.direction.value,
             **_rule(message.id, message.remote, message.id_mask),
             "length": message.dlc,
-            "only": {name: list(values) for name, values in only.items()} or None,
+            "only": {name: list(values) for name, values in message.only.items()} or None,
             "keys": [self._key(key) for key in message_plan(message).keys] or None,
             "layout": self.layouts[message.layout],
             "node": _run(message.node_in_data),
+            "checksum": _checksum(message),
+            "frames": [sequence.field, sequence.numbers[0], sequence.numbers[-1]] if sequence else None,
         }
 
-    def answer(self, exchange: ExchangePlan, reply: Message) -> dict[str, Value]:
-        """The reply to a request, as `ExchangePlan` has it."""
+    def answer(self, exchange: ExchangePlan) -> dict[str, Value]:
+        """A reply to a request, as `ExchangePlan` has it; `frames` if it has several, or 0 instead of others."""
         return {
             "request": self.messages[exchange.request],
-            "reply": self.messages[reply],
+            "reply": self.messages[exchange.reply],
+            "frames": 0 if exchange.is_alternative else exchange.frames if exchange.frames > 1 else None,
             "nodes": list(exchange.nodes) or None,
             "asked": _run(exchange.asked),
             "reported": _run(exchange.reported),
@@ -155,6 +171,25 @@ def _subject(subject: dispatch.Discriminator) -> Value:
     return _run(subject)
 
 
+def _checksum(message: Message) -> Table | None:
+    """The checksum as `ChecksumPlan` has it, with the position of its field; each input is bits of the frame or a constant."""
+    step = message_plan(message).checksum
+    if step is None:
+        return None
+    plan = step.checksum
+    return {
+        "field": message.layout.fields.index(step.field),
+        "arithmetic": plan.arithmetic.value,
+        "width": plan.width,
+        "poly": plan.poly or None,
+        "init": plan.init or None,
+        "reflected": plan.is_reflected or None,
+        "shift": plan.shift or None,
+        "xor": plan.xor_out or None,
+        "inputs": [part if isinstance(part, int) else segments(part.segments, part.space) for part in plan.inputs],
+    }
+
+
 def _run(bits: BitRun | None) -> Value:
     return None if bits is None else segments(bits.segments, bits.space)
 
@@ -168,6 +203,8 @@ def _rule(rule: IdRule, remote: bool, mask: int) -> dict[str, Value]:
     return {
         "base": rule.base,
         "step": rule.node_step if rule.node_step != 1 else None,
+        "parameter": rule.parameter,
+        "times": rule.parameter_step if rule.parameter_step != 1 else None,
         "nodes": [rule.nodes[0], rule.nodes[-1]] if rule.nodes is not None else None,
         "extended": rule.extended or None,
         "remote": remote or None,

@@ -7,19 +7,23 @@ import weakref
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import ClassVar
 
 from canwright.model.edition import Edition
+from canwright.model.joined import Joined, JoinedText
 from canwright.model.layout import Field, Layout
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
-from canwright.model.types import Encoding
-from canwright.targets import c as target
+from canwright.model.types import NO_PARAMETERS, Encoding
+from canwright.semantics.exchange import exchange_plans
 from canwright.targets.base import EditionInput
+from canwright.targets.c.target import CTarget
 
 from ...compilers import build
 from ..adapter import (
     Adapter,
     CanFrame,
+    Cannot,
     Decoded,
     Encoded,
     ExactValue,
@@ -37,14 +41,14 @@ EXTENDED = 1 << 31
 REMOTE = 1 << 30
 
 
-class NotAvailable(Exception):  # noqa: N818 - an answer
-    """A node with the parameters does not have the command."""
-
-
 class CAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, the functions of each message, and the conversions."""
 
     name = "c"
+    cannot: ClassVar[Mapping[str, str]] = {
+        "joined": "functions take texts without 0, in UTF-8 without a check, and unsigned integers",
+        "exchanges": "no request has a reply, so there is no `check_reply`",
+    }
     reports_absent = False
     """Whether the value of a field that a node lacks is the reason; C has functions for types, not for fields."""
 
@@ -57,7 +61,7 @@ class CAdapter(Adapter):
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> CAdapter:
         """Compiles a program around the generated headers."""
-        folder = write_files(target.generate([specification], {}), workdir)
+        folder = write_files(CTarget().generate([specification], {}), workdir)
         source = folder / "harness.c"
         source.write_text(harness(specification.edition, folder / "include"), "utf-8")
         program = build([source], folder / "include", folder / "harness")
@@ -79,16 +83,23 @@ class CAdapter(Adapter):
         items = [words[i : i + 3] for i in range(0, len(words), 3)]
         assert words[-2:] != ["not", "clear"], f"{command}: fields of other commands are not 0"
         present = {field.name for field in variant.fields}
-        absent = [(number, value) for name, number, value in items if name not in present]
+        absent = [(number, value) for name, number, value in items if name not in present and name[-1] != "="]
         assert all(number == "0" for number, _ in absent), f"{command}: absent fields are not 0"
-        assert not self.reports_absent or all(value in ("?not_available", "+") for _, value in absent), command
+        assert not self.reports_absent or all(
+            value in (f"?{Refusal.NOT_AVAILABLE.value}", "+") for _, value in absent
+        ), command
         for field in (f for f in variant.fields if f.role.is_value):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
+            if field.type.joined is not None:
+                raw[field.name] = [number for number, _ in mine]
+                (joined,) = (value for name, _, value in items if name == f"{field.name}=")
+                values[field.name] = _joined(field.type.joined, joined)
+                continue
             raw[field.name] = [number for number, _ in mine] if field.is_array else mine[0][0]
             if any(value == f"?{Refusal.MISSING_PARAMETER.value}" for _, value in mine):
                 continue
             if field.is_array and all(value[0] != "?" for _, value in mine):
-                values[field.name] = [float(value) for _, value in mine]
+                values[field.name] = [_value(value) for _, value in mine]  # type: ignore[assignment]
             else:
                 values[field.name] = _value(mine[0][1])
         has_node = message.id.nodes is not None or message.node_in_data is not None
@@ -117,11 +128,16 @@ class CAdapter(Adapter):
         message = self.message_of(direction, command)
         words: list[str] = []
         for field, index, value in _items(message.layout, values):
+            if field.type.joined is not None:
+                words += [f"{field.name}=", "0", _given(field.type.joined, value)]
+                continue
             words += [field.name, str(index), _written(value)]
         return self._encode(message, node, parameters, True, words)
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
-        answer = self._ask("answers", *_frame(request), *_frame(reply))
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
+        if not any(exchange_plans(self.edition).values()):
+            raise Cannot("exchanges")
+        answer = self._ask("answers", *self._known(parameters), *_frame(request), *_frame(reply))
         return answer if isinstance(answer, Refused) else None
 
     def identify(self, direction: Direction, frame: CanFrame) -> tuple[str, int] | Refused:
@@ -137,9 +153,11 @@ class CAdapter(Adapter):
         assert is_intact == "1", "bytes behind the buffer were written"
         return int(length), " ".join(words)
 
-    def filter(self, address: str, direction: Direction, node: int) -> tuple[int, int] | Refused:
-        """The id and the mask of the filter for one node."""
-        answer = self._ask("filter", f"{address}_{direction.value}_filter", *self._known({}), str(node))
+    def filter(
+        self, address: str, direction: Direction, node: int, parameters: Parameters = NO_PARAMETERS
+    ) -> tuple[int, int] | Refused:
+        """The id and the mask of the filter for one node; an address without nodes ignores `node`."""
+        answer = self._ask("filter", f"{address}_{direction.value}_filter", *self._known(parameters), str(node))
         return answer if isinstance(answer, Refused) else (int(answer[0], 16), int(answer[1], 16))
 
     def accepted(self, address: str, direction: Direction, node: int, ids: Sequence[int]) -> list[bool]:
@@ -169,11 +187,8 @@ class CAdapter(Adapter):
 
     def has_command(self, message: Message, parameters: Parameters) -> bool:
         """Whether a message whose fields are 0 is encoded, or rejected for another reason than the parameters."""
-        try:
-            self._encode(message, message.id.nodes[0] if message.id.nodes else None, parameters, False, [])
-        except NotAvailable:
-            return False
-        return True
+        node = message.id.nodes[0] if message.id.nodes else None
+        return self._encode(message, node, parameters, False, []) != Refused(Refusal.NOT_AVAILABLE)
 
     def milli(self, type_name: str, direction: str, number: int, parameters: Parameters) -> int | Refused:
         """`to` thousandths of the unit, or `from` them."""
@@ -225,9 +240,7 @@ class CAdapter(Adapter):
         assert line, f"the program has no answer to: {' '.join(words)}"
         if line[0] == "ok":
             return line[1:]
-        if line[1] == "not_available":
-            raise NotAvailable(*words)
-        return Refused(Refusal(line[1]), line[2] if len(line) > 2 else None)
+        return Refused(Refusal(line[1]), line[2].removesuffix("=") if len(line) > 2 else None)
 
 
 def _end(process: subprocess.Popen[str]) -> None:
@@ -248,6 +261,28 @@ def _container(field: Field) -> tuple[int, int]:
     if field.type.encoding is Encoding.SIGNED:
         return -(1 << (width - 1)), (1 << (width - 1)) - 1
     return 0, (1 << width) - 1
+
+
+def _joined(joined: Joined, word: str) -> Value:
+    """The value of a field whose elements are joined."""
+    if isinstance(joined, JoinedText):
+        return bytes.fromhex(word[1:]).decode(joined.codec, "replace")
+    return None if word.startswith("?") else float(word)
+
+
+def _given(joined: Joined, value: object) -> str:
+    """A value of such a field as the program reads it. Raises Cannot for one that C cannot pass."""
+    if isinstance(joined, JoinedText):
+        try:
+            content = str(value).encode("utf-8")
+        except UnicodeEncodeError:
+            raise Cannot("joined") from None
+        if b"\0" in content:
+            raise Cannot("joined")
+        return "x" + content.hex()
+    if not isinstance(value, Fraction) or value.denominator != 1 or value < 0:
+        raise Cannot("joined")
+    return str(value)
 
 
 def _written(value: object) -> str:

@@ -18,10 +18,10 @@ from typing import Any
 
 import jinja2
 from canwright.model.edition import Edition
-from canwright.model.layout import MAX_DATA_BYTES, Field
+from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.model.types import Encoding, Linear, Type
+from canwright.model.types import Encoding, Linear, Type, factors
 from canwright.semantics.decoder import Rejection, linear_of
 from canwright.semantics.encoder import Encoder
 from canwright.targets.c.names import Names, layouts
@@ -35,7 +35,7 @@ from .reference import as_double
 TEMPLATE = Path(__file__).with_name("c_facts.c.j2")
 
 _MACRO = re.compile(r"^#define (\w+)[ ]+(\(?-?(?:0x[0-9A-Fa-f]+|\d+)[uUlL]*\)?)[ ]*(?:/\*.*)?$", re.MULTILINE)
-_TYPE_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<kind>valid|name|to_milli|from_milli|from_double)$")
+_TYPE_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<kind>valid|name|no_value|has_value|to_milli|from_milli|from_double)$")
 _ADDRESS_FUNCTION = re.compile(r"(?P<stem>\w+?)_(?P<direction>request|reply)_(?P<kind>id|node)$")
 
 _RAW = ("raw", "*raw")
@@ -114,6 +114,7 @@ class Facts:
         template = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
         return template.from_string(TEMPLATE.read_text("utf-8")).render(
             prefix=self._prefix,
+            fd="fd_" if self._edition.bus.frame_format.is_fd else "",
             functions=[*self._type_functions(), *self._address_functions()],
             commands=[{"name": name, "enumerator": enumerator} for name, enumerator in self._commands.items()],
             fields=[{"name": name, "enumerator": enumerator} for name, enumerator in self._fields.items()],
@@ -129,7 +130,11 @@ class Facts:
     def _type_functions(self) -> Iterator[dict[str, Any]]:
         for name, function in self._functions.items():
             match = _TYPE_FUNCTION.match(name)
-            if match and match["kind"] in ("valid", "name", "from_double") and match["stem"] in self._types:
+            if (
+                match
+                and match["kind"] in ("valid", "name", "no_value", "has_value", "from_double")
+                and match["stem"] in self._types
+            ):
                 yield {
                     "kind": match["kind"],
                     "name": match["stem"],
@@ -152,12 +157,13 @@ class Facts:
 
     def all(self) -> Iterator[Fact]:
         """All questions with their answers."""
-        for number, refusal in enumerate(("ok", *(refusal.value for refusal in Refusal), "not_available")):
+        for number, refusal in enumerate(("ok", *(refusal.value for refusal in Refusal))):
             yield Fact("status", "-", {}, (str(number),), refusal)
         yield Fact("status", "-", {}, ("99",), "?")
-        yield Fact("clear", "-", {}, (), "A5A5A5A5A5" + "00" * (3 + MAX_DATA_BYTES))
-        sizes = (0, 1, MAX_DATA_BYTES - 1, MAX_DATA_BYTES)
-        for size, another, place in itertools.product(sizes, sizes, range(MAX_DATA_BYTES + 1)):
+        most = self._edition.bus.frame_format.max_data_bytes
+        yield Fact("clear", "-", {}, (), "A5A5A5A5A5" + "00" * (3 + most))
+        sizes = (0, 1, most - 1, most)
+        for size, another, place in itertools.product(sizes, sizes, range(most + 1)):
             yield Fact(
                 "same", "-", {}, (str(size), str(another), str(place)), str(int(size == another and place >= size))
             )
@@ -191,7 +197,7 @@ class Facts:
         for parameters in self.assignments(*type_.parameters):
             linear = type_.linear.at(Encoder(parameters).assignment)
             if linear is not None and linear.times is not None:
-                yield {**parameters, **dict.fromkeys(type_.numbers, "1"), linear.times: "0"}
+                yield {**parameters, **dict.fromkeys(type_.numbers, "1"), factors(linear.times).names[-1]: "0"}
 
     def _of_zero(self) -> Iterator[Fact]:
         """A scale of 0 is refused."""
@@ -249,6 +255,8 @@ class Facts:
         for stem, type_ in self._types.items():
             constants |= {names.upper(stem, member.name): member.value for member in type_.enum}
             constants |= {names.upper(stem, flag.name): 1 << flag.value for flag in type_.flags}
+            constants |= {names.upper(stem, n.name): n.raws[-1] for n in type_.no_values}
+            constants |= {names.upper(stem, n.name, "first"): n.raws[0] for n in type_.no_values}
             linear = type_.linear.constant
             if linear is not None:
                 constants[names.upper(stem, "scale_num")] = linear.scale.numerator
@@ -324,6 +332,11 @@ class Facts:
         if kind == "from_double":
             yield from self._of_double(stem, type_)
             return
+        if kind in ("no_value", "has_value"):
+            for raw in self._raws(Encoder({}), type_):
+                named = next((n.name for n in type_.no_values if n.raws[0] <= raw <= n.raws[-1]), "NULL")
+                yield Fact(kind, stem, {}, (str(raw),), named if kind == "no_value" else str(int(named == "NULL")))
+            return
         for parameters in self.assignments(*type_.parameters, *type_.numbers):
             encoder = Encoder(parameters)
             for raw in self._raws(encoder, type_):
@@ -339,6 +352,7 @@ class Facts:
         ends = {low, high, 0, *(member.value for member in type_.enum), *(1 << flag.value for flag in type_.flags)}
         if type_.flags:
             ends |= {1 << bit for bit in range(type_.width)}
+        ends |= {end for named in type_.no_values for end in (named.raws[0], named.raws[-1])}
         span = type_.raw_range.at(encoder.assignment)
         if span is not None:
             numbers = {n: Fraction(v) for n, v in encoder.assignment.items() if n in type_.numbers}
@@ -389,8 +403,7 @@ class Facts:
                 values += [math.nextafter(value, way) for value in values[8:] for way in (-math.inf, math.inf)]
             for value in dict.fromkeys(values):
                 nearest = encoder.nearest_raw(field, as_double(Fraction(value), type_, encoder.assignment))
-                rejection = nearest if isinstance(nearest, Rejection) else encoder.rejects_raw(field, nearest)
-                answer = rejection.reason.value if rejection else str(nearest)
+                answer = _answer(encoder, field, nearest)
                 yield Fact("from_double", stem, parameters, (repr(value),), answer)
             for text in ("nan", "inf", "-inf"):
                 nearest = encoder.nearest_raw(field, text)
@@ -435,7 +448,9 @@ class Facts:
             error = SINGLE_ERROR * (abs(exact) + abs(linear.offset))
             exact += linear.offset
             if low <= raw <= high:
-                yield Single(type_.name, "to", raw, parameters, exact - error, exact + error)
+                is_named = type_.no_value(raw) is not None
+                reason = Refusal.NO_VALUE if is_named else None
+                yield Single(type_.name, "to", raw, parameters, exact - error, exact + error, reason, is_named)
             for part in (-1, -Fraction(1, 2), 0, Fraction(1, 2), 1):
                 bits = bits_of(exact + part * linear.scale, SINGLE)
                 numbers |= {bits, max(bits - 1, 0), bits + 1}
@@ -444,7 +459,7 @@ class Facts:
             back = (number - linear.offset) / linear.scale
             error = SINGLE_ERROR * (abs(number) + abs(linear.offset)) / abs(linear.scale)
             ends = (nearest_integer(back - error), nearest_integer(back + error))
-            is_valid = [encoder.rejects_raw(field, end) is None for end in ends]
+            is_valid = [encoder.rejects_raw(field, end) is None and not type_.no_value(end) for end in ends]
             reason = None if all(is_valid) else Refusal.OUT_OF_RANGE
             limits = Fraction(ends[0]), Fraction(ends[1])
             is_refused = not any(is_valid)
@@ -472,13 +487,16 @@ class Facts:
             at_zero = encoder.nearest_raw(field, Fraction(0))
             low, high = type_.raw_limits
             for raw in (raw for raw in self._raws(encoder, type_) if low <= raw <= high):
+                if type_.no_value(raw):
+                    yield Fact("milli", type_.name, parameters, ("to", str(raw)), Refusal.NO_VALUE.value)
+                    continue
                 if isinstance(at_zero, Rejection):
                     for direction in ("to", "from"):
                         yield Fact("milli", type_.name, parameters, (direction, str(raw)), at_zero.reason.value)
                     continue
                 linear = type_.linear.at(encoder.assignment)
                 assert linear is not None
-                numbers = {n: Fraction(v) for n, v in encoder.assignment.items() if n == linear.times}
+                numbers = {n: Fraction(v) for n, v in encoder.assignment.items() if n in type_.times}
                 linear = linear.at(numbers)
                 assert linear is not None
                 exact = (raw * linear.scale + linear.offset) * 1000
@@ -488,10 +506,16 @@ class Facts:
                 width = 1 + max(map(abs, _container(type_))).bit_length()
                 near |= {math.floor(exact + way * linear.scale * 500 * (1 << width)) for way in (-2, -1, 1, 2)}
                 for milli in sorted(near):
-                    nearest = encoder.nearest_raw(field, Fraction(milli, 1000))
-                    rejection = nearest if isinstance(nearest, Rejection) else encoder.rejects_raw(field, nearest)
-                    answer = rejection.reason.value if rejection else str(nearest)
+                    answer = _answer(encoder, field, encoder.nearest_raw(field, Fraction(milli, 1000)))
                     yield Fact("milli", type_.name, parameters, ("from", str(milli)), answer)
+
+
+def _answer(encoder: Encoder, field: Field, nearest: int | Rejection) -> str:
+    """What a conversion from a number returns, whose nearest raw integer is known: one without a value is out of range."""
+    if isinstance(nearest, int) and field.type.no_value(nearest):
+        return Refusal.OUT_OF_RANGE.value
+    rejection = nearest if isinstance(nearest, Rejection) else encoder.rejects_raw(field, nearest)
+    return rejection.reason.value if rejection else str(nearest)
 
 
 def _rounded(number: Fraction) -> int:

@@ -9,6 +9,7 @@ from typing import Any
 
 import jinja2
 from canwright.model.edition import Edition
+from canwright.model.joined import JoinedText
 from canwright.model.layout import Field, Layout
 from canwright.model.message import Direction, Message
 from canwright.model.types import Encoding, Type
@@ -53,6 +54,8 @@ class _Harness:
             include=include,
             facts=facts,
             prefix=self._prefix,
+            fd="fd_" if self._edition.bus.frame_format.is_fd else "",
+            fd_flags={"classic": 0, "fd": 4, "fd_brs": 5}[self._edition.bus.frame_format.value],
             parameters=[self._parameter(p.name) for p in self._edition.parameters],
             layouts=[self._layout(layout) for layout in with_fields],
             milli=[t for t in (self._conversion(t, "milli", "milli") for t in self._edition.types) if t],
@@ -60,7 +63,9 @@ class _Harness:
             messages=[self._message(m) for m in self._edition.all_messages()],
             filters=list(self._filters()),
             directions=[d for d in map(self._direction, Direction) if d],
-            check_reply=check.call({"request": "frame", "reply": "reply"}) if check else "CANWRIGHT_NOT_ANSWER",
+            check_reply=check.call({**ARGUMENTS, "request": "frame", "reply": "reply"})
+            if check
+            else "CANWRIGHT_NOT_ANSWER",
         )
 
     def _parameter(self, name: str) -> dict[str, Any]:
@@ -73,7 +78,7 @@ class _Harness:
             name = f"{address.name}_{direction.value}_filter"
             function = self._functions.get(f"{self._prefix}{name}")
             if function:
-                yield {"name": name, "call": function.call({"filter": "filter", "node": "node"})}
+                yield {"name": name, "call": function.call({**ARGUMENTS, "filter": "filter"})}
 
     def _direction(self, direction: Direction) -> dict[str, Any] | None:
         decode = self._functions.get(f"{self._prefix}decode_{direction.value}")
@@ -132,6 +137,8 @@ class _Harness:
         members = [(m.name, f"{c}_{m.name}".upper()) for m in (*type_.enum, *type_.flags)]
         to, from_ = self._functions.get(f"{c}_to_double"), self._functions.get(f"{c}_from_double")
         names = self._functions.get(f"{c}_name")
+        joined = field.type.joined
+        word = "text" if isinstance(joined, JoinedText) else "number"
         width = next(w for w in (8, 16, 32, 64) if type_.width <= w)
         signed = type_.encoding is Encoding.SIGNED
         return {
@@ -140,9 +147,14 @@ class _Harness:
             "places": [f"[{i}]" for i in range(len(field.elements))] if field.is_array else [""],
             "kind": f"{'' if signed else 'u'}int{width}_t",
             "signed": signed,
+            "joined": None
+            if joined is None
+            else {"is_text": word == "text", "to": f"{c}_to_{word}", "from": f"{c}_from_{word}"},
             "enum": members if type_.enum else [],
             "flags": members if type_.flags else [],
             "names": names.call({"raw": "raw"}) if names and type_.enum else "",
+            "no_value": self._functions[f"{c}_no_value"].call({"raw": "raw"}) if type_.no_values else "",
+            "no_values": [(n.name, f"{c}_{n.name}".upper()) for n in type_.no_values],
             "to": to.call({"value": "value", "raw": "raw", "parameters": "known"}) if to else "",
             "to_fails": to is not None and to.result != "double",
             "from": self._from(from_) if from_ else "",

@@ -13,10 +13,11 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.targets import columns as target
+from canwright.model.types import NO_PARAMETERS
 from canwright.targets.base import EditionInput
-from canwright.targets.columns.files import package_name
+from canwright.targets.columns.target import TARGET, package_name
 from canwright.targets.columns.view import columns_of, constant_name
+from canwright.targets.options import Options
 
 from ..adapter import (
     CanFrame,
@@ -50,7 +51,7 @@ class ColumnsAdapter(DecodeOnlyAdapter):
 
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> ColumnsAdapter:
-        folder = write_files(target.generate([specification], {}), workdir)
+        folder = write_files(TARGET.generate([specification], {}, Options()), workdir)
         package = package_name(specification.edition.family)
         module, runtime = load(folder, f"{package}.{specification.edition.identifier}", f"{package}._columns")
         return cls(specification.edition, module, runtime)
@@ -81,19 +82,36 @@ class ColumnsAdapter(DecodeOnlyAdapter):
         raw: dict[str, Raw] = {}
         values: dict[str, Value] = {}
         for field, names in columns_of(ours.layout).items():
-            own = [table.columns[name][0].tolist() for name in names if name in table.columns]
+            own = [table.columns[name].tolist()[0] for name in names if name in table.columns]
             if own:
                 raw[field.name] = own[-1]
-                values[field.name] = self._value(own[0], field) if names.value in table.columns else None
+                has_scale = names.value in table.columns
+                if field.type.no_values:
+                    values[field.name] = self._value_or_name(
+                        field, own[0] if has_scale else None, table.columns[names.raw]
+                    )
+                    continue
+                values[field.name] = self._value(own[0], field) if has_scale else None
         return Decoded(message.command, None if node < 0 else node, raw, values)
 
     def _value(self, value: Any, field: Field) -> Value:
         if field.type.flags or field.type.enum:
             names: Mapping[int, str] = getattr(self._module, constant_name(field.type)).names
             return [n for bit, n in names.items() if value >> bit & 1] if field.type.flags else names.get(value)
+        if isinstance(value, str):
+            return value
         if isinstance(value, list):
             return [float(element) for element in value]
         return None if math.isnan(value) else float(value)
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+    def _value_or_name(self, field: Field, value: Any, raw: Any) -> Value:
+        """The value of a number, or the name of its raw integers; values without a scale are None."""
+        named = getattr(self._module, constant_name(field.type)).no_value_names(raw)[0].tolist()
+        if not isinstance(named, list):
+            assert value is None or math.isnan(value) is bool(named)
+            return named or (None if value is None else float(value))
+        assert value is None or [math.isnan(each) for each in value] == [bool(name) for name in named]
+        return [name or each for name, each in zip(named, value or [None] * len(named), strict=True)]
+
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
         raise Cannot("exchanges")

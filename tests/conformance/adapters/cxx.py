@@ -9,11 +9,11 @@ import jinja2
 from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.types import Encoding
-from canwright.targets import c as target
 from canwright.targets.base import EditionInput
 from canwright.targets.c.choices import enumerator_numbers
-from canwright.targets.c.cxx import CxxView, FieldView, cxx_view
+from canwright.targets.c.cxx import CxxView, FieldView
 from canwright.targets.c.names import layouts, member
+from canwright.targets.c.target import CTarget
 from canwright.targets.c.view import edition_view
 
 from ...compilers import SANITIZED, WARNINGS, ZIG
@@ -33,7 +33,7 @@ class CxxAdapter(CAdapter):
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> CxxAdapter:
         """Compiles a program around the generated header."""
-        folder = write_files(target.generate([specification], {}), workdir)
+        folder = write_files(CTarget().generate([specification], {}), workdir)
         source = folder / "harness.cpp"
         source.write_text(cxx_harness(specification.edition), "utf-8")
         unit, program = folder / "harness.o", folder / "harness"
@@ -45,7 +45,7 @@ class CxxAdapter(CAdapter):
 def cxx_harness(edition: Edition) -> str:
     """The text of the program."""
     view = edition_view(edition)
-    names = cxx_view(edition, view)
+    names = CxxView(edition, view)
     with_fields = [fields for fields in map(_fields, layouts(edition)) if fields]
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     return environment.from_string(TEMPLATE.read_text("utf-8")).render(
@@ -72,15 +72,14 @@ def _fields(layout: Any) -> list[Field]:
 
 def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
     enums = {enum.name: enum for enum in names.enums}
-    tags = {tag.value: tag.name for tag in names.tags}
     type_ = view.type
     enum = enums.get(type_.named or type_.flags)
     members = (*field.type.enum, *field.type.flags)
     return {
         "name": field.name,
-        "tag": tags[view.tag],
+        "tag": view.tag.name,
         "member": view.member,
-        "kind": type_.kind,
+        "kind": type_.view.kind,
         "signed": field.type.encoding is Encoding.SIGNED,
         "length": view.length,
         "places": [(f"[{i}]", f", {i}u") for i in range(view.length)] or [("", "")],
@@ -92,4 +91,8 @@ def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
         else [conversion for conversion in type_.conversions if conversion.name != "value"],
         "value": next((conversion for conversion in type_.conversions if conversion.name == "value"), None),
         "presence": view.presence,
+        "no_value": f"{type_.view.name}_no_value" if field.type.no_values else "",
+        "no_values": [(n.name, f"{type_.view.name}_{n.name}".upper()) for n in field.type.no_values],
+        "joined": type_.view.joined,
+        "type": type_.name,
     }

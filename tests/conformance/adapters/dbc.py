@@ -11,24 +11,36 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from canwright.model import formatting
 from canwright.model.layout import ReservedRole, Space
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
-from canwright.model.types import Assignment
+from canwright.model.types import NO_PARAMETERS, Assignment
+from canwright.semantics.configured import configured
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.dispatch import dispatch_plan
 from canwright.semantics.frame import has_id, is_message, raw_of, wrong_constants
 from canwright.targets.base import EditionInput
-from canwright.targets.dbc.files import files, traffics
-from canwright.targets.dbc.frames import obstacle
+from canwright.targets.dbc.files import files
+from canwright.targets.dbc.frames import frames, obstacle
 from canwright.targets.dbc.printer import printed
 from canwright.targets.dbc.view import File
 from canwright.targets.options import NO_OPTIONS
 
-from ..adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from ..adapter import (
+    Adapter,
+    CanFrame,
+    Cannot,
+    Decoded,
+    Encoded,
+    ExactValue,
+    Parameters,
+    Raw,
+    Refused,
+    assignment,
+)
 from .dbc_file import DbcFile
 
 Result = TypeVar("Result", Decoded, Encoded)
@@ -39,6 +51,7 @@ class DbcAdapter(Adapter):
     tolerance = 1e-12
     """A DBC has one factor, a double: raw * 0.01 and raw / 100 differ in the last digit."""
     cannot: ClassVar[Mapping[str, str]] = {
+        "joined": "signals are the bytes of a text and the digits of a number; a program joins them",
         "exchanges": "a DBC does not know which reply belongs to which request, nor that a reply echoes it",
         "shared_code": "a code that two commands reply with is read as the reply of the command that has the code",
         "other_value": "the files of a parameter value leave out the commands that it lacks",
@@ -46,10 +59,14 @@ class DbcAdapter(Adapter):
         "unnamed": "minimum and maximum leave out no single values, so an encoder takes those without a name",
         "reply_limits": "in a reply file minimum and maximum are all that the bits hold",
         "codes_in_id": "a DBC has ids, and does not know which part of them is a code",
+        "checksums": "a DBC can neither compute nor check a checksum",
         "constants": "no reader checks what a constant signal holds",
         "reserved_in_id": "a DBC has ids as they are sent, and does not know that a part of them is ignored",
         "not_finite": "a float signal takes NaN and infinity, and a reader may change the bits of NaN",
         "rounding": "a reader works in doubles, rounds ties its own way, and compares with limits before it rounds",
+        "no_value_ranges": "a DBC names both ends of a long range of raw integers without a value, not those between",
+        "several_runs": "each run of bits of a field is a signal: they have no names, and programs divide the value",
+        "no_value_numbers": "an encoder takes the number of a raw integer that has a name, also beyond the limits",
         "left_out": "an id that carries a field, a remote frame, and fixed bytes above fields have no form in a DBC",
         "selectors_apart": "nested multiplexors break readers; selectors that stand apart cannot be read as one",
         "lengths": "all messages of one id have one length",
@@ -58,18 +75,19 @@ class DbcAdapter(Adapter):
     def __init__(self, specification: EditionInput) -> None:
         super().__init__(specification.edition)
         self._decoder = Decoder(specification.edition)
-        self._traffics = traffics(self.edition)
         self._made: dict[tuple[tuple[str, str | Fraction], ...], Sequence[File]] = {}
         self._loaded: dict[str, DbcFile] = {}
         self._left_out = {m.name for m in self.edition.all_messages() if obstacle(m)}
-        for traffic in self._traffics.values():
-            for frame in traffic.frames({}):
+        for direction in Direction:
+            for frame in frames(self.edition, direction, {}):
                 self._left_out |= set(frame.hidden)
         self._routes = {direction: dispatch_plan(self.edition, direction).routes for direction in Direction}
         self._fixed_in_id = {
             m: [f for f in m.layout.fields if f.space is Space.ID and not f.role.is_value]
             for m in self.edition.all_messages()
         }
+        self._whole = [p.name for p in self.edition.parameters if p.whole]
+        self._by_ids: dict[tuple[object, ...], DbcAdapter] = {}
         self._deciding = {name for m in self.edition.all_messages() for f in m.layout.fields for name in f.type.numbers}
 
     @classmethod
@@ -77,9 +95,30 @@ class DbcAdapter(Adapter):
         """Needs no files: cantools loads texts."""
         return cls(specification)
 
+    def _with_ids(self, parameters: Parameters) -> DbcAdapter:
+        """The adapter of the files that are generated for the parameters in ids and constants."""
+        known = configured(self.edition, assignment(parameters))
+        if known is self.edition or not self._whole:
+            return self
+        key = tuple(map(parameters.get, self._whole))
+        if key not in self._by_ids:
+            self._by_ids[key] = DbcAdapter(EditionInput(known, None))
+            self._by_ids[key]._whole = []
+        return self._by_ids[key]
+
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
+        kind = (frame.extended, frame.remote)
+        ours = self._with_ids(parameters)
+        if any(m.parameters and (m.id.extended, m.remote) == kind for m in ours.edition.messages(direction)):
+            raise Cannot("left_out" if any(m.id.parameter for m in ours.edition.messages(direction)) else "constants")
+        return ours._decode(direction, frame, parameters, expected)
+
+    def _decode(
+        self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
+    ) -> Decoded | Refused:
+        """Decodes a frame whose id and constants contain no unknown parameter."""
         known = [m for m in self.edition.messages(direction) if has_id(m, frame)]
         overlaid_ = (m for m in known if m.name in self._left_out)
         if any(obstacle(m) or is_message(m, frame) for m in overlaid_):
@@ -101,6 +140,12 @@ class DbcAdapter(Adapter):
         unknown = result == Refused(Refusal.UNKNOWN_CODE)
         if unknown and any(isinstance(answer, Decoded) for answer in self._read(direction, frame, {})):
             raise Cannot("other_value")
+        if isinstance(result, Decoded):
+            fields = self.message_of(direction, result.command).layout.fields
+            # A raw integer of 0 has the same value in every file.
+            unscaled = {f.name for f in fields if f.type.linear.parameter not in (None, *parameters)}
+            values = {n: _names_of(v) if n in unscaled else v for n, v in result.values.items()}
+            result = replace(result, values=values)
         if expected is not None and isinstance(result, Decoded):
             message, wanted = (self.message_of(direction, command) for command in (result.command, expected))
             alone = self._decoder.identify(direction, frame)
@@ -137,7 +182,7 @@ class DbcAdapter(Adapter):
     ) -> Encoded | Refused:
         return self._encode(direction, command, node, values, parameters, scaled=True)
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
         raise Cannot("exchanges")
 
     def _names(self, parameters: Parameters) -> Iterator[tuple[frozenset[str], Assignment]]:
@@ -148,7 +193,9 @@ class DbcAdapter(Adapter):
             given = parameters.get(parameter.name)
             if not parameter.is_numeric:
                 choices.append([str(given)] if given is not None else [value.name for value in parameter.values])
-            elif given is not None and (parameter.is_choice or parameter.name in self._deciding):
+            elif (
+                given is not None and not parameter.whole and (parameter.is_choice or parameter.name in self._deciding)
+            ):
                 fixed[parameter.name] = formatting.exact(given) if isinstance(given, Fraction) else str(given)
         words = [f"{name}_{value}" for name, value in fixed.items()]
         for combination in itertools.product(*choices):
@@ -158,7 +205,7 @@ class DbcAdapter(Adapter):
         """The files of a direction for known values: those of tables, then the plain one."""
         variant = tuple(fixed.items())
         if variant not in self._made:
-            self._made[variant] = files(self.edition, self._traffics, dict(variant), NO_OPTIONS)
+            self._made[variant] = files(self.edition, dict(variant), NO_OPTIONS)
         matching = [
             file
             for file in self._made[variant]
@@ -188,8 +235,10 @@ class DbcAdapter(Adapter):
         parameters: Parameters,
         scaled: bool,
     ) -> Encoded | Refused:
+        if self._with_ids(parameters) is not self:
+            return self._with_ids(parameters)._encode(direction, command, node, given, parameters, scaled)
         message = self.message_of(direction, command)
-        if message.name in self._left_out:
+        if message.name in self._left_out or message.parameters:
             raise Cannot("left_out")
         written = []
         for known, fixed in self._names(parameters):
@@ -209,6 +258,13 @@ class DbcAdapter(Adapter):
             )
             return Refused(Refusal.MISSING_PARAMETER, next(undecided, None))
         return result
+
+
+def _names_of(value: Any) -> Any:
+    """The names of a value for no value, and None for all numbers."""
+    if isinstance(value, list):
+        return [_names_of(element) for element in value]
+    return value if isinstance(value, str) else None
 
 
 def _read(files: Sequence[DbcFile], direction: Direction, frame: CanFrame) -> Decoded | Refused:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from fractions import Fraction
 from cantools.database.can import Message, Signal
 from canwright.model.layout import Field
 from canwright.model.refusal import Refusal
-from canwright.model.types import Encoding
+from canwright.model.types import Encoding, factors
 
 from ..adapter import Cannot, ExactValue, Refused, Value
 
@@ -45,6 +46,11 @@ class Cell:
     def signal(self) -> Signal:
         return self.signals[0][0]
 
+    @property
+    def is_divided(self) -> bool:
+        """Whether each run of bits of a number is a signal."""
+        return len(self.signals) > 1 and not self.field.type.flags
+
     def raw(self, numbers: Mapping[str, Number]) -> int:
         if self.field.type.encoding is Encoding.FLOAT:
             as_int, as_float = _FLOATS[self.field.type.width]
@@ -52,11 +58,18 @@ class Cell:
         return sum(int(numbers[signal.name]) << low for signal, low, _ in self.signals)
 
     def value(self, shown: Mapping[str, object]) -> float | str | list[str] | None:
+        if self.is_divided:
+            if self.field.type.enum:
+                raise Cannot("several_runs")
+            numbers = [shown[signal.name] for signal, _, _ in self.signals]
+            return None if self.signal.unit == RAW_UNIT else float(sum(numbers))  # type: ignore[arg-type]
         if self.field.type.flags:
             return [flag for signal, _, flag in self.signals if flag and shown[signal.name]]
         value = shown[self.signal.name]
         if self.field.type.enum:
             return None if isinstance(value, (int, float)) else str(value)
+        if self.field.type.no_values and not isinstance(value, (int, float)):
+            return str(value)
         assert isinstance(value, (int, float))
         return None if self.signal.unit == RAW_UNIT else value
 
@@ -64,28 +77,43 @@ class Cell:
         if self.field.type.encoding is Encoding.FLOAT:
             data[self.signal.name] = float_of(self.field.type.width, raw)
             return None
+        if self.field.type.no_value(raw):
+            names = {int(value): str(name) for value, name in (self.signal.choices or {}).items()}
+            if raw not in names:
+                raise Cannot("no_value_ranges")
+            data[self.signal.name] = names[raw]
+            return None
         for signal, low, _ in self.signals:
             mask = (1 << signal.length) - 1
-            data[signal.name] = raw >> low & mask if self.field.type.flags else raw
-        if self.field.type.flags and raw >> self.field.type.width:
+            part = raw >> low if self.is_divided and signal.is_signed else raw >> low & mask
+            data[signal.name] = part if self.field.type.flags or self.is_divided else raw
+        low, high = self.field.type.raw_limits
+        there = sum((1 << signal.length) - 1 << start for signal, start, _ in self.signals)
+        if self.is_divided and not low <= raw <= high:
+            raise Cannot("several_runs")
+        if self.field.type.flags and raw & ~there:
             return Refused(Refusal.OUT_OF_RANGE, self.field.name)
         return None
 
     def put_value(self, data: Data, value: ExactValue, parameters: Mapping[str, object]) -> Refused | None:
         type_ = self.field.type
+        if self.is_divided:
+            raise Cannot("several_runs")
         if type_.flags:
             names = value if isinstance(value, list) else []
             for signal, _, flag in self.signals:
                 data[signal.name] = int(flag in names)
             flags = {flag for _, _, flag in self.signals}
             return None if flags.issuperset(names) else Refused(Refusal.OUT_OF_RANGE, self.field.name)
-        if type_.enum:
+        if type_.enum or value in [named.name for named in type_.no_values]:
             data[self.signal.name] = str(value)
             known = {str(choice) for choice in (self.signal.choices or {}).values()}
             return None if value in known else Refused(Refusal.OUT_OF_RANGE, self.field.name)
         if self.signal.unit == RAW_UNIT:
             linear = type_.linear.at({name: str(value) for name, value in parameters.items()})
-            needed = {type_.linear.parameter, linear.times if linear else None} - {None}
+            needed = {type_.linear.parameter, *(factors(linear.times).names if linear and linear.times else ())} - {
+                None
+            }
             missing = not needed.issubset(parameters)
             return Refused(Refusal.MISSING_PARAMETER if missing else Refusal.NO_SCALE, self.field.name)
         assert not isinstance(value, list)
@@ -119,7 +147,7 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     for element in field.elements:
         name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
         if not field.type.flags or not field.role.is_value:
-            places = _whole(signals.get(name))
+            places = _whole(signals.get(name)) or _parts(name, signals)
         else:
             places = _flags(name, field, signals)
         if places:
@@ -134,6 +162,12 @@ def _signals(message: Message) -> dict[str, Signal]:
 
 def _whole(signal: Signal | None) -> list[Place]:
     return [(signal, 0, None)] if signal else []
+
+
+def _parts(name: str, signals: Mapping[str, Signal]) -> list[Place]:
+    """The runs of bits of a field."""
+    parts = ((re.fullmatch(rf"{name}_bits_(\d+)_\d+", signal_name), signal) for signal_name, signal in signals.items())
+    return [(signal, int(match[1]), None) for match, signal in parts if match]
 
 
 def _flags(name: str, field: Field, signals: Mapping[str, Signal]) -> list[Place]:

@@ -12,14 +12,15 @@ import cantools
 from cantools.database import Database, DecodeError, EncodeError
 from cantools.database.can import Message as CanMessage, Signal
 from canwright.model.edition import Edition
-from canwright.model.layout import Field, Space
+from canwright.model.layout import ChecksumRole, Field, Space
 from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, number_of
+from canwright.semantics.decoder import rejects_checked
 from canwright.semantics.frame import has_id
 from canwright.targets.dbc.text import fitting
 
-from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, joined_value
 from .dbc_fields import Data, Number, cells, float_of, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
@@ -56,10 +57,10 @@ class DbcMessages:
         self._owned: dict[str, dict[str, int]] = {}
 
     def owned_by(self, owner: str) -> Mapping[str, int]:
-        """The ids of the messages whose names start with `owner`, by the rest of the name."""
+        """The ids of the messages whose names start with what matches `owner` and `_`, by the rest of the name."""
         if owner not in self._owned:
-            owned = ((name, number) for name, number in self.names.items() if name.startswith(owner))
-            self._owned[owner] = {name.removeprefix(owner): number for name, number in owned}
+            matches = ((re.match(f"{owner}_", name), name, number) for name, number in self.names.items())
+            self._owned[owner] = {name[match.end() :]: number for match, name, number in matches if match}
         return self._owned[owner]
 
     def message(self, number: int) -> CanMessage:
@@ -109,11 +110,12 @@ class DbcFile:
             raise Cannot("selectors_apart")
         if message.dlc != can_message.length:
             raise Cannot("lengths")
-        return self._decoded(message, can_message, numbers, shown, selector)
+        return self._decoded(message, frame, can_message, numbers, shown, selector)
 
     def _decoded(
         self,
         message: Message,
+        frame: CanFrame,
         can_message: CanMessage,
         numbers: Mapping[str, Number],
         shown: Mapping[str, object],
@@ -123,13 +125,20 @@ class DbcFile:
         prefix = _prefix(message, numbers[selector.name] if selector else None)
         for field in message.layout.fields:
             places = cells(can_message, prefix, field)
+            if isinstance(field.role, ChecksumRole) and rejects_checked(message, frame, {}):
+                raise Cannot("checksums")
             if places:
                 read = [place.raw(numbers) for place in places]
-                if field.role.is_checked and read != [field.role.required_raw] * len(read):
+                if field.role.required_raw is not None and read != [field.role.required_raw] * len(read):
                     raise Cannot("constants")
                 if field.role.is_value:
                     raw[field.name] = read if field.is_array else read[0]
-                    values[field.name] = values_of(places, shown)
+                    values[field.name] = joined_value(field, read) if field.type.joined else values_of(places, shown)
+                    numbered = read if field.type.no_values and not field.type.joined else ()
+                    texts = [place.value(shown) for place in places] if numbered else ()
+                    pairs = zip(numbered, texts, strict=True)
+                    if any(field.type.no_value(raw) for raw, text in pairs if not isinstance(text, str)):
+                        raise Cannot("no_value_ranges")
         in_data = message.node_in_data
         node = _node(message, can_message) if in_data is None else raw[in_data.name]
         assert not isinstance(node, list)
@@ -160,33 +169,40 @@ class DbcFile:
         scaled: bool,
     ) -> Encoded | Refused | None:
         """The frame, or why not; None when the file lacks the command."""
-        owner = f"{_title(message.address)}{'' if node is None else node}_"
-        of_node = self._messages.owned_by(owner)
-        if not of_node:
-            return Refused(Refusal.UNKNOWN_NODE)
+        title = _title(message.address)
+        of_node = self._messages.owned_by(title if node is None else f"{title}{node}")
         in_id = [f"{key.value:0{-(-key.width // 4)}X}" for key in message.keys if key.space is Space.ID]
         kind = KIND[message.direction]
         endings = ("_".join((kind, *in_id)), f"{message.command}_{kind}", message.command)
-        number = next((of_node[ending] for ending in endings if ending in of_node), None)
+        named = of_node or self._messages.owned_by(rf"{title}\d*")
+        number = next((named[ending] for ending in endings if ending in named), None)
         can_message = None if number is None else self._messages.message(number)
         selector = _selector(can_message) if can_message else None
         code = self._code(message, selector) if selector else None
         if can_message is None or (selector and code is None):
             return None
+        if not of_node:
+            return Refused(Refusal.UNKNOWN_NODE)
         if message.dlc != can_message.length:
             raise Cannot("lengths")
         data: Data = {selector.name: code} if selector and code is not None else {}
         prefix = _prefix(message, code)
         data |= {signal.name: 0 for signal in can_message.signals if signal.name == f"{prefix}reserved"}
         for field in message.layout.fields:
-            value = [field.role.sent_raw] * len(field.elements) if not field.role.is_value else given.get(field.name)
+            if field.type.joined and scaled:
+                raise Cannot("joined")
+            sent = [field.role.sent_raw or 0] * len(field.elements)
+            value = given.get(field.name) if field.role.is_value else sent
             parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
             for place, part in zip(cells(can_message, prefix, field), parts, strict=False):
                 put = place.put_raw if not field.role.is_value or not scaled else place.put_value
                 refused = None if part is None else put(data, part, parameters)
                 if refused:
                     return refused
-        return _checked(message, can_message, prefix, data, scaled, parameters)
+        checked = _checked(message, can_message, prefix, data, scaled, parameters)
+        if isinstance(checked, Encoded) and any(isinstance(f.role, ChecksumRole) for f in message.layout.fields):
+            raise Cannot("checksums")
+        return checked
 
 
 def message_of(command: Command, direction: Direction) -> Message:
@@ -199,7 +215,8 @@ def _checked(
     message: Message, can_message: CanMessage, prefix: str, data: Data, scaled: bool, parameters: Parameters
 ) -> Encoded | Refused:
     """What cantools makes of the signals, or says of them; Cannot for what it lets pass and the spec does not."""
-    fields = {place.signal.name: f for f in message.layout.fields for place in cells(can_message, prefix, f)}
+    places = ((f, place) for f in message.layout.fields for place in cells(can_message, prefix, f))
+    fields = {signal.name: f for f, place in places for signal, _, _ in place.signals}
     infinite = [name for name, value in data.items() if isinstance(value, float) and value - value != 0]
     try:
         encoded = Encoded(
@@ -211,15 +228,45 @@ def _checked(
         if "is required" in str(error) or "not required" in str(error):
             return Refused(Refusal.MISSING_PARAMETER, message.layout.parameter)
         named = re.search(r'signal "(\w+)"', str(error))
-        names = [fields[named.group(1)].name] if named else [field.name for field in fields.values()]
+        names = [field.name for field in fields.values()]
+        if named and not _is_another_wrong(message, can_message, prefix, data, named[1], scaled, parameters):
+            names = [fields[named[1]].name]
         return Refused(Refusal.OUT_OF_RANGE, names[0] if len(names) == 1 else None)
     if infinite:
         raise Cannot("not_finite")
+    _refuse_all_unchecked(message, can_message, prefix, encoded.data, parameters)
     numbers = _mapping(can_message.decode(encoded.data, decode_choices=False, scaling=False))
+    for field in message.layout.fields if scaled else ():
+        for place in cells(can_message, prefix, field):
+            if field.type.no_value(place.raw(numbers)) and not isinstance(data[place.signal.name], str):
+                raise Cannot("no_value_numbers")
+    return encoded
+
+
+def _is_another_wrong(
+    message: Message, can_message: CanMessage, prefix: str, data: Data, name: str, scaled: bool, parameters: Parameters
+) -> bool:
+    """Whether a field besides that of the signal which cantools names is wrong: it does not always name the first."""
+    signal = can_message.get_signal_by_name(name)
+    lowest = signal.minimum or 0
+    right = lowest if scaled else signal.conversion.numeric_scaled_to_raw(lowest)
+    try:
+        encoded = can_message.encode({**data, name: right}, scaling=scaled, strict=True)
+        _refuse_all_unchecked(message, can_message, prefix, encoded, parameters)
+    except (EncodeError, Cannot):
+        return True
+    return False
+
+
+def _refuse_all_unchecked(
+    message: Message, can_message: CanMessage, prefix: str, encoded: bytes, parameters: Parameters
+) -> None:
+    """Raises Cannot if a field has a raw integer that the spec forbids and cantools takes."""
+    numbers = _mapping(can_message.decode(encoded, decode_choices=False, scaling=False))
     for field in message.layout.fields:
         for place in cells(can_message, prefix, field):
-            _refuse_unchecked(message.direction, field, place.raw(numbers), parameters)
-    return encoded
+            direction = Direction.REPLY if place.is_divided else message.direction
+            _refuse_unchecked(direction, field, place.raw(numbers), parameters)
 
 
 def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: Parameters) -> None:
@@ -230,7 +277,7 @@ def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: 
         raise Cannot("unnamed")
     assignment = {n: value if isinstance(value, Fraction) else str(value) for n, value in parameters.items()}
     span, linear = field.type.raw_range.at(assignment), field.type.linear.at(assignment)
-    if direction is Direction.REPLY and span:
+    if direction is Direction.REPLY and span and not field.type.no_value(raw):
         number = Fraction(raw)
         if field.type.encoding is Encoding.FLOAT and linear:
             number = Fraction(float_of(field.type.width, raw)) * linear.scale + linear.offset

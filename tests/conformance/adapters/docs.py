@@ -9,14 +9,16 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import Any, ClassVar
 
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.targets import docs as target
+from canwright.model.types import NO_PARAMETERS
 from canwright.targets.base import EditionInput
+from canwright.targets.docs.target import DocsTarget
 
-from ..adapter import Adapter, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
+from ..adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
 from .docs_tables import FieldRow, MessagePage, Scale, forms, message, plain, tables
 
 
@@ -24,11 +26,15 @@ class DocsAdapter(Adapter):
     """Answers from the tables of the English pages alone."""
 
     name = "docs"
+    cannot: ClassVar[Mapping[str, str]] = {
+        "availability": "the nodes that have a command are in a sentence above its tables, not in a table"
+    }
 
     def __init__(self, edition: Edition, pages: Mapping[str, str]) -> None:
         super().__init__(edition)
         self._members: dict[str, dict[str, int]] = {}
         self._flags: set[str] = set()
+        self._no_values: dict[str, dict[str, range]] = {}
         self._choices: dict[str, list[str]] = {}
         self._messages: dict[tuple[Direction, str], MessagePage] = {}
         for path, text in pages.items():
@@ -47,11 +53,13 @@ class DocsAdapter(Adapter):
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> DocsAdapter:
         """Reads the generated pages back."""
-        pages = {output.path: output.text for output in target.generate([specification], {})}
+        pages = {output.path: output.text for output in DocsTarget().generate([specification], {})}
         return cls(specification.edition, {path: text for path, text in pages.items() if path.startswith("en/")})
 
     def _read_types(self, text: str) -> None:
         for heading, rows in tables(text):
+            if rows[0][0] == "Without a value":
+                self._no_values[heading] = {plain(row[1]): _integers(plain(row[0])) for row in rows[1:]}
             if rows[0][0] in ("Value", "Bit"):
                 self._members[heading] = {plain(row[1]): int(plain(row[0])) for row in rows[1:]}
                 if rows[0][0] == "Bit":
@@ -72,11 +80,15 @@ class DocsAdapter(Adapter):
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
-        pages = [(n, m) for (d, n), m in self._messages.items() if d is direction]
-        ours = [(n, m, self._node(m, frame, self._in_id[direction, m.rule])) for n, m in pages]
+        of_direction = [(n, m) for (d, n), m in self._messages.items() if d is direction]
+        pages = [(n, m.at(parameters), self._in_id[direction, m.rule]) for n, m in of_direction]
+        ours = [(name, page, self._node(page, frame, in_id)) for name, page, in_id in pages]
         ours = [(name, page, node) for name, page, node in ours if node != ()]
         if not ours:
-            return Refused(Refusal.UNKNOWN_ID)
+            open_ = any(m.parameter and (m.extended, m.remote) == (frame.extended, frame.remote) for _, m, _ in pages)
+            wanted = next((m for n, m, _ in pages if n == expected), None)
+            is_open = open_ if wanted is None else bool(wanted.parameter)
+            return Refused(Refusal.MISSING_PARAMETER if is_open else Refusal.UNKNOWN_ID)
         if all(len(frame.data) != page.dlc for _, page, _ in ours) and not frame.remote:
             return Refused(Refusal.WRONG_LENGTH)
         if expected is not None:
@@ -95,15 +107,24 @@ class DocsAdapter(Adapter):
         if len(frame.data) != page.dlc and not frame.remote:
             return Refused(Refusal.WRONG_LENGTH)
         rows = self._rows(page, parameters)
-        there = [row for row in page.rows if not row.only[0]] if isinstance(rows, Refused) else rows
-        if any(r.checked and r.constant is not None and _raw(r, frame) != r.constant for r in there):
-            return Refused(Refusal.WRONG_CONSTANT)
+        refused = _refused_always(page, frame)
+        if refused:
+            return refused
         if isinstance(rows, Refused):
             return rows
+        known = [row for row in rows if not row.is_parameter]
+        if _has_wrong_constant(known, frame):
+            return Refused(Refusal.WRONG_CONSTANT)
+        if known != rows:
+            return Refused(Refusal.MISSING_PARAMETER)
         holder = next((row for row in page.rows if row.holds_node and not row.has_low_bits), None)
         in_data = _raw(holder, frame) if holder and page.nodes is None else None
         return self._decoded(
-            name, node[0] if in_data is None else in_data, [r for r in rows if r.constant is None], frame, parameters
+            name,
+            node[0] if in_data is None else in_data,
+            [r for r in rows if r.constant is None and not r.checksum],
+            frame,
+            parameters,
         )
 
     def _decoded(
@@ -121,6 +142,9 @@ class DocsAdapter(Adapter):
             else:
                 raw[row.name] = [*raw.get(row.name, []), integer]  # type: ignore[misc]
                 values[row.name] = [*values.get(row.name, []), value]  # type: ignore[misc]
+        for row in rows:
+            if _JOINED.search(row.raw):
+                values[row.name] = _joined(row, raw[row.name])
         return Decoded(name, node, raw, values)
 
     def _value(self, row: FieldRow, raw: int, parameters: Parameters) -> Value | Refused:
@@ -129,6 +153,9 @@ class DocsAdapter(Adapter):
             if row.type in self._flags:
                 return [name for name, bit in names.items() if raw >> bit & 1]
             return next((name for name, value in names.items() if value == raw), None)
+        named = self._no_value(row, raw)
+        if named is not None:
+            return named
         scale = self._scale(row, parameters)
         if isinstance(scale, Refused):
             return None if scale.says is Refusal.NO_SCALE else scale
@@ -137,6 +164,10 @@ class DocsAdapter(Adapter):
             return float(Fraction(number) * scale.step + scale.offset) if math.isfinite(number) else number
         return float(raw * scale.step + scale.offset)
 
+    def _no_value(self, row: FieldRow, raw: int) -> str | None:
+        """The name for which a raw integer has no value."""
+        return next((name for name, raws in self._no_values.get(row.type, {}).items() if raw in raws), None)
+
     def _scale(self, row: FieldRow, parameters: Parameters) -> Scale | Refused:
         case = self._case(row.scales, parameters)
         if case is None:
@@ -144,9 +175,14 @@ class DocsAdapter(Adapter):
         scale = row.scales[case]
         if scale is None:
             return Refused(Refusal.NO_SCALE, row.name)
-        if scale.parameter and scale.parameter not in parameters:
+        above, _, below = scale.parameter.partition("/")
+        names = [name for name in (*above.split("*"), below) if name]
+        if any(name not in parameters for name in names):
             return Refused(Refusal.MISSING_PARAMETER, row.name)
-        times = Fraction(str(parameters[scale.parameter])) if scale.parameter else 1
+        times = Fraction(1)
+        for name in names:
+            number = Fraction(str(parameters[name]))
+            times = times / number if name == below else times * number
         return Scale(scale.step * times, scale.offset * times)
 
     def _case(self, cases: Mapping[str, object], parameters: Parameters) -> str | None:
@@ -165,7 +201,7 @@ class DocsAdapter(Adapter):
     @staticmethod
     def _node(page: MessagePage, frame: CanFrame, in_id: int) -> tuple[int | None, ...]:
         """The node of a frame, in a tuple; an empty one when the id is of no page with these bits of fields and keys."""
-        if (page.extended, page.remote) != (frame.extended, frame.remote):
+        if (page.extended, page.remote) != (frame.extended, frame.remote) or page.parameter:
             return ()
         rest = (frame.id & ~in_id) - page.base
         if page.nodes is None:
@@ -176,8 +212,14 @@ class DocsAdapter(Adapter):
     def encode_raw(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
-        page = self._messages[direction, command]
+        if any(parameters.get(n, only[0]) not in only for n, only in self.message_of(direction, command).only.items()):
+            raise Cannot("availability")
+        page = self._messages[direction, command].at(parameters)
         rows = self._rows(page, parameters)
+        if page.parameter and page.nodes is not None and node not in page.nodes:
+            return Refused(Refusal.UNKNOWN_NODE)
+        if page.parameter:
+            return Refused(Refusal.MISSING_PARAMETER)
         if isinstance(rows, Refused):
             return rows
         if page.nodes is not None and node not in page.nodes:
@@ -185,16 +227,22 @@ class DocsAdapter(Adapter):
         can_id, word = page.base + (node or 0) * page.step, 0
         parts = [(key.bits, key.value) for key in page.keys]
         seen: dict[str, int] = {}
-        for row in rows:
+        for row in (row for row in rows if not row.checksum):
             given = raw[row.name] if row.constant is None else row.constant
             integer = given[seen.get(row.name, 0)] if isinstance(given, list) else given
             seen[row.name] = seen.get(row.name, 0) + 1
             if row.constant is None and not self._allowed(row, integer, parameters):
                 return Refused(Refusal.OUT_OF_RANGE, row.name)
             parts.append((row.bits, integer))
+        if any(row.is_parameter for row in rows):
+            return Refused(Refusal.MISSING_PARAMETER)
         for bits, integer in parts:
             can_id, word = (can_id | bits.write(integer), word) if bits.in_id else (can_id, word | bits.write(integer))
         data = b"" if page.remote else word.to_bytes(page.dlc, "little")
+        for row in (row for row in rows if row.checksum):
+            assert row.checksum
+            word |= row.bits.write(row.checksum.of(can_id, page.extended, data, row.bits))
+            data = word.to_bytes(page.dlc, "little")
         return Encoded(can_id, data, page.extended, page.remote)
 
     def _allowed(self, row: FieldRow, raw: int, parameters: Parameters) -> bool:
@@ -206,7 +254,7 @@ class DocsAdapter(Adapter):
             values = self._members[row.type].values()
             return not raw & ~sum(1 << bit for bit in values) if row.type in self._flags else raw in values
         case = self._case(row.ranges, parameters)
-        if case is None:
+        if case is None or self._no_value(row, raw) is not None:
             return True
         value = Fraction(raw)
         if row.raw[0] == "f":
@@ -230,9 +278,19 @@ class DocsAdapter(Adapter):
             return rows
         raw: dict[str, Raw] = {}
         for row in rows:
-            if row.constant is not None or (row.name in raw and row.index is None):
+            if (
+                row.constant is not None
+                or row.checksum
+                or (row.name in raw and (row.index is None or _JOINED.search(row.raw)))
+            ):
                 continue
             given = values[row.name]
+            if _JOINED.search(row.raw):
+                elements = _elements(row, given)
+                if isinstance(elements, Refused):
+                    return elements
+                raw[row.name] = elements
+                continue
             index = len(raw.get(row.name, [])) if row.index is not None else 0  # type: ignore[arg-type]
             is_array = row.index is not None and isinstance(given, list)
             integer = self._to_raw(row, given[index] if is_array else given, parameters)  # type: ignore[index]
@@ -245,41 +303,53 @@ class DocsAdapter(Adapter):
         if row.type in self._members and not isinstance(value, Fraction):
             names = self._members[row.type]
             return sum(1 << names[str(n)] for n in value) if isinstance(value, list) else names[value]
-        if value in ("nan", "inf", "-inf"):
-            return Refused(Refusal.NOT_FINITE, row.name)
-        assert isinstance(value, Fraction)
+        named = self._no_values.get(row.type, {})
+        if isinstance(value, str) and value in named:
+            return named[value][-1]
         scale = self._scale(row, parameters)
         if isinstance(scale, Refused):
             return scale
+        if value in ("nan", "inf", "-inf"):
+            return Refused(Refusal.NOT_FINITE, row.name)
+        assert isinstance(value, Fraction)
         if row.raw[0] == "f":
             return _float_bits(row, float((value - scale.offset) / scale.step))
         exact = (value - scale.offset) / scale.step
         size = math.floor(abs(exact) + Fraction(1, 2))
-        return size if exact >= 0 else -size
+        nearest = size if exact >= 0 else -size
+        return nearest if self._no_value(row, nearest) is None else Refused(Refusal.OUT_OF_RANGE, row.name)
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
-        sent = self._sent(request)
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
+        sent = self._sent(request, parameters)
         if isinstance(sent, Refused):
             return sent
         name, node = sent
+        refused = _refused_always(self._messages[Direction.REQUEST, name], request)
+        if refused:
+            return refused
         page = self._messages.get((Direction.REPLY, name))
-        if page is None:
-            return Refused(Refusal.NOT_ANSWER)
+        pages = [page, *(self._messages[Direction.REPLY, command] for command in page.others)] if page else []
+        answers = [self._is_reply(name, node, page, each.at(parameters), request, reply) for each in pages if page]
+        return None if any(answers) else Refused(Refusal.NOT_ANSWER)
+
+    def _is_reply(
+        self, name: str, node: int | None, first: MessagePage, page: MessagePage, request: CanFrame, reply: CanFrame
+    ) -> bool:
+        """Whether a frame is the reply of a page to the request of a command, whose `first` reply names the repliers."""
         from_node = self._node(page, reply, page.in_id)
         if from_node == () or not _fit(page, reply) or len(reply.data) != page.dlc:
-            return Refused(Refusal.NOT_ANSWER)
+            return False
         asked, told = _held(self._messages[Direction.REQUEST, name], request), _held(page, reply)
-        to, bits = ((node, -1), asked or (node, -1))[1 if not page.from_each else 0]
-        expected = page.from_each or ((to,) if to is not None else ())
+        to, bits = ((node, -1), asked or (node, -1))[1 if not first.from_each else 0]
+        expected = first.from_each or ((to,) if to is not None else ())
         for source, has in ((from_node[0], -1), told or (None, 0)):
             if source is not None and expected and all((source ^ sender) & bits & has for sender in expected):
-                return Refused(Refusal.NOT_ANSWER)
-        if page.is_echo and request.data != reply.data:
-            return Refused(Refusal.NOT_ANSWER)
-        return None
+                return False
+        return not page.is_echo or request.data == reply.data
 
-    def _sent(self, frame: CanFrame) -> tuple[str, int | None] | Refused:
-        pages = sorted(self._messages.items(), key=lambda entry: -len(entry[1].keys))
+    def _sent(self, frame: CanFrame, parameters: Parameters) -> tuple[str, int | None] | Refused:
+        known = {name: page.at(parameters) for name, page in self._messages.items()}
+        pages = sorted(known.items(), key=lambda entry: -len(entry[1].keys))
         for (direction, name), page in pages:
             if (
                 direction is Direction.REQUEST
@@ -287,7 +357,47 @@ class DocsAdapter(Adapter):
                 and _fit(page, frame)
             ):
                 return name, node[0]
-        return Refused(Refusal.UNKNOWN_CODE)
+        is_open = any(page.parameter for (direction, _), page in pages if direction is Direction.REQUEST)
+        return Refused(Refusal.MISSING_PARAMETER if is_open else Refusal.UNKNOWN_CODE)
+
+
+def _integers(text: str) -> range:
+    """`0xFE00..0xFEFF` or one of them."""
+    first, _, last = text.partition("..")
+    return range(int(first, 0), int(last or first, 0) + 1)
+
+
+_JOINED = re.compile(r"\((ascii|utf8_|bcd)(\d+)(?:, padding 0x([0-9A-F]{2}))?\)")
+"""What the table says of a text, or of a number of decimal digits."""
+
+
+def _joined(row: FieldRow, raw: Any) -> Value:
+    kind, _, padding = _JOINED.search(row.raw).groups()  # type: ignore[union-attr]
+    if kind == "bcd":
+        return None if max(raw) > 9 else float("".join(map(str, raw)))
+    content = bytes(raw[: raw.index(0)] if 0 in raw else raw)
+    while content and content[-1] == int(padding or "00", 16):
+        content = content[:-1]
+    return str(content, "ascii" if kind == "ascii" else "utf-8", "replace")
+
+
+def _elements(row: FieldRow, value: ExactValue) -> list[int] | Refused:
+    kind, digits, padding = _JOINED.search(row.raw).groups()  # type: ignore[union-attr]
+    count, refused = int(digits), Refused(Refusal.OUT_OF_RANGE, row.name)
+    if kind == "bcd":
+        if isinstance(value, str):
+            return Refused(Refusal.NOT_FINITE, row.name)
+        assert isinstance(value, Fraction)
+        nearest = math.floor(abs(value) + Fraction(1, 2)) * (1 if value > 0 else -1)
+        return [nearest // 10**place % 10 for place in range(count)][::-1] if 0 <= nearest < 10**count else refused
+    try:
+        content = str(value).encode("ascii" if kind == "ascii" else "utf-8")
+    except UnicodeEncodeError:
+        return refused
+    end = int(padding or "00", 16)
+    if len(content) > count or 0 in content or content.endswith(bytes([end])):
+        return refused
+    return [*content, *[end] * (count - len(content))]
 
 
 def _held(page: MessagePage, frame: CanFrame) -> tuple[int, int] | None:
@@ -308,9 +418,23 @@ def _fit(page: MessagePage, frame: CanFrame) -> str:
     return fit
 
 
+def _refused_always(page: MessagePage, frame: CanFrame) -> Refused | None:
+    """The reason against a frame whatever the parameters are: a constant or the checksum."""
+    if _has_wrong_constant([row for row in page.rows if not row.only[0] and not row.is_parameter], frame):
+        return Refused(Refusal.WRONG_CONSTANT)
+    for row in page.rows:
+        if row.checksum and _raw(row, frame) != row.checksum.of(frame.id, frame.extended, frame.data, row.bits):
+            return Refused(Refusal.WRONG_CHECKSUM)
+    return None
+
+
+def _has_wrong_constant(rows: Sequence[FieldRow], frame: CanFrame) -> bool:
+    return any(row.checked and row.constant is not None and _raw(row, frame) != row.constant for row in rows)
+
+
 def _raw(row: FieldRow, frame: CanFrame) -> int:
     raw = row.bits.read(frame.id, frame.data)
-    width = len(row.bits.numbers)
+    width = 1 + max(raw_bit for raw_bit, _ in row.bits.numbers)
     return raw - (1 << width) if row.raw[0] == "i" and raw >> width - 1 else raw
 
 

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+
+PI = Fraction(245850922, 78256779)
+"""π as the guide of the language states it."""
 
 
 def tables(page: str) -> Iterator[tuple[str, list[list[str]]]]:
@@ -50,7 +55,9 @@ def cases(cell: str) -> dict[str, str | None]:
 
 
 def rational(text: str) -> Fraction:
-    """`0.01`, `16.5/2048`, `-3`."""
+    """`0.01`, `16.5/2048`, `-3`, `2*π/65535`."""
+    if "π" in text:
+        return rational(re.sub(r"(?<=\d)\*π", "", text).replace("π", "1")) * PI
     above, _, below = text.partition("/")
     return Fraction(above) / Fraction(below or "1")
 
@@ -66,9 +73,11 @@ class Scale:
 
 def _multiple(text: str) -> tuple[Fraction, str]:
     """`2/65535*size`, `-size`, or a number without a parameter."""
-    match = re.fullmatch(r"(?:(.+)\*|(-?))([a-z]\w*)", text)
+    match = re.fullmatch(r"(?:(.+?)\*|(-?))([a-z]\w*(?:\*[a-z]\w*)?(?:/[a-z]\w*)?)|(.+)(/[a-z]\w*)", text)
     if match is None:
         return rational(text), ""
+    if match[5]:
+        return rational(match[4]), match[5]
     return rational(match[1] or f"{match[2]}1"), match[3]
 
 
@@ -115,33 +124,95 @@ def _end(text: str) -> End:
 
 @dataclass(frozen=True)
 class Bits:
-    """Where a raw integer is: bit numbers from its least significant bit up, in the data or in the id."""
+    """Where a raw integer is: pairs of its bits and bits of the data or of the id."""
 
     in_id: bool
-    numbers: tuple[int, ...]
+    numbers: tuple[tuple[int, int], ...]
 
     def read(self, can_id: int, data: bytes) -> int:
         word = can_id if self.in_id else int.from_bytes(data, "little")
-        return sum((word >> bit & 1) << i for i, bit in enumerate(self.numbers))
+        return sum((word >> bit & 1) << i for i, bit in self.numbers)
 
     def write(self, raw: int) -> int:
-        return sum((raw >> i & 1) << bit for i, bit in enumerate(self.numbers))
+        return sum((raw >> i & 1) << bit for i, bit in self.numbers)
 
 
 def bits(place: str, raw: str) -> Bits:
     """`DATA[4..5]` of `i16`, `DATA[3] bits 0..3, DATA[4]` of `u12 big-endian`, `id bits 5..10`."""
     parts = []
     for part in place.split(", "):
-        match = re.fullmatch(r"(id|DATA\[(\d+)(?:\.\.(\d+))?\])(?: bits? (\d+)(?:\.\.(\d+))?)?", part)
+        match = re.fullmatch(
+            r"(id|DATA\[(\d+)(?:\.\.(\d+))?\])(?: bits? (\d+)(?:\.\.(\d+))?)?(?: \[(?:\d+:)?(\d+)\])?", part
+        )
         assert match, place
         low, high = int(match[4] or 0), int(match[5] or match[4] or 7)
         if match[1] == "id":
-            return Bits(True, tuple(range(low, high + 1)))
+            return Bits(True, tuple(enumerate(range(low, high + 1))))
         first = int(match[2])
-        parts += [[byte * 8 + bit for bit in range(low, high + 1)] for byte in range(first, int(match[3] or first) + 1)]
+        own = [[byte * 8 + bit for bit in range(low, high + 1)] for byte in range(first, int(match[3] or first) + 1)]
+        if match[6] is not None:  # a run that states its bits of the raw integer
+            own.sort(reverse=raw.endswith("big-endian"))
+            labelled = [bit for byte in own for bit in byte]
+            parts.append([(int(match[6]) + i, bit) for i, bit in enumerate(labelled)])
+            continue
+        parts += [[(-1, bit) for bit in byte] for byte in own]
     if raw.endswith("big-endian"):
         parts.reverse()
-    return Bits(False, tuple(bit for part in parts for bit in part))
+    every = [pair for part in parts for pair in part]
+    return Bits(False, tuple((i if raw_bit < 0 else raw_bit, bit) for i, (raw_bit, bit) in enumerate(every)))
+
+
+@dataclass(frozen=True)
+class Checksum:
+    """`crc8_sae_j1850 (poly 0x1D, init 0xFF, xor_out 0xFF) over 5A, DATA[0..6], id big-endian`."""
+
+    name: str
+    parameters: Mapping[str, int]
+    is_reflected: bool
+    inputs: tuple[str, ...]
+
+    def of(self, can_id: int, extended: bool, data: bytes, own: Bits) -> int:
+        """The checksum of a frame, as long as its own bits, which count as 0."""
+        width = len(own.numbers)
+        cleared = (int.from_bytes(data, "little") & ~own.write(-1)).to_bytes(len(data), "little")
+        every = b"".join(_input(part, can_id, extended, cleared) for part in self.inputs)
+        mask = (1 << width) - 1
+        if self.name.startswith("sum"):
+            return {"sum": sum(every), "sum_inverted": ~sum(every), "sum_negated": -sum(every)}[self.name] & mask
+        if self.name.startswith("xor"):
+            return functools.reduce(operator.xor, every, mask if self.name == "xor_inverted" else 0)
+        poly, init = 1 << width | self.parameters["poly"], self.parameters.get("init", 0)
+        # the remainder of the polynomial whose highest coefficients are those of the initial value and of the first bits
+        bits = [byte >> (i if self.is_reflected else 7 - i) & 1 for byte in every for i in range(8)] + [0] * width
+        for i in range(width):
+            bits[i] ^= init >> (width - 1 - i) & 1
+        for start in range(len(bits) - width):
+            if bits[start]:
+                for i in range(width + 1):
+                    bits[start + i] ^= poly >> (width - i) & 1
+        rest = bits[-width:][:: -1 if self.is_reflected else 1]
+        return int("".join(map(str, rest)), 2) ^ self.parameters.get("xor_out", 0)
+
+
+def _input(part: str, can_id: int, extended: bool, data: bytes) -> bytes:
+    if part.startswith("id "):
+        return can_id.to_bytes(4 if extended else 2, "big" if part == "id big-endian" else "little")
+    places = re.fullmatch(r"DATA\[(\d+)(?:\.\.(\d+))?\]", part)
+    return data[int(places[1]) : int(places[2] or places[1]) + 1] if places else bytes.fromhex(part)
+
+
+def checksum(text: str) -> Checksum | None:
+    """The checksum of a description; None without one."""
+    match = re.search(r"Checksum, .*: `(\w+)(?: \(([^)]*)\))? over ([^`]*)`", text)
+    if match is None:
+        return None
+    parameters = dict(part.split() for part in (match[2] or "").split(", ") if " " in part)
+    return Checksum(
+        match[1],
+        {name: int(number, 16) for name, number in parameters.items()},
+        "reflected" in (match[2] or ""),
+        tuple(match[3].split(", ")),
+    )
 
 
 @dataclass(frozen=True)
@@ -161,6 +232,9 @@ class FieldRow:
     holds_node: bool
     has_low_bits: bool
     """Of the number of the node."""
+    checksum: Checksum | None
+    is_parameter: str
+    """The parameter that is the constant, while it is unknown."""
 
 
 @dataclass(frozen=True)
@@ -184,26 +258,48 @@ class MessagePage:
     dlc: int
     is_echo: bool
     from_each: tuple[int, ...]
+    others: tuple[str, ...]
     keys: tuple[Key, ...]
     rows: tuple[FieldRow, ...]
+    parameter: str = ""
+    """The parameter in the id."""
+    parameter_step: int = 1
+
+    def at(self, parameters: Mapping[str, int | str | Fraction]) -> MessagePage:
+        """The page with the value of the parameters in id and constants, as far as they are known."""
+        rows = tuple(
+            replace(row, constant=int(str(parameters[row.is_parameter])), is_parameter="")
+            if row.is_parameter in parameters
+            else row
+            for row in self.rows
+        )
+        if self.parameter not in parameters:
+            return replace(self, rows=rows)
+        base = self.base + int(str(parameters[self.parameter])) * self.parameter_step
+        return replace(self, base=base, parameter="", parameter_step=1, rows=rows)
 
     @property
     def rule(self) -> tuple[object, ...]:
         """What tells the node from the id; pages with the same rule share their ids."""
-        return self.base, self.step, self.nodes, self.extended, self.remote
+        return self.base, self.step, self.nodes, self.extended, self.remote, self.parameter, self.parameter_step
 
     @property
     def in_id(self) -> int:
         """The bits of the id that are fields or keys."""
         places = [*(key.bits for key in self.keys), *(row.bits for row in self.rows)]
-        return sum(1 << bit for bit in {bit for place in places if place.in_id for bit in place.numbers})
+        return sum(1 << bit for bit in {bit for place in places if place.in_id for _, bit in place.numbers})
+
+
+OTHERS = ("Followed by the reply of", "Or, instead, the reply of")
+"""The columns with the commands whose replies also answer a request."""
 
 
 def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> MessagePage:
     """A direction of a command page from its two tables."""
     said = dict(zip(*facts, strict=True))
     lines = [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
-    base, step = _id(plain(said["Id"]))
+    base, steps = _id(plain(said["Id"]))
+    step = steps.pop("node", 1)
     first, last = plain(said["Nodes"]).split("..") if "Nodes" in said else ("", "")
     each = plain(said.get("One reply from each of", ""))
     return MessagePage(
@@ -215,20 +311,24 @@ def message(facts: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> Me
         int(plain(said["Frame"])),
         said.get("Form") == "The request is returned unchanged",
         tuple(int(node) for node in each.split(", ") if node),
+        tuple(re.findall(r"\[(\w+)\]\(", "".join(map(said.get, OTHERS, [""] * len(OTHERS))))),
         tuple(_key(line) for line in lines if not line.get("Field")),
         tuple(_field(line) for line in lines if line.get("Field")),
+        *next(iter(steps.items()), ("", 1)),
     )
 
 
-def _id(text: str) -> tuple[int, int]:
-    base, step = 0, 1
+def _id(text: str) -> tuple[int, dict[str, int]]:
+    """The number in an id, and the factors of node and parameter."""
+    base, steps = 0, dict[str, int]()
     for term in text.split(" + "):
-        if term.strip("(").startswith("node"):
+        name = re.match(r"\(?([a-z]\w*)", term)
+        if name:
             shift, factor = term.partition(" << ")[2], term.partition(" * ")[2]
-            step = 1 << int(shift.strip(")")) if shift else int(factor or 1)
+            steps[name[1]] = 1 << int(shift.strip(")")) if shift else int(factor or 1)
         else:
             base = int(term, 0)
-    return base, step
+    return base, steps
 
 
 def _key(line: Mapping[str, str]) -> Key:
@@ -244,7 +344,9 @@ def _field(line: Mapping[str, str]) -> FieldRow:
     raw, _, raw_range = line["Raw"].partition("<br>")
     is_float = plain(raw).startswith("f")
     limits = line.get("Value range", "") if is_float else raw_range
-    constant = int(plain(raw_range), 0) if raw_range and ".." not in raw_range else None
+    is_constant = raw_range and ".." not in raw_range
+    is_parameter = plain(raw_range) if is_constant and re.match("[a-z]", plain(raw_range)) else ""
+    constant = int(plain(raw_range), 0) if is_constant and not is_parameter else 0 if is_parameter else None
     linked = re.search(r"types\.md#types\.(\w+)", line["Field"])
     return FieldRow(
         match[1],
@@ -261,4 +363,6 @@ def _field(line: Mapping[str, str]) -> FieldRow:
         (parameter, tuple(values.split(", "))),
         "node number" in line["Description"],
         "low bits of the node number" in line["Description"],
+        checksum(line["Description"]),
+        is_parameter,
     )

@@ -12,12 +12,14 @@ from typing import Any
 
 from canwright.model import formatting
 from canwright.model.edition import Edition
+from canwright.model.joined import JoinedText
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.targets import javascript as target
+from canwright.model.types import NO_PARAMETERS
 from canwright.targets.base import EditionInput
 from canwright.targets.javascript.package import module_path
+from canwright.targets.javascript.target import JavaScriptTarget
 
 from ...node import NODE
 from ..adapter import Adapter, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value, write_files
@@ -43,7 +45,7 @@ class JavaScriptAdapter(Adapter):
 
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> JavaScriptAdapter:
-        folder = write_files(target.generate([specification], {}), workdir)
+        folder = write_files(JavaScriptTarget().generate([specification], {}), workdir)
         return cls(specification.edition, folder / f"{module_path(specification.edition)}.js")
 
     def decode(
@@ -60,7 +62,7 @@ class JavaScriptAdapter(Adapter):
             assert entry["unit"] == (field.type.unit.symbol if field.type.unit else None)
             if entry["reason"] != Refusal.MISSING_PARAMETER.value:
                 value = _names(field, entry["raw"], entry["value"]) if field.type.flags else entry["value"]
-                values[entry["name"]] = _value(value)
+                values[entry["name"]] = _or_names(_value(value), entry["noValue"])
         return Decoded(answer["command"], answer["node"], answer["raw"], values)
 
     def encode_raw(
@@ -79,8 +81,8 @@ class JavaScriptAdapter(Adapter):
         parameters: Parameters,
     ) -> Encoded | Refused:
         message = self.message_of(direction, command)
-        numbers = {f.name for f in message.layout.fields if f.type.is_number}
-        given = {name: _number(value) if name in numbers else _given(value) for name, value in values.items()}
+        fields = {field.name: field for field in message.layout.fields}
+        given = {name: _content(fields[name], value) for name, value in values.items()}
         return self._encode(direction, command, node, parameters, values=given)
 
     def _encode(
@@ -92,8 +94,8 @@ class JavaScriptAdapter(Adapter):
             return answer
         return Encoded(answer["id"], bytes(answer["data"]), answer["extended"], answer["remote"])
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
-        answer = self.ask("answers", request=_frame(request), reply=_frame(reply))
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
+        answer = self.ask("answers", request=_frame(request), reply=_frame(reply), parameters=_plain(parameters))
         return answer if isinstance(answer, Refused) else None
 
     def refusal(self, task: str, **question: Any) -> str:
@@ -152,6 +154,18 @@ def _number(value: Any) -> Any:
     return float(value)
 
 
+def _content(field: Field, value: ExactValue) -> Any:
+    """A value as a program gives it: null for the first name without a value."""
+    if isinstance(value, list) and field.is_array:
+        return [_content(field, element) for element in value]
+    if isinstance(field.type.joined, JoinedText):
+        return _given(value)
+    names = [no_value.name for no_value in field.type.no_values]
+    if value in names:
+        return None if value == names[0] else value
+    return _number(value) if field.type.is_number else _given(value)
+
+
 def _names(field: Field, raw: Any, flags: Any) -> Any:
     """The names of flags; what follows are all other bits, so that nothing is lost."""
     if field.is_array:
@@ -167,6 +181,14 @@ def _value(value: Any) -> Value:
     if isinstance(value, list):
         return [_value(element) for element in value]  # type: ignore[return-value]
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _or_names(value: Any, names: Any) -> Value:
+    """A value, or the name for no value; of an array, for each element. What has a name must not have a value."""
+    if isinstance(names, list) and isinstance(value, list):
+        return [_or_names(*pair) for pair in zip(value, names, strict=True)]  # type: ignore[return-value]
+    assert names is None or value is None
+    return value if names is None else str(names)
 
 
 def _plain(parameters: Parameters) -> Mapping[str, int | str]:

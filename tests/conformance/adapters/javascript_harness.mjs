@@ -23,7 +23,7 @@ function decoded(message) {
   if (![message, message.frame, message.frame.data, message.fields, message.raw, message.values].every(Object.isFrozen)) {
     throw new Error("a message is not immutable");
   }
-  return { command: message.command, node: message.node, raw: message.raw, fields: message.fields };
+  return { command: message.command, node: message.node, raw: { ...message.raw }, fields: message.fields.map((field) => ({ ...field })) };
 }
 
 const tasks = {
@@ -38,8 +38,8 @@ const tasks = {
     }
     return message.frame;
   },
-  answers: ({ request, reply }) => {
-    edition.checkReply(request, reply);
+  answers: ({ request, reply, parameters }) => {
+    edition.checkReply(request, reply, parameters);
     return null;
   },
   candidates: ({ frame }) => edition.candidates(frame),

@@ -11,12 +11,14 @@ from types import ModuleType
 from typing import Any, ClassVar
 
 from canwright.model.edition import Edition
-from canwright.model.layout import ReservedRole, Space
+from canwright.model.joined import JoinedText
+from canwright.model.layout import Field, ReservedRole, Space
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
+from canwright.model.types import NO_PARAMETERS
 from canwright.semantics.decoder import Decoder, Rejection
-from canwright.targets import python as target
 from canwright.targets.base import EditionInput
+from canwright.targets.python.target import PythonTarget
 from canwright.targets.python.text import attribute, class_name
 
 from ..adapter import (
@@ -30,6 +32,7 @@ from ..adapter import (
     Raw,
     Refused,
     Value,
+    assignment,
     write_files,
 )
 from . import modules
@@ -49,23 +52,27 @@ class PythonAdapter(Adapter):
         "not_asked": "the reply of a node that a request to several nodes does not ask is no answer",
     }
 
-    def __init__(self, edition: Edition, module: ModuleType) -> None:
+    def __init__(self, edition: Edition, module: ModuleType, nodes: ModuleType | None = None) -> None:
+        """`nodes` has the class that checks whether a node has the command of a request; without it, nothing does."""
         super().__init__(edition)
         self._module = module
+        self._nodes = nodes
         self._decoder = Decoder(edition)
         self._names = {attribute(f.name): f.name for m in edition.all_messages() for f in m.layout.fields}
 
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> PythonAdapter:
         """Imports the generated package under a name of its own."""
-        folder = write_files(target.generate([specification], {}), workdir)
-        return cls(specification.edition, load(folder, specification.edition))
+        folder = write_files(PythonTarget().generate([specification], {}), workdir)
+        edition = specification.edition
+        module, nodes = modules.load(folder, f"{edition.family}.{edition.identifier}", f"{edition.family}.nodes")
+        return cls(edition, module, nodes)
 
     def decode(
         self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: str | None
     ) -> Decoded | Refused:
         try:
-            message = self._decoded(direction, frame, self.parameters(parameters), expected)
+            message = self._decoded(direction, frame, parameters, expected)
         except ValueError as error:
             return self._refused(error)
         again = message.unpack(node_in_id(message), message.can_id, message.encode_unchecked(), message.parameters)
@@ -74,12 +81,13 @@ class PythonAdapter(Adapter):
         raw = {self._names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
         return Decoded(message.COMMAND, message.node, raw, dict(self._values(message)))
 
-    def _decoded(self, direction: Direction, frame: CanFrame, known: Any, expected: str | None) -> Any:
+    def _decoded(self, direction: Direction, frame: CanFrame, given: Parameters, expected: str | None) -> Any:
         """The message of a frame: of any class, of the class that answers a request, or of the class of a request."""
+        known = self.parameters(given)
         module, flags = self._module, {"extended": frame.extended, "remote": frame.remote}
         has_request = expected is not None and self.edition.command(expected).request is not None
         is_answer = has_request and direction is Direction.REPLY
-        if expected is not None and not is_answer and self._identified(direction, frame) != expected:
+        if expected is not None and not is_answer and self._identified(direction, frame, given) != expected:
             raise Cannot("expected")
         if not has_request:
             decode = module.decode_request if direction is Direction.REQUEST else module.decode_reply
@@ -93,12 +101,12 @@ class PythonAdapter(Adapter):
                 if asks_several and getattr(error, "refusal", "") == Refusal.NOT_ANSWER.value:
                     raise Cannot("not_asked") from None
                 raise
-        node = module.node_of(direction.value, frame.id, **flags)
+        node = module.node_of(direction.value, frame.id, None, known, **flags)
         return request.unpack(node, frame.id, frame.data, known)
 
-    def _identified(self, direction: Direction, frame: CanFrame) -> str | None:
+    def _identified(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> str | None:
         """The command of a frame by itself; None for a frame that has none."""
-        identified = self._decoder.identify(direction, frame)
+        identified = self._decoder.identify(direction, frame, assignment(parameters))
         return None if isinstance(identified, Rejection) else identified.message.command
 
     def _reserved(self, message: Any, direction: Direction) -> int:
@@ -109,9 +117,13 @@ class PythonAdapter(Adapter):
 
     def _values(self, message: Any) -> list[tuple[str, Value]]:
         values: list[tuple[str, Value]] = []
+        no_values = message.no_values()
         for name in message.fields():
             try:
                 value = getattr(message, name)
+                if name in no_values:
+                    values.append((self._names[name], _with_names(value, no_values[name])))
+                    continue
                 unnamed = not isinstance(value, IntEnum) and self._names[name] in self._enums(message)
                 values.append((self._names[name], None if unnamed else _value(value)))
             except ValueError as error:
@@ -128,9 +140,22 @@ class PythonAdapter(Adapter):
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
         try:
+            self._check_available(direction, command, parameters)
             return _encoded(self.message(direction, command, node, raw, parameters))
         except ValueError as error:
             return self._refused(error)
+
+    def _check_available(self, direction: Direction, command: str, parameters: Parameters) -> None:
+        """The check of `make`, which knows the node; a class alone makes a message for any node."""
+        if self._nodes is not None and direction is Direction.REQUEST and parameters:
+            node = self._nodes.Node(self._module, 0, self.parameters(parameters))
+            try:
+                node.make(self._class(direction, command))
+            except TypeError:
+                return  # the fields are missing
+            except ValueError as error:
+                if self._refused(error).says is Refusal.NOT_AVAILABLE:
+                    raise
 
     def message(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -149,6 +174,7 @@ class PythonAdapter(Adapter):
         parameters: Parameters,
     ) -> Encoded | Refused:
         try:
+            self._check_available(direction, command, parameters)
             cls = self._class(direction, command)
             given = {attribute(n): self._given(cls, n, v) for n, v in values.items()}
             extra = {"parameters": self.parameters(parameters)} if self._takes_parameters(cls) else {}
@@ -156,10 +182,10 @@ class PythonAdapter(Adapter):
         except ValueError as error:
             return self._refused(error)
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
         try:
             self._module.check_reply(
-                *(request.id, request.data, reply.id, reply.data),
+                *(request.id, request.data, reply.id, reply.data, self.parameters(parameters)),
                 extended=request.extended,
                 remote=request.remote,
                 reply_extended=reply.extended,
@@ -206,10 +232,17 @@ class PythonAdapter(Adapter):
             for f in m.layout.fields
             if class_name(m.name) == cls.__name__ and f.name == name
         )
+        if isinstance(field.type.joined, JoinedText):
+            return value
         if isinstance(value, list):
             if field.type.flags:
                 return self._flags(field.type.name, [str(v) for v in value])
-            return [_number(v) for v in value]
+            return [self._element(field, v) for v in value]
+        return self._element(field, value)
+
+    def _element(self, field: Field, value: ExactValue) -> Any:
+        if value in [named.name for named in field.type.no_values]:
+            return None if value == field.type.no_values[0].name else value
         if isinstance(value, str) and field.type.enum:
             return getattr(self._module, class_name(field.type.name))[value.upper()]
         return _number(value)
@@ -231,6 +264,8 @@ def node_in_id(message: Any) -> int | None:
 
 
 def _value(value: Any) -> Value:
+    if isinstance(value, str):
+        return value
     if isinstance(value, tuple):
         return [float(v) for v in value]
     if isinstance(value, IntFlag):
@@ -238,6 +273,15 @@ def _value(value: Any) -> Value:
     if isinstance(value, IntEnum):
         return value.name.lower()
     return float(value)
+
+
+def _with_names(value: Any, names: Any) -> Value:
+    """The name of a field without a value; of an array, values and names. What has a name must not have a value."""
+    if isinstance(names, tuple):
+        assert len(value) == len(names)
+        return [_with_names(element, name) for element, name in zip(value, names, strict=True)]  # type: ignore[return-value]
+    assert names is None or value is None
+    return float(value) if names is None else str(names)
 
 
 def _number(value: ExactValue | Fraction | str) -> float | Fraction:

@@ -10,7 +10,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.model.types import Assignment, Type
+from canwright.model.types import NO_PARAMETERS, Assignment, Type, product_of
 from canwright.semantics.decoder import Decoder, Rejection, Value as ModelValue
 from canwright.semantics.encoder import Encoders
 from canwright.semantics.exchange import check_reply
@@ -57,12 +57,18 @@ class ReferenceAdapter(Adapter):
             result = self._decoder.decode_as(self.message_of(direction, expected), frame, known)
         if isinstance(result, Rejection):
             return _refused(result)
-        missing = {f.name for f in result.variant.fields if f.name in result.values and self._is_missing(f, parameters)}
+        missing = {
+            f.name
+            for f in result.variant.fields
+            if f.name in result.values and self._is_missing(f, result.raws[f.name], parameters)
+        }
         values = {name: _value(value) for name, value in result.values.items() if name not in missing}
-        return Decoded(result.message.command, node_of(result.message, frame), result.raws, values)
+        return Decoded(result.message.command, node_of(result.message, frame, known), result.raws, values)
 
-    def _is_missing(self, field: Field, parameters: Parameters) -> bool:
-        """Whether the value of a field depends on a missing parameter."""
+    def _is_missing(self, field: Field, raw: Raw, parameters: Parameters) -> bool:
+        """Whether the value of a field, or of an element of it, depends on a missing parameter."""
+        if all(field.type.no_value(each) for each in (raw if isinstance(raw, list) else [raw])):
+            return False
         if not field.type.is_number or not (field.type.linear.parameter or field.type.times):
             return False
         nearest = self._encoders.for_parameters(parameters).nearest_raw(field, Fraction(0))
@@ -92,8 +98,8 @@ class ReferenceAdapter(Adapter):
         }
         return _encoded(encoder.encode_values(message, node, given))
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
-        result = check_reply(self._decoder, request, reply)
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
+        result = check_reply(self._decoder, request, reply, assignment(parameters))
         return _refused(result) if isinstance(result, Rejection) else None
 
 
@@ -108,8 +114,8 @@ def as_double(value: Fraction | str, type_: Type, known: Assignment) -> Fraction
     linear = type_.linear.at(known)
     if not isinstance(value, Fraction) or linear is None:
         return value
-    times = Fraction(known.get(linear.times or "", 1))
-    return effective(value, type_, linear, times) if times > 0 else value
+    times = product_of(known, linear.times or "")
+    return value if times is None else effective(value, type_, linear, times)
 
 
 def _refused(rejection: Rejection) -> Refused:

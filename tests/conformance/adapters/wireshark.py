@@ -11,8 +11,9 @@ import lupa.lua54
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.targets import wireshark as target
+from canwright.model.types import NO_PARAMETERS
 from canwright.targets.base import EditionInput
+from canwright.targets.wireshark.target import WiresharkTarget
 
 from ..adapter import CanFrame, Cannot, Decoded, DecodeOnlyAdapter, Parameters, Refused, Value
 
@@ -52,6 +53,7 @@ class LuaDecoder:
     def decode(self, direction: Direction, frame: CanFrame, parameters: Parameters, expected: Any) -> Decoded | Refused:
         """What a frame means, as the message `expected` or by itself."""
         table = self.frame(frame)
+        self._configure(parameters)
         if expected is None:
             message, detail = _two(self.codec.identify(self.edition, self._directions[direction], table))
             if message is None:
@@ -67,19 +69,25 @@ class LuaDecoder:
             return Refused(Refusal(fields[1]))
         return _decoded(message, node, list(fields.values()))
 
+    def _configure(self, parameters: Parameters) -> None:
+        """Sets the parameters in ids, as a change of the preferences does."""
+        self.codec.configure(self.edition, self.lua.table_from([self.parameters(parameters)]))
+
     def message(self, direction: Direction, command: str) -> Any:
         """The request or the reply of a command."""
         return self._messages[direction.value, command]
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters) -> Refused | None:
         """Why a frame is not the reply to a request."""
         asking = self.frame(request)
+        self._configure(parameters)
         message, detail = _two(self.codec.identify(self.edition, "requests", asking))
         if message is None:
             return Refused(Refusal(detail))
-        if not self.codec.has_constants(message, asking):
-            return Refused(Refusal.WRONG_CONSTANT)
-        fits, _ = _two(self.codec.answers(message, detail, asking, self.frame(reply)))
+        rejected = self.codec.rejects(message, asking)
+        if rejected is not None:
+            return Refused(Refusal(rejected))
+        fits, _ = _two(self.codec.answer(message, detail, asking, self.frame(reply)))
         return None if fits else Refused(Refusal.NOT_ANSWER)
 
 
@@ -93,8 +101,12 @@ def _decoded(message: Any, node: int | None, fields: list[Any]) -> Decoded:
     values: dict[str, Any] = {}
     for entry in fields:
         name = entry.field.name
-        integer = int(entry.raw.high) * (1 << 32) + int(entry.raw.low)
-        value: Value = entry.value
+        if entry.raws:
+            raw[name] = [int(number) for number in entry.raws.values()]
+            values[name] = entry.value.decode("utf-8") if isinstance(entry.value, bytes) else entry.value
+            continue
+        integer = int(entry.high) * (1 << 32) + int(entry.low)
+        value: Value = entry.no_value or entry.value
         if hasattr(value, "values"):
             value = list(value.values())  # type: ignore[union-attr]
         if entry.field.indices:
@@ -123,7 +135,7 @@ class WiresharkAdapter(DecodeOnlyAdapter):
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> WiresharkAdapter:
         """Loads the generated file in each version of Lua."""
-        outputs = {output.path: output.text for output in target.generate([specification], {})}
+        outputs = {output.path: output.text for output in WiresharkTarget().generate([specification], {})}
         return cls(specification.edition, outputs[f"{specification.edition.family}.lua"])
 
     def decode(
@@ -136,7 +148,7 @@ class WiresharkAdapter(DecodeOnlyAdapter):
         assert rest == [first] * len(rest), f"the versions of Lua differ: {first}, {rest}"
         return first
 
-    def answers(self, request: CanFrame, reply: CanFrame) -> Refused | None:
-        first, *rest = (decoder.answers(request, reply) for decoder in self._decoders)
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
+        first, *rest = (decoder.answers(request, reply, parameters) for decoder in self._decoders)
         assert rest == [first] * len(rest), f"the versions of Lua differ: {first}, {rest}"
         return first

@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from types import MappingProxyType
 
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.types import Assignment, Parameter
+from ...semantics.encoder import Encoder, Encoders
 
 MOST = 64
 """So many combinations of parameter values are tried for one message; beyond, each parameter is varied alone."""
@@ -25,6 +27,11 @@ class Assignments:
             present = [p[name] for p in (before, after) if name in p]
             self._values[name] = _values(present, _PRIMES[number % len(_PRIMES)])
         self.first: Assignment = {name: values[0] for name, values in self._values.items() if values}
+        self._encoders = Encoders()
+
+    def encoder(self, known: Assignment = MappingProxyType({})) -> Encoder:
+        """An encoder under some values; other parameters have their first ones."""
+        return self._encoders.for_parameters({**self.first, **known})
 
     def of(self, names: Iterable[str]) -> Iterator[Assignment]:
         """Every combination of the values of some parameters; at most `MOST`, or each varied alone."""

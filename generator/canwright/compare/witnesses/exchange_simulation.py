@@ -6,33 +6,29 @@ the other edition is also tried with the correct id, and fields are compared as 
 
 from __future__ import annotations
 
-import dataclasses
-import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.layout import Field, NodeRole, Space
 from ...model.message import Command, Direction, IdRule, Message
 from ...model.types import Assignment
-from ...semantics.decoder import Decoder, Identified, Rejection, rejects_constants
-from ...semantics.encoder import Encoder, Encoders
+from ...semantics.decoder import Decoder, Identified, Rejection, rejects_checked
+from ...semantics.encoder import Encoder
 from ...semantics.exchange import check_reply
 from ...semantics.frame import CanFrame, raw_of
 from ..change import Impact, Keyword, SentenceArgument, Side
 from ..forms import is_emptied
+from ..match import Matched
 from . import candidates, paths
 from .assignments import Assignments
-from .counterparts import Counterparts
-from .field_comparison import FieldComparison, MessagePair, parameters_of, shown
+from .candidates import Sender
+from .field_comparison import MessagePair, parameters_of, shown
 from .nodes import Nodes
-from .witness import Witness
+from .witness import Witness, sentence
 
 MAX_NODES = 64
 """So many nodes are tried where an id rule differs: the first ones, and as many of the last ones."""
-MAX_FIELDS = 4
-"""So many fields of a foreign message are shown."""
 
 
 class _Case(NamedTuple):
@@ -52,6 +48,20 @@ class _Case(NamedTuple):
         return tuple(dict.fromkeys((*(p for p in layouts if p), *(p for c in self.both for p in c.only))))
 
 
+class _Transfer(NamedTuple):
+    """A message of a case that is sent under some parameters, and the one that is expected; None without one."""
+
+    case: _Case
+    sent: Message
+    read: Message | None
+    known: Assignment
+    encoder: Encoder
+
+    @property
+    def is_request(self) -> bool:
+        return self.case.side is Side.SENDING
+
+
 class _Trial(NamedTuple):
     """A frame that is given to the receiver, with its node, and whether the sender sends it.
 
@@ -65,14 +75,13 @@ class _Trial(NamedTuple):
 
 
 class ExchangeSimulation:
-    """Observes both directions between an old host and a new node."""
+    """Observes both directions between an old host and a new node, whose commands are `matched`."""
 
-    def __init__(self, old: Edition, new: Edition) -> None:
-        self._counterparts = Counterparts(old, new)
+    def __init__(self, old: Edition, new: Edition, matched: Matched[Command]) -> None:
+        self._matched = matched
+        self._counterparts = dict((*matched.pairs, *((after, before) for before, after in matched.pairs)))
         self._assignments = Assignments(old, new)
-        self._fields = FieldComparison(self._counterparts, self._assignments)
         self._nodes = Nodes(old, new)
-        self._encoders = Encoders()
         self._editions = {Side.SENDING: (old, new), Side.RECEIVING: (new, old)}
         decoders = Decoder(old), Decoder(new)
         self._decoders = {Side.SENDING: decoders, Side.RECEIVING: decoders[::-1]}
@@ -80,18 +89,17 @@ class ExchangeSimulation:
 
     def witnesses(self) -> Iterator[Witness]:
         """Every witness that was found."""
-        pairs = self._counterparts
-        for old, new in pairs.commands:
+        for old, new in self._matched.pairs:
             yield from self._available(_Case(Side.SENDING, old, new))
             yield from self._sending(_Case(Side.SENDING, old, new))
             yield from self._receiving(_Case(Side.RECEIVING, old, new))
-        for old in pairs.removed:
+        for old in self._matched.removed:
             if old.request is not None:
                 yield from self._identified(_Case(Side.SENDING, old, None), old.request, None)
             elif old.reply is not None:
                 of_existence = paths.of_existence(old, old.reply)
                 yield self._absent(_Case(Side.RECEIVING, old, None), "received-removed", old.reply, {}, of_existence)
-        for new in pairs.added:
+        for new in self._matched.added:
             if new.request is None and new.reply is not None:
                 yield from self._identified(_Case(Side.RECEIVING, None, new), new.reply, None)
 
@@ -112,9 +120,8 @@ class ExchangeSimulation:
             if old.request is None:
                 yield self._absent(case, "received-removed", old.reply)
             else:
-                facts = {"sent": f"`{old.name}`"}
                 request = self._first(old.request)
-                yield self._made(case, Impact.LOUD, {}, request, "sent-unanswered", facts)
+                yield self._made(case, "sent-unanswered", request, {"sent": f"`{old.name}`"})
         else:
             if old.request is None and new.request is not None:
                 yield self._absent(case, "received-missing", old.reply)
@@ -124,9 +131,27 @@ class ExchangeSimulation:
             yield from self._identified(case, new.reply, old.reply)
             if old.request is not None and new.request is not None:
                 yield from self._answers(case, old.request, old.reply, new.reply)
+                yield from self._others(case, old, new)
             is_echoed = old.is_echoed and new.is_echoed  # then it has the constants of the old host
             read = self._read(case, new.reply, old.reply)
             yield from (witness for witness in read if not (is_echoed and witness.impact is Impact.LOUD))
+
+    def _others(self, case: _Case, old: Command, new: Command) -> Iterator[Witness]:
+        """The replies besides the first that the old host does not know, and those for which it waits in vain."""
+        (sender, receiver), request = self._editions[Side.RECEIVING], old.request
+        known = {self._counterparts.get(receiver.command(reply.message.command)) for reply in old.replies}
+        for reply in new.replies[1:]:
+            if request is not None and sender.command(reply.message.command) not in known:
+                node = self._nodes.first(request, reply.message)
+                frame = next(Sender(self._assignments.encoder(), reply.message, node).samples(), None)
+                facts = {"sent": f"`{reply.message.command}`", "reason": _reason("not_answer")}
+                key = "alternative_replies" if reply.is_alternative else "further_replies"
+                yield self._made(case, "received-rejected", frame, facts, concerned=[(*old.path, key)])
+        sent = {sender.command(reply.message.command) for reply in new.replies}
+        for reply in old.further_replies:
+            if self._counterparts.get(receiver.command(reply.message.command)) not in sent:
+                concerned = [(*old.path, "further_replies")]
+                yield self._absent(case, "received-removed", reply.message, concerned=concerned)
 
     def _of_other_form(self, case: _Case, sent: Message, read: Message) -> Iterator[Witness]:
         """What the old host makes of a reply of another form, judged as a whole."""
@@ -135,13 +160,10 @@ class ExchangeSimulation:
         identified = self._identified(case, sent, read)
         yield from (witness for witness in identified if not (accepted and witness.impact is Impact.LOUD))
         if rejected is not None:
-            facts: dict[str, SentenceArgument] = {
-                "sent": f"`{sent.command}`",
-                "reason": _reason(rejected[1].reason.value),
-            }
+            frame, rejection, exists = rejected
+            facts = {"sent": f"`{sent.command}`", "reason": _reason(rejection.reason.value)}
             of_answer = self._of_answer(case)
-            witness = self._made(case, Impact.LOUD, {}, rejected[0], "received-rejected", facts, of_answer)
-            yield dataclasses.replace(witness, exists=rejected[2])
+            yield self._made(case, "received-rejected", frame, facts, concerned=of_answer, exists=exists)
         if accepted:
             yield from self._read(case, sent, read)
 
@@ -154,24 +176,31 @@ class ExchangeSimulation:
         for assignment in self._assignments.of((*old.only, *new.only)):
             if old.available(assignment) and not new.available(assignment):
                 if old.request is not None:
-                    frame = self._first(old.request)
-                    facts = {"sent": f"`{old.name}`"}
-                    yield self._made(case, Impact.LOUD, assignment, frame, "sent-unavailable", facts, of_availability)
+                    frame, facts = self._first(old.request), {"sent": f"`{old.name}`"}
+                    yield self._made(case, "sent-unavailable", frame, facts, assignment, of_availability)
                 elif old.reply is not None:
                     missing = case._replace(side=Side.RECEIVING)
                     yield self._absent(missing, "received-removed", old.reply, assignment, of_availability)
 
     def _read(self, case: _Case, sent: Message, read: Message) -> Iterator[Witness]:
-        groups, of_use = self._groups(case), frozenset((*self._of_use(case), sent.path, read.path))
-        available, same = [command.only for command in case.both], self._has_same_origin(case.side, sent, read)
-        receiver = self._decoders[case.side][1]
-        pair = MessagePair(case.side, groups, of_use, available, sent, read, self._nodes.of(sent), same, receiver)
-        yield from self._fields.witnesses(pair)
+        pair = MessagePair(
+            assignments=self._assignments,
+            side=case.side,
+            commands=self._groups(case),
+            of_use=frozenset((*self._of_use(case), sent.path, read.path)),
+            available=[command.only for command in case.both],
+            sent=sent,
+            read=read,
+            nodes=self._nodes.of(sent),
+            has_same_origin=self._has_same_origin(case.side, sent, read),
+            receiver=self._decoders[case.side][1],
+        )
+        yield from pair.witnesses()
 
     def _has_same_origin(self, side: Side, sent: Message, read: Message) -> bool:
         """Whether two messages are the same one, not the replies of different commands, or an echo in one edition."""
         sender, receiver = (e.command(m.command) for e, m in zip(self._editions[side], (sent, read), strict=True))
-        return self._counterparts.of(sender) is receiver and sender.is_echoed == receiver.is_echoed
+        return self._counterparts.get(sender) is receiver and sender.is_echoed == receiver.is_echoed
 
     def _answers_of_other_form(
         self, old: Command, new: Command, sent: Message, read: Message
@@ -182,9 +211,7 @@ class ExchangeSimulation:
             ids = (sent.id, read.id) if sent.address == read.address else (sent.id, sent.id)
             placed = _moved(reply, *ids, node) or reply
             answer = check_reply(host, asked, placed)
-            wrong = (
-                answer if isinstance(answer, Rejection) else rejects_constants(read, placed, self._assignments.first)
-            )
+            wrong = answer if isinstance(answer, Rejection) else rejects_checked(read, placed, self._assignments.first)
             accepted = accepted or wrong is None
             rejected = rejected or (placed, wrong, placed == reply) if wrong is not None else rejected
         return accepted, rejected
@@ -198,25 +225,19 @@ class ExchangeSimulation:
         self, old: Command, new: Command, sent: Message, read: Message
     ) -> Iterator[tuple[CanFrame, int | None, CanFrame]]:
         """Requests of the old host with a node and its reply; for an echo also replies with the data of the request."""
-        encoder = self._encoders.for_parameters(self._assignments.first)
+        encoder = self._assignments.encoder()
         if old.request is None:
             return
         node = self._nodes.first(old.request, sent, read)
-        for asked in self._variations(encoder, old.request, node):
+        sender = Sender(encoder, sent, node)
+        for asked in Sender(encoder, old.request, node).variations():
             for reply in self._replies(encoder, new, asked, node):
                 yield asked, node, reply
                 same = CanFrame(reply.id, asked.data, reply.extended, reply.remote)
-                if old.is_echoed and self._is_sent(encoder, sent, node, same):
+                if old.is_echoed and sender.sends(self._decoders[Side.RECEIVING][0], same):
                     yield asked, node, same
             if new.is_echoed:  # a node may build it from the fields, with codes where replies have them
-                yield from ((asked, node, frame) for frame in self._variations(encoder, sent, node))
-
-    def _is_sent(self, encoder: Encoder, message: Message, node: int | None, frame: CanFrame) -> bool:
-        """Whether a new node can send a frame as a message."""
-        decoded = self._decoders[Side.RECEIVING][0].decode_as(message, frame, encoder.assignment)
-        if isinstance(decoded, Rejection):
-            return False
-        return encoder.encode_raws(message, node if message.id.nodes else None, decoded.raws) == frame
+                yield from ((asked, node, frame) for frame in sender.variations())
 
     def _identified(self, case: _Case, sent: Message, read: Message | None) -> Iterator[Witness]:
         """The frames of a message that are another message, or none; with the correct id, and with the sender's."""
@@ -225,16 +246,16 @@ class ExchangeSimulation:
                 continue
             seen: set[object] = set()
             for known in (assignment, *self._with_other_ranges(assignment, sent)):
-                encoder = self._encoders.for_parameters({**self._assignments.first, **known})
-                for trial in self._frames(case.side, encoder, sent, read):
-                    witness = self._outcome(case, known, encoder, sent, read, trial)
+                transfer = _Transfer(case, sent, read, known, self._assignments.encoder(known))
+                for trial in self._frames(transfer):
+                    witness = self._outcome(transfer, trial)
                     if witness is not None:
                         kind = (trial.is_of_id, witness.impact, witness.commands)
                         if kind not in seen:
                             seen.add(kind)
                             yield witness
                             if not trial.is_of_id:
-                                yield from self._answer_of_another(case, known, encoder, witness)
+                                yield from self._answer_of_another(transfer, witness)
 
     def _with_other_ranges(self, assignment: Assignment, sent: Message) -> Iterator[Assignment]:
         """`assignment` with other values of the parameters that ranges of the fields of a message depend on."""
@@ -242,16 +263,14 @@ class ExchangeSimulation:
         further = [name for name in names if name is not None and name not in assignment]
         yield from ({**assignment, **more} for more in self._assignments.of(further) if more)
 
-    def _answer_of_another(
-        self, case: _Case, assignment: Assignment, encoder: Encoder, misread: Witness
-    ) -> Iterator[Witness]:
+    def _answer_of_another(self, transfer: _Transfer, misread: Witness) -> Iterator[Witness]:
         """What the old host makes of the reply to a request that the new node takes for another command's."""
-        asked, old = misread.frame, case.old
-        if case.side is not Side.SENDING or asked is None or old is None:
+        (case, _, _, assignment, encoder), asked, old = transfer, misread.frame, transfer.case.old
+        if not transfer.is_request or asked is None or old is None:
             return
         if misread.impact is not Impact.SILENT:  # rejected, perhaps because of a constant
             return
-        receiver = self._decoders[Side.SENDING][1]
+        host, receiver = self._decoders[Side.SENDING]
         understood = candidates.message_of(receiver, Direction.REQUEST, asked)
         if understood is None or old.reply is None or old.request is None:
             return
@@ -261,7 +280,7 @@ class ExchangeSimulation:
         reply = self._reply(encoder, command, asked, node)
         if reply is None or command.reply is None:
             facts: dict[str, SentenceArgument] = {"sent": f"`{old.name}`"}
-            yield self._made(back, Impact.LOUD, assignment, asked, "sent-unanswered", facts, misread.paths, (command,))
+            yield self._made(back, "sent-unanswered", asked, facts, assignment, misread.paths, (command,))
             return
         original = _moved(asked, understood.id, old.request.id, node)
         placed = _moved(reply, command.reply.id, old.reply.id, node)
@@ -269,122 +288,85 @@ class ExchangeSimulation:
             return
         facts = {"sent": _whole(command.reply, encoder, reply)}
         exists, known = placed == reply and original == asked, _stated(assignment, encoder, command.reply, old.reply)
-        if isinstance(check_reply(self._decoders[Side.SENDING][0], original, placed), Rejection):
-            facts["reason"] = _reason("not_answer")
-            impact, sentence = Impact.LOUD, "received-rejected"
-        elif self._counterparts.of(self._editions[Side.SENDING][1].command(command.reply.command)) is not (
+        if isinstance(check_reply(host, original, placed), Rejection):
+            facts["reason"], about = _reason("not_answer"), "received-rejected"
+        elif self._counterparts.get(self._editions[Side.SENDING][1].command(command.reply.command)) is not (
             self._editions[Side.SENDING][0].command(old.reply.command)
         ):
-            facts["read"] = _whole(old.reply, encoder, placed)
-            impact, sentence = Impact.SILENT, "received-read"
+            facts["read"], about = _whole(old.reply, encoder, placed), "received-read"
         else:
             return
-        witness = self._made(back, impact, known, placed, sentence, facts, misread.paths, (command,))
-        yield dataclasses.replace(witness, exists=exists)
+        yield self._made(back, about, placed, facts, known, misread.paths, (command,), exists=exists)
 
-    def _frames(self, side: Side, encoder: Encoder, sent: Message, read: Message | None) -> Iterator[_Trial]:
+    def _frames(self, transfer: _Transfer) -> Iterator[_Trial]:
         """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender.
 
         A message that uses another address is only tried with the ids of the sender.
         """
-        direction, receiver = sent.direction, self._decoders[side][1]
+        case, sent, read, _, encoder = transfer
+        direction, (decoder, receiver) = sent.direction, self._decoders[case.side]
         common = self._common_node(sent, read or sent)
-        variable = candidates.variable_bits(encoder, sent)
-        for frame in self._samples(encoder, sent, common):
+        sender = Sender(encoder, sent, common)
+        for frame in sender.samples():
             has_same_address = read is not None and read.address == sent.address
             placed = _moved(frame, sent.id, read.id, common) if read is not None and has_same_address else frame
             if placed is None:
                 continue
-            for candidate in candidates.reaching(receiver, direction, placed, variable):
+            for candidate in candidates.reaching(receiver, direction, placed, sender.variable_bits):
                 original = CanFrame(frame.id, candidate.data, frame.extended, frame.remote)
-                if self._is_valid(side, encoder, sent, original):
+                if transfer.is_request and candidates.message_of(decoder, Direction.REQUEST, original) is not sent:
+                    continue
+                if sender.sends(decoder, original):
                     yield _Trial(common, candidate, exists=candidate == original)
-                    if side is Side.RECEIVING:
-                        for code in sent.accepted_codes:
-                            accepted = candidates.with_first_key(sent, candidate, code)
-                            yield _Trial(common, accepted, exists=candidate == original)
+                    for code in () if transfer.is_request else sent.accepted_codes:
+                        accepted = candidates.with_first_key(sent, candidate, code)
+                        yield _Trial(common, accepted, exists=candidate == original)
         if read is not None and read.id != sent.id:
             for node in _nodes(sent.id):
-                base = next(iter(self._samples(encoder, sent, node)), None)
+                base = next(Sender(encoder, sent, node).samples(), None)
                 if base is not None:
                     yield _Trial(node, base, is_of_id=True)
 
-    def _samples(self, encoder: Encoder, message: Message, node: int | None) -> Iterator[CanFrame]:
-        """A frame of a message, and further ones with other values in its fields in the id."""
-        base = candidates.base_raws(encoder, message, node)
-        if base is None:
-            return
-        frames = [base]
-        for name, field in (encoder.fields(message) or {}).items():
-            if field.space is Space.ID and not field.is_array:
-                frames += [{**base, name: raw} for raw in candidates.raws(encoder, field, field)]
-        for raws in frames:
-            frame = encoder.encode_raws(message, node if message.id.nodes else None, raws)
-            if isinstance(frame, CanFrame):
-                yield frame
-
-    def _is_valid(self, side: Side, encoder: Encoder, message: Message, frame: CanFrame) -> bool:
-        """Whether the sender can encode a frame, and the frame is this message in its own edition."""
-        decoder = self._decoders[side][0]
-        decoded = decoder.decode_as(message, frame, encoder.assignment)
-        if isinstance(decoded, Rejection):
-            return False
-        fields = encoder.fields(message) or {}
-        if any(encoder.rejects_raw(field, decoded.raws[name]) for name, field in fields.items()):
-            return False
-        return side is Side.RECEIVING or candidates.message_of(decoder, Direction.REQUEST, frame) is message
-
-    def _outcome(
-        self,
-        case: _Case,
-        assignment: Assignment,
-        encoder: Encoder,
-        sent: Message,
-        read: Message | None,
-        trial: _Trial,
-    ) -> Witness | None:
+    def _outcome(self, transfer: _Transfer, trial: _Trial) -> Witness | None:
         """What the receiver makes of a frame; None if it is the expected message of the same node."""
+        case, sent, read, assignment, encoder = transfer
         node, frame, receiver = trial.node, trial.frame, self._decoders[case.side][1]
         result = receiver.identify(sent.direction, frame)
-        sending = case.side is Side.SENDING
-        facts: dict[str, SentenceArgument] = {"sent": self._sent(encoder, sent, trial)}
+        facts: dict[str, SentenceArgument] = {"sent": self._sent(transfer, trial)}
         if isinstance(result, Identified):
-            expected = self._expected(case.side, encoder, sent, read, frame)
-            if result.message in expected:
+            if result.message in self._expected(transfer, frame):
                 if node is None or result.node is None or node == result.node:
                     return None
                 facts = {"sent": (f"`{sent.command}`, ", Keyword("node"), f" {node}")}
                 facts["read"] = (Keyword("node"), f" {result.node}")
-            elif read is not None and not sending and self._is_ambiguous(receiver, read, frame, encoder):
+            elif (
+                read is not None
+                and not transfer.is_request
+                and not isinstance(receiver.decode_as(read, frame, encoder.assignment), Rejection)
+            ):  # it takes the same frame of an old node for another message, too
                 return None
             else:
-                wrong = rejects_constants(result.message, frame, encoder.assignment)
-                if wrong is not None:
-                    result = wrong
-                else:
+                wrong = rejects_checked(result.message, frame, encoder.assignment)
+                if wrong is None:
                     facts["read"] = _whole(result.message, encoder, frame)
+                else:
+                    result = wrong
         if isinstance(result, Rejection):
-            if read is None and not sending:
+            if read is None and not transfer.is_request:
                 return None
-            facts["reason"] = _reason(result.reason.value)
-            sentence, known = "sent-rejected" if sending else "received-rejected", _stated(assignment, encoder, sent)
-            witness = self._made(
-                case, Impact.LOUD, known, frame, sentence, facts, self._of_frame(case, trial, sent, read)
-            )
-            return dataclasses.replace(witness, exists=trial.exists)
-        sentence, known = (
-            "sent-read" if sending else "received-read",
-            _stated(assignment, encoder, sent, result.message),
+            facts["reason"], about, known, further = _reason(result.reason.value), "rejected", None, []
+        else:
+            about, known = "read", result.message
+            further = [self._editions[case.side][1].command(known.command)]
+        stated = _stated(assignment, encoder, *filter(None, (sent, known)))
+        of_frame = self._of_frame(transfer, trial, known)
+        return self._made(
+            case, sentence(case.side, about), frame, facts, stated, of_frame, further, exists=trial.exists
         )
-        command = self._editions[case.side][1].command(result.message.command)
-        of_frame = self._of_frame(case, trial, sent, read, result.message)
-        witness = self._made(case, Impact.SILENT, known, frame, sentence, facts, of_frame, (command,))
-        return dataclasses.replace(witness, exists=trial.exists)
 
-    def _of_frame(
-        self, case: _Case, trial: _Trial, sent: Message, read: Message | None, known: Message | None = None
-    ) -> Iterator[DocumentPath]:
-        """What decides which message a frame is, which is sent and read as some messages, and `known` as another."""
+    def _of_frame(self, transfer: _Transfer, trial: _Trial, known: Message | None) -> Iterator[DocumentPath]:
+        """What decides which message a frame is, which is sent and expected as some messages, and `known` as another."""
+        case, sent, read, _, _ = transfer
         sender, receiver = self._editions[case.side]
         ends = [(sender, sent), *((receiver, message) for message in (read, known) if message is not None)]
         has_same_address = all(message.address == sent.address for _, message in ends)
@@ -407,32 +389,27 @@ class ExchangeSimulation:
                     yield from paths.of_id(command, message)
                     yield from paths.of_node(message)
 
-    def _is_ambiguous(self, receiver: Decoder, read: Message, frame: CanFrame, encoder: Encoder) -> bool:
-        """Whether the old host takes the same frame of an old node for another message, too."""
-        return not isinstance(receiver.decode_as(read, frame, encoder.assignment), Rejection)
-
-    def _sent(self, encoder: Encoder, message: Message, trial: _Trial) -> SentenceArgument:
-        name = f"`{message.command}`"
+    def _sent(self, transfer: _Transfer, trial: _Trial) -> SentenceArgument:
+        message, encoder = transfer.sent, transfer.encoder
         decoded = self._decoders[Side.SENDING][0].decode_as(message, trial.frame, encoder.assignment)
         is_name = isinstance(decoded, Rejection) or trial.is_of_id
-        return name if is_name else _whole(message, encoder, trial.frame)
+        return f"`{message.command}`" if is_name else _whole(message, encoder, trial.frame)
 
-    def _expected(
-        self, side: Side, encoder: Encoder, sent: Message, read: Message | None, frame: CanFrame
-    ) -> Sequence[Message]:
+    def _expected(self, transfer: _Transfer, frame: CanFrame) -> Sequence[Message]:
         """The messages as which the receiver may decode a frame: some replies are identified only by their request."""
+        (side, *_), sent, read, _, encoder = transfer
         expected = [] if read is None else [read]
         if side is Side.SENDING:
             return expected
         sender, receiver = self._decoders[side]
         if read is not None:
             node = self._common_node(read, read)
-            own = next(iter(self._samples(encoder, read, node)), None)
+            own = next(Sender(encoder, read, node).samples(), None)
             alone = own and candidates.message_of(receiver, Direction.REPLY, own)
             expected += [alone] if alone else []
         alone = candidates.message_of(sender, Direction.REPLY, frame)
         for message in (sent, *((alone,) if alone is not None else ())):
-            counterpart = self._counterparts.of(self._editions[side][0].command(message.command))
+            counterpart = self._counterparts.get(self._editions[side][0].command(message.command))
             expected += [counterpart.reply] if counterpart and counterpart.reply else []
         return expected
 
@@ -444,9 +421,9 @@ class ExchangeSimulation:
             return
         host = self._decoders[Side.SENDING][0]
         for assignment in self._assignments.of(case.parameters):
-            encoder = self._encoders.for_parameters({**self._assignments.first, **assignment})
+            encoder = self._assignments.encoder(assignment)
             node = self._nodes.first(request, sent, read)
-            asked = next(iter(self._samples(encoder, request, node)), None)
+            asked = next(Sender(encoder, request, node).samples(), None)
             repliers = new.from_each[:1] or self._asked(new, node)
             own = self._reply(encoder, old, asked, repliers[0])
             if asked is None or own is None or isinstance(check_reply(host, asked, own), Rejection):
@@ -462,9 +439,8 @@ class ExchangeSimulation:
                 judged = None if placed is None else check_reply(host, asked, placed)
                 if placed is not None and isinstance(judged, Rejection):
                     facts = {"sent": f"`{new.name}`", "reason": _reason(judged.reason.value)}
-                    sentence, of_answer = "received-rejected", self._of_answer(case)
-                    witness = self._made(case, Impact.LOUD, assignment, placed, sentence, facts, of_answer)
-                    yield dataclasses.replace(witness, exists=placed == reply)
+                    of_answer, exists = self._of_answer(case), placed == reply
+                    yield self._made(case, "received-rejected", placed, facts, assignment, of_answer, exists=exists)
                     break
 
     def _asked(self, command: Command, node: int | None) -> Sequence[int | None]:
@@ -481,26 +457,11 @@ class ExchangeSimulation:
     def _replies(self, encoder: Encoder, command: Command, asked: CanFrame, node: int | None) -> Iterator[CanFrame]:
         """Replies to a request: its echo, or frames with different values of the first fields."""
         if command.reply is not None:
-            for frame in self._variations(encoder, command.reply, node):
+            for frame in Sender(encoder, command.reply, node).variations():
                 same = command.is_echoed and len(frame.data) == len(asked.data)
                 yield CanFrame(frame.id, asked.data if same else frame.data, frame.extended, frame.remote)
                 if command.is_echoed:
                     return
-
-    def _variations(self, encoder: Encoder, message: Message, node: int | None) -> Iterator[CanFrame]:
-        """Frames of a message with different values of the first fields."""
-        base = candidates.base_raws(encoder, message, node)
-        if base is None:
-            return
-        given = [base]
-        for field in _first_fields(message, encoder):
-            if not field.is_array and not isinstance(field.role, NodeRole):
-                raws = (raw for raw in candidates.raws(encoder, field, field) if raw != base[field.name])
-                given += [{**base, field.name: raw} for raw in itertools.islice(raws, 1)]
-        for raws_of in given:
-            frame = encoder.encode_raws(message, node if message.id.nodes else None, raws_of)
-            if isinstance(frame, CanFrame):
-                yield frame
 
     def _repliers(self, case: _Case, old: Command, new: Command) -> Iterator[Witness]:
         """The nodes whose replies are missing or unexpected."""
@@ -508,12 +469,11 @@ class ExchangeSimulation:
             [] if old.from_each else [n for n in _nodes(new.replies[0].message.id) if n is not None][:1]
         )
         unexpected = [n for n in new.from_each if n not in old.from_each]
-        for node, sentence in [(n, "received-removed") for n in missing[:1]] + [
-            (n, "received-rejected") for n in unexpected[:1]
-        ]:
-            name: SentenceArgument = (f"`{new.name}`, ", Keyword("node"), f" {node}")
-            facts: dict[str, SentenceArgument] = {"read": name, "sent": name, "reason": _reason("not_answer")}
-            yield self._made(case, Impact.LOUD, {}, None, sentence, facts, self._of_answer(case))
+        for nodes, about in ((missing, "received-removed"), (unexpected, "received-rejected")):
+            for node in nodes[:1]:
+                name: SentenceArgument = (f"`{new.name}`, ", Keyword("node"), f" {node}")
+                facts: dict[str, SentenceArgument] = {"read": name, "sent": name, "reason": _reason("not_answer")}
+                yield self._made(case, about, None, facts, concerned=self._of_answer(case))
 
     def _common_node(self, first: Message, second: Message) -> int | None:
         """A node that two messages have, of the first if it is the only one with nodes."""
@@ -531,17 +491,16 @@ class ExchangeSimulation:
     def _absent(
         self,
         case: _Case,
-        sentence: str,
+        about: str,
         read: Message,
         assignment: Assignment | None = None,
         concerned: Iterable[DocumentPath] = (),
     ) -> Witness:
-        facts = {"read": f"`{read.command}`"}
-        return self._made(case, Impact.LOUD, assignment or {}, None, sentence, facts, concerned)
+        return self._made(case, about, None, {"read": f"`{read.command}`"}, assignment, concerned)
 
     def _first(self, message: Message) -> CanFrame | None:
-        encoder = self._encoders.for_parameters(self._assignments.first)
-        return next(iter(self._samples(encoder, message, self._common_node(message, message))), None)
+        encoder = self._assignments.encoder()
+        return next(Sender(encoder, message, self._common_node(message, message)).samples(), None)
 
     def _groups(self, case: _Case, other_commands: Iterable[Command] = ()) -> tuple[str, ...]:
         """The commands that a witness of a case is about, and those whose replies theirs are."""
@@ -555,25 +514,18 @@ class ExchangeSimulation:
     def _made(
         self,
         case: _Case,
-        impact: Impact,
-        assignment: Assignment,
+        about: str,
         frame: CanFrame | None,
-        sentence: str,
         facts: Mapping[str, SentenceArgument],
+        assignment: Assignment | None = None,
         concerned: Iterable[DocumentPath] = (),
-        other_commands: Iterable[Command] = (),
+        further: Iterable[Command] = (),
+        *,
+        exists: bool = True,
     ) -> Witness:
-        """A witness about some commands, and about the `concerned` paths."""
-        return Witness(
-            case.side,
-            impact,
-            assignment,
-            frame,
-            sentence,
-            facts,
-            self._groups(case, other_commands),
-            frozenset((*self._of_use(case), *concerned)),
-        )
+        """A witness about the commands of a case and `further`, and about the `concerned` paths."""
+        commands, of_use = self._groups(case, further), frozenset((*self._of_use(case), *concerned))
+        return Witness(case.side, assignment or {}, frame, about, facts, commands, of_use, exists)
 
 
 def _reason(refusal: str) -> Keyword:
@@ -583,20 +535,14 @@ def _reason(refusal: str) -> Keyword:
 
 def _stated(known: Assignment, encoder: Encoder, *messages: Message) -> Assignment:
     """Parameter values with those that the values of the first fields of some messages depend on."""
-    fields = (field for message in messages for field in _first_fields(message, encoder))
+    fields = (field for message in messages for field in candidates.first_fields(encoder, message))
     names = (name for field in fields for name in parameters_of(field.type) if name in encoder.assignment)
     return {**known, **{name: encoder.assignment[name] for name in names}}
 
 
-def _first_fields(message: Message, encoder: Encoder) -> list[Field]:
-    """The fields of a message that are shown: the first ones, by their bits."""
-    fields = (encoder.fields(message) or {}).values()
-    return sorted(fields, key=lambda field: (field.space, field.elements[0].bits))[:MAX_FIELDS]
-
-
 def _whole(message: Message, encoder: Encoder, frame: CanFrame) -> str:
     """A message with the values of its first fields: `` `dim`: `level = 5 %` ``."""
-    values = [shown(f, raw_of(f, frame), encoder.assignment) for f in _first_fields(message, encoder)]
+    values = [shown(f, raw_of(f, frame), encoder.assignment) for f in candidates.first_fields(encoder, message)]
     return f"`{message.command}`" + (f": {', '.join(values)}" if values else "")
 
 

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
-from ...model.layout import Field, NodeRole
-from ...model.message import Command, Direction, KeyRole, Message
-from ...model.types import Type
+from ...model.layout import ROLE_KEYS, Field, NodeRole
+from ...model.message import Command, Direction, Message
+from ...model.types import Member, Type
+from ..forms import constants
 
 Paths = frozenset[DocumentPath]
 
@@ -20,9 +21,9 @@ class Aspect(NamedTuple):
     of_type: tuple[str, ...]
 
 
-RAW = Aspect(("array", "at", "byte_order", "constant", "holds", "only", "reserved"), ("byte_order", "raw"))
+RAW = Aspect(("array", "at", "byte_order", "only", *ROLE_KEYS), ("byte_order", "raw"))
 """The raw integer."""
-VALUE = Aspect((), ("offset", "raw", "scale", "unit"))
+VALUE = Aspect((), ("offset", "padding", "raw", "scale", "unit"))
 """The value of a raw integer."""
 RANGE = Aspect((), ("raw", "raw_range"))
 """Whether a raw integer is allowed."""
@@ -40,9 +41,14 @@ def of_fields(aspect: Aspect, fields: Iterable[Field], members: Iterable[str] = 
             if aspect is MEMBER:
                 yield from (
                     (*path, key, name)
-                    for key, named in (("enum", field.type.enum), ("flags", field.type.flags))
+                    for key, named in _named(field.type)
                     for name in (members or (member.name for member in named))
                 )
+
+
+def _named(type_: Type) -> Iterator[tuple[str, tuple[Member, ...]]]:
+    """The members of a type, by the key of the language."""
+    yield from (("enum", type_.enum), ("flags", type_.flags), ("no_value", type_.no_values))
 
 
 def _of_type(field: Field) -> Iterator[DocumentPath]:
@@ -87,7 +93,7 @@ def of_identity(command: Command, message: Message) -> Iterator[DocumentPath]:
     yield from ((*message.path, key) for key in ("accept", "address", "code", "dlc", "remote"))
     selectors = ("selector",) if message.direction is Direction.REQUEST else ("selector", "reply_selector")
     yield from (("addresses", message.address, key) for key in selectors)
-    for constant in (key for key in message.keys if key.role is KeyRole.CONSTANT):
+    for constant in constants(message).values():
         yield from ((*constant.path, key) for key in ("at", "byte_order", "constant"))
     if command.entry is not None:
         yield ("tables", command.entry.table, "index")
@@ -102,4 +108,4 @@ def of_id(command: Command, message: Message) -> Iterator[DocumentPath]:
 
 def of_node(message: Message) -> Iterator[DocumentPath]:
     """Which field of a message contains the node."""
-    yield from ((*field.path, "holds") for field in message.layout.fields if isinstance(field.role, NodeRole))
+    yield from ((*field.path, NodeRole.key) for field in message.layout.fields if isinstance(field.role, NodeRole))

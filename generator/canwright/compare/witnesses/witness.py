@@ -28,14 +28,23 @@ SENTENCES: Mapping[str, str] = {
 }
 """The sentences about witnesses, with names of facts in braces."""
 
+_SILENT = ("ignored", "read", "unset")
+"""The ends of the names of sentences about frames that are understood differently; the others are about errors."""
+
 REASONS: Mapping[str, str] = {
     "frames": "no frame is understood differently",
     "combined": "no frame shows it, because another change affects the same frames first",
     "effects": "no frame shows it, because it is about what a node does",
     "setting": "no frame shows it, because it is about a setting",
+    "several": "no frame shows it, because it is about several frames",
     "timing": "no frame shows it, because it is about time",
 }
 """Why a change has no witness."""
+
+
+def sentence(side: Side, about: str) -> str:
+    """The name of the sentence about what a side sends or receives: `sent-read`, `received-read`."""
+    return f"{'sent' if side is Side.SENDING else 'received'}-{about}"
 
 
 @dataclass(frozen=True)
@@ -49,7 +58,6 @@ class Witness:
     """
 
     side: Side
-    impact: Impact
     assignment: Assignment
     frame: CanFrame | None
     sentence: str
@@ -58,6 +66,11 @@ class Witness:
     paths: Paths = frozenset()
     exists: bool = True
     is_of_field: bool = False
+
+    @property
+    def impact(self) -> Impact:
+        """The impact on the old host."""
+        return Impact.SILENT if self.sentence.endswith(_SILENT) else Impact.LOUD
 
     @property
     def sent(self) -> str:

@@ -47,7 +47,7 @@ class Menu:
         self._titles = titles
         self._metadata = metadata
         self._language = language
-        self._synonyms = data["synonyms"]
+        self._words = {key: data[key] for key in ("synonyms", "stops", "questions")}
         self.editions = {e["folder"]: e for e in data["editions"] if language in e["languages"]}
         self._commands: dict[str, list[Mapping[str, Any]]] = {}
         for folder, edition in self.editions.items():
@@ -117,7 +117,7 @@ class Menu:
     def index(self) -> Mapping[str, Any]:
         """What the search finds: records of the editions; titles, headings and texts of the other pages."""
         return {
-            "synonyms": self._synonyms,
+            **self._words,
             "pages": {
                 name: {"title": self._item(name).text, **self._searched(name)}
                 for name in self._titles

@@ -3,30 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
-from ...model.layout import Field, FixedRole, Segment, Space
+from ...model.layout import ChecksumRole, Field, FixedRole, Segment, Space
 from ...model.message import BitRun, Key
-from ...model.types import Encoding
 from .expressions import Integer, integer, joined, operand, smallest, working
 
 
 def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:
     """The expression of the raw integer of a field, in its C type."""
-    kind = integer(field.type)
-    read = _read(field.space, segments, field.type.width, frame)
-    if field.type.encoding is Encoding.SIGNED:
-        wide = 32 if field.type.width <= 32 else 64
-        signed = f"canwright_signed{wide}({read}, {field.type.width}u)"
-        return signed if kind.width == wide else f"({kind.name}){signed}"
-    if kind.width == working(field.type.width).width or is_byte(field.space, segments):
-        return read
-    return f"({kind.name})({read})"
+    kind, width = integer(field.type), field.type.width
+    read = _read(field.space, segments, width, frame)
+    is_whole = kind.width == working(width).width or (is_byte(field.space, segments) and not segments[0].raw_low)
+    unsigned = read if is_whole else f"({kind.unsigned.name})({read})"
+    if not kind.signed:
+        return unsigned
+    if kind.width == width < 32:
+        return f"canwright_signed{width}({unsigned})"
+    wide = Integer(working(width).width, True)
+    signed = _sign_extended(field, segments, frame) or f"canwright_signed{wide.width}({read}, {width}u)"
+    return signed if kind == wide else f"({kind.name}){signed}"
+
+
+def _sign_extended(field: Field, segments: Sequence[Segment], frame: str) -> str:
+    """A signed number through the sign of its highest byte, which takes fewer instructions; empty if it cannot be read so.
+
+    That byte is a whole one, no byte has bits of both words, and each word is read by itself.
+    """
+    *rest, top = sorted(segments, key=lambda segment: segment.raw_low)
+    is_split = all(s.raw_low >= 32 or s.raw_low + s.width <= 32 for s in segments)
+    if not is_byte(field.space, [top]) or field.type.width in (32, 64) or not is_split:
+        return ""
+    low = [s for s in rest if s.raw_low < 32]
+    high = [replace(s, raw_low=s.raw_low - 32) for s in rest if s.raw_low >= 32]
+    shift = top.raw_low % 32
+    terms = [f"(uint32_t)canwright_signed8({_term(field.space, top, frame)})" + (f" << {shift}" if shift else "")]
+    read_low = _read(field.space, low, 32, frame)
+    if field.type.width < 32:
+        return f"canwright_signed32({joined('|', [read_low, *terms])}, 32u)"
+    words = joined("|", [_read(field.space, high, 32, frame), *terms] if high else terms)
+    return f"canwright_signed_words({words}, {read_low})"
 
 
 def key_value(key: BitRun, frame: str = "frame") -> str:
     """The expression of the bits of a key in a frame."""
     return _read(key.space, key.segments, key.width, frame)
+
+
+def read_segments(space: Space, segments: Sequence[Segment], width: int) -> str:
+    """The expression of some bits of a frame."""
+    return _read(space, segments, width, "frame")
 
 
 def constant_differs(field: Field, frame: str = "frame") -> str:
@@ -35,6 +62,11 @@ def constant_differs(field: Field, frame: str = "frame") -> str:
     kind = _shown(field.type.width, field.elements[0].segments)
     reads = (operand(_read(field.space, e.segments, field.type.width, frame)) for e in field.elements)
     return joined("||", [f"{read} != {kind.bits(value)}" for read in reads])
+
+
+def constant_read(field: Field) -> str:
+    """The expression of the raw bits of a field that is no array."""
+    return operand(_read(field.space, field.elements[0].segments, field.type.width, "frame"))
 
 
 def labels(key: BitRun, values: Iterable[int]) -> list[str]:
@@ -56,32 +88,42 @@ class Write(NamedTuple):
 
 def write_key(key: Key, name: str) -> list[Write]:
     """Writes the value of a key, a variable without other bits, into bits that are 0."""
-    return [_write_key(key, name, s) for s in key.segments]
+    return list(write_segments(key.space, key.segments, key.width, name))
 
 
-def _write_key(key: Key, name: str, s: Segment) -> Write:
-    bits = _piece_of(name, working(key.width), s, is_masked=s.raw_low + s.width < key.width)
-    if key.space is Space.ID:
+def write_segments(space: Space, segments: Sequence[Segment], width: int, name: str) -> Iterator[Write]:
+    """Writes a variable of a width, without other bits, into bits that are 0."""
+    return (_write_segment(space, width, name, s) for s in segments)
+
+
+def _write_segment(space: Space, width: int, name: str, s: Segment) -> Write:
+    bits = _piece_of(name, working(width), s, is_masked=s.raw_low + s.width < width)
+    if space is Space.ID:
         return Write(None, bits)
     if s.width == 8:
         return Write(s.byte, f"(uint8_t)({name} >> {s.raw_low})" if s.raw_low else f"(uint8_t){name}")
     return Write(s.byte, f"(uint8_t)(frame->data[{s.byte}] | {bits})")
 
 
-def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: Iterable[int]) -> Iterator[Write]:
-    """Writes fields into a frame whose data bytes are 0; bytes that are `shared` already contain a key."""
+def write_fields(
+    fields: Sequence[Field], members: Mapping[str, str], shared: Iterable[int], values: Mapping[str, str]
+) -> Iterator[Write]:
+    """Writes fields except the checksum into a frame whose data bytes are 0; bytes that are `shared` already contain a key.
+
+    `values` are the expressions of constants that are parameters.
+    """
     terms: dict[int, list[str]] = {}
     fixed: dict[int, int] = {}
     partial: set[int] = set()
-    for field in fields:
+    for field in (field for field in fields if not isinstance(field.role, ChecksumRole)):
         for number, element in enumerate(field.elements):
             for s in element.segments:
                 if field.space is Space.ID:
-                    yield Write(None, _id_bits(field, members, number, s))
+                    yield Write(None, _id_bits(field, members, values, number, s))
                 elif isinstance(field.role, FixedRole):
                     fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.role.raw, s)
                 else:
-                    terms.setdefault(s.byte, []).append(_write(field, _member(field, members, number), s))
+                    terms.setdefault(s.byte, []).append(_write(field, _member(field, members, values, number), s))
                     partial.update([s.byte] if s.width < 8 else [])
     for byte in sorted({*terms, *fixed}):
         before = [f"frame->data[{byte}]"] if byte in shared else []
@@ -90,13 +132,15 @@ def write_fields(fields: Sequence[Field], members: Mapping[str, str], shared: It
         yield Write(byte, f"(uint8_t)({joined('|', every)})" if len(every) > 1 or byte in partial else every[0])
 
 
-def _id_bits(field: Field, members: Mapping[str, str], number: int, s: Segment) -> str:
+def _id_bits(field: Field, members: Mapping[str, str], values: Mapping[str, str], number: int, s: Segment) -> str:
     if isinstance(field.role, FixedRole):
         return f"0x{_piece(field.role.raw, s):X}u"
-    return _write(field, _member(field, members, number), s)
+    return _write(field, _member(field, members, values, number), s)
 
 
-def _member(field: Field, members: Mapping[str, str], number: int) -> str:
+def _member(field: Field, members: Mapping[str, str], values: Mapping[str, str], number: int) -> str:
+    if field.name in values:
+        return f"({integer(field.type).name}){values[field.name]}"
     return f"message->{members[field.name]}" + (f"[{number}]" if field.is_array else "")
 
 
@@ -128,7 +172,7 @@ def _as(wanted: Integer, kind: Integer, expression: str) -> str:
 
 
 def _read(space: Space, segments: Sequence[Segment], width: int, frame: str) -> str:
-    if len(segments) == 1:
+    if len(segments) == 1 and not segments[0].raw_low:
         return _term(space, segments[0], frame)
     wide = working(width)
     terms = [operand(_term(space, s, frame)) for s in segments]

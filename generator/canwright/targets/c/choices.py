@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from ...model.edition import Edition
+from ...model.formatting import english
+from ...model.message import Command
 from ...model.types import ByParameter, Parameter
 from .names import Names, member
-from .text import english
 
 ENUM_MAX = 0x7FFF
 
@@ -86,6 +88,40 @@ def choose(names: Names, dependent: ByParameter[T], view: Callable[[T | None], A
 def parameter_access(parameter: str) -> str:
     """The C expression of a parameter."""
     return f"parameters->{member(parameter)}"
+
+
+class Whole(NamedTuple):
+    """A parameter in an id or a constant: the call that checks it, its value, and the condition that it is unknown."""
+
+    check: str
+    value: str
+    unknown: str
+
+
+def whole(edition: Edition, name: str) -> Whole:
+    """The expressions of a parameter in an id or a constant."""
+    parameter, access = edition.parameter(name), parameter_access(name)
+    low, high = parameter.minimum or 0, parameter.maximum or 0
+    check = f"canwright_check_whole(&{access}, {low}, {high})"
+    return Whole(check, f"canwright_whole(&{access})", f"{access}.denominator == 0u")
+
+
+def parameter_literal(names: Names, parameter: Parameter, value: str | Fraction | int | None) -> str:
+    """The initializer of a parameter with this value; None means unknown."""
+    if parameter.is_choice:
+        return names.upper(parameter.name, "unknown" if value is None else str(value))
+    number = Fraction(0 if value is None else value)
+    return f"{{{number.numerator}, {0 if value is None else number.denominator}u}}"
+
+
+def lacks(names: Names, edition: Edition, command: Command, comparison: str = "==") -> list[str]:
+    """The comparisons of a parameter with each value under which a node does not have a command."""
+    return [
+        f"{parameter_access(name)} {comparison} {names.upper(name, value.name)}"
+        for name, values in command.only.items()
+        for value in edition.parameter(name).values
+        if value.name not in values
+    ]
 
 
 def parameters(names: Names, edition: Edition) -> list[ParameterView]:

@@ -7,54 +7,18 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model.types import Encoding, Linear, Type
+from ...model.types import Encoding, Linear, Type, factors
 from .choices import Choice, choose, parameter_access
-from .expressions import INT64, Integer, common, integer, joined, operand
+from .expressions import INT64, Integer, call, common, integer, joined, operand
 from .names import Names
 from .validity import Condition, constant_limits, has_constant_limits
 
 ABOVE, BELOW = 1 << 31, 1 << 32
 """The limits of numerator and denominator of a ratio, excluded."""
-
-
-class RatioMilli:
-    """thousandths = ratio * (raw * factor + addend) / divisor, with a parameter as the ratio: 31 bits over 32 bits.
-
-    Results are exact if the other factors fit the rest of 64 bits.
-    """
-
-    def __init__(self, linear: Linear, factor: int, addend: int, divisor: int) -> None:
-        self._ratio = parameter_access(linear.times or "")
-        self._factor, self._addend, self._divisor = factor, addend, divisor
-
-    def fit(self, ends: tuple[int, int], limits: tuple[int, int]) -> bool:
-        """Whether 64 bits are enough from every raw integer within `ends`, and to every one within `limits`."""
-        dividend = max(abs(raw * self._factor + self._addend) for raw in ends)
-        forward = dividend * ABOVE + self._divisor * BELOW
-        back = self._most(limits) * self._divisor * ABOVE + (abs(self._addend) + abs(self._factor)) * ABOVE
-        return INT64.holds(forward, back)
-
-    def _most(self, limits: tuple[int, int]) -> int:
-        """The maximum of the thousandths, for a ratio of 1, whose nearest raw integer is within limits."""
-        ends = (abs(Fraction(raw * self._factor + self._addend, self._divisor)) for raw in limits)
-        return math.ceil(max(ends) + abs(Fraction(self._factor, self._divisor))) + 1
-
-    def number(self, raw: str) -> str:
-        """The expression of the thousandths of a 64-bit raw integer."""
-        product = raw if self._factor == 1 else f"{raw} * {self._factor}"
-        if self._addend:
-            product = f"{operand(product)} {'+' if self._addend > 0 else '-'} {abs(self._addend)}"
-        return f"canwright_multiple64(&{self._ratio}, {product}, {self._divisor})"
-
-    def share_arguments(self, limits: tuple[int, int]) -> str:
-        """The arguments of `canwright_share64` after ratio and thousandths; raw integers are within `limits`."""
-        sign = -1 if self._factor < 0 else 1
-        numbers = (self._most(limits), sign * self._divisor, sign * self._addend, sign * self._factor, *limits)
-        return ", ".join(INT64.literal(number) for number in numbers)
 
 
 class Formula(NamedTuple):
@@ -64,6 +28,8 @@ class Formula(NamedTuple):
     number: str = ""
     ratio: str = ""
     """The parameter that multiplies the scale; it must be above 0."""
+    factor: str = ""
+    """The call that computes `ratio`, a variable, from several parameters; empty for one."""
     out_of_range: str = ""
     """The condition under which the number is rejected."""
     share: str = ""
@@ -95,6 +61,8 @@ class ConversionView(NamedTuple):
     from_: Choice[Formula]
     wide: str
     check: Choice[Condition] | None
+    has_value: str
+    """The function for whether a raw integer is a number; empty if all are."""
 
     @property
     def to_parameters(self) -> bool:
@@ -116,7 +84,11 @@ def nearest(number: Fraction) -> int:
 
 
 class _Milli(NamedTuple):
-    """thousandths = (raw * factor + addend) / divisor, for one scale."""
+    """thousandths = (raw * factor + addend) / divisor, for one scale.
+
+    A parameter that multiplies the scale is a ratio of 31 bits over 32 bits; results are exact if all other numbers fit
+    the rest of 64 bits.
+    """
 
     factor: int
     addend: int
@@ -156,6 +128,28 @@ class _Milli(NamedTuple):
         most = next((last + step for step in steps if low <= self.raw(last + step) <= high), 0)
         return max(least, kind.limits[0]), min(most, kind.limits[1])
 
+    def fits_with_ratio(self, ends: tuple[int, int], limits: tuple[int, int]) -> bool:
+        """Whether 64 bits are enough from every raw integer within `ends`, and to every one within `limits`."""
+        dividend = max(abs(raw * self.factor + self.addend) for raw in ends)
+        forward = dividend * ABOVE + self.divisor * BELOW
+        back = self._most(limits) * self.divisor * ABOVE + (abs(self.addend) + abs(self.factor)) * ABOVE
+        return INT64.holds(forward, back)
+
+    def _most(self, limits: tuple[int, int]) -> int:
+        """The maximum of the thousandths, for a ratio of 1, whose nearest raw integer is within limits."""
+        ends = (abs(Fraction(raw * self.factor + self.addend, self.divisor)) for raw in limits)
+        return math.ceil(max(ends) + abs(Fraction(self.factor, self.divisor))) + 1
+
+    def share_arguments(self, limits: tuple[int, int]) -> str:
+        """The arguments of `canwright_share64` after ratio and thousandths; raw integers are within `limits`."""
+        sign = -1 if self.factor < 0 else 1
+        numbers = (self._most(limits), sign * self.divisor, sign * self.addend, sign * self.factor, *limits)
+        return ", ".join(INT64.literal(number) for number in numbers)
+
+    def dividend(self, raw: str, kind: Integer) -> str:
+        """The expression of `raw * factor + addend` in an integer type."""
+        return _sum(raw if self.factor == 1 else f"{raw} * {kind.literal(self.factor)}", kind, self.addend)
+
 
 def milli(names: Names, type_: Type, valid: Choice[Condition] | None) -> ConversionView | None:
     """Conversions to thousandths of the unit; None without a scale, or if 64 bits are not enough."""
@@ -171,8 +165,8 @@ def milli(names: Names, type_: Type, valid: Choice[Condition] | None) -> Convers
 
 def _milli_kind(type_: Type, known: Sequence[_Milli], ends: tuple[int, int]) -> Integer | None:
     """The integer type for the thousandths of every raw integer; None if the arithmetic exceeds 64 bits."""
-    of_numbers = [_of_number(linear) for _, linear in type_.linear.distinct() if linear is not None and linear.times]
-    if not all(ratio_.fit(ends, constant_limits(type_)) for ratio_ in of_numbers):
+    of_numbers = [_Milli.of(linear) for _, linear in type_.linear.distinct() if linear is not None and linear.times]
+    if not all(m.fits_with_ratio(ends, constant_limits(type_)) for m in of_numbers):
         return None
     kind = INT64 if of_numbers else common(*(m.thousandths(end) for m in known for end in ends))
     if (
@@ -188,49 +182,65 @@ def _milli(
     names: Names, type_: Type, kind: Integer, ends: tuple[int, int], valid: Choice[Condition] | None
 ) -> ConversionView:
     beyond = _beyond(integer(type_), "raw", *ends)
-    fails = bool(beyond) or type_.linear.parameter is not None or bool(type_.times)
+    fails = bool(beyond or type_.no_values) or type_.linear.parameter is not None or bool(type_.times)
 
-    def to(linear: Linear | None) -> Formula:
-        if linear is None:
-            return NO_SCALE
-        if linear.times is not None:
-            number = _of_number(linear).number(_cast(INT64, integer(type_), "raw"))
-        else:
-            number = _to_milli(_Milli.of(linear), kind, integer(type_), ends)
-        return Formula(number=number, ratio=ratio(linear), out_of_range=beyond)
-
-    def from_(linear: Linear | None) -> Formula:
-        if linear is None:
-            return NO_SCALE
+    def to(linear: Linear) -> Formula:
+        m, raw = _Milli.of(linear), integer(type_)
         if linear.times is None:
-            return _from_milli(_Milli.of(linear), kind, type_)
-        share = _of_number(linear).share_arguments(constant_limits(type_))
-        return Formula(number=f"({integer(type_).name})steps", ratio=ratio(linear), share=share)
+            return Formula(number=_to_milli(m, kind, raw, ends), out_of_range=beyond)
+        dividend = m.dividend(_cast(INT64, raw, "raw"), INT64)
+        number = f"canwright_multiple64(&{ratio(linear)}, {dividend}, {m.divisor})"
+        return Formula(number=number, ratio=ratio(linear), factor=factor(linear), out_of_range=beyond)
+
+    def from_(linear: Linear) -> Formula:
+        m, raw = _Milli.of(linear), integer(type_)
+        if linear.times is None:
+            return _from_milli(m, kind, type_)
+        share = m.share_arguments(constant_limits(type_))
+        return Formula(number=f"({raw.name})steps", ratio=ratio(linear), factor=factor(linear), share=share)
 
     return ConversionView(
         kind=kind.name,
-        to=choose(names, type_.linear, to, MISSING_PARAMETER),
+        to=by_scale(names, type_, to),
         to_fails=fails,
-        from_=choose(names, type_.linear, from_, MISSING_PARAMETER),
+        from_=by_scale(names, type_, from_),
         wide=integer(type_).name,
         check=None if has_constant_limits(type_) else valid,
+        has_value=has_value_function(names, type_),
     )
 
 
+def has_value_function(names: Names, type_: Type) -> str:
+    """The name of the function for whether a raw integer of a type is a number; empty if all are."""
+    return names.lower(names.type_stem(type_), "has_value") if type_.no_values else ""
+
+
+def by_scale(names: Names, type_: Type, formula: Callable[[Linear], Formula]) -> Choice[Formula]:
+    """The formula for each scale of a type."""
+    return choose(names, type_.linear, lambda linear: formula(linear) if linear else NO_SCALE, MISSING_PARAMETER)
+
+
 def ratio(linear: Linear) -> str:
-    return "" if linear.times is None else parameter_access(linear.times)
+    """The parameter that multiplies a scale, or the variable with a factor of several."""
+    if linear.times is None:
+        return ""
+    return "factor" if factor(linear) else parameter_access(linear.times)
 
 
-def _of_number(linear: Linear) -> RatioMilli:
-    return RatioMilli(linear, *_Milli.of(linear))
+def factor(linear: Linear) -> str:
+    """The call that computes a factor of several parameters; empty for one and for none."""
+    if linear.times is None or linear.times.isidentifier():
+        return ""
+    above, below = factors(linear.times)
+    names = [*above, *[""] * (2 - len(above)), *below, *[""] * (1 - len(below))]
+    return call("canwright_factor", *(f"&{parameter_access(name)}" if name else "NULL" for name in names))
 
 
 def _to_milli(m: _Milli, kind: Integer, raw: Integer, ends: tuple[int, int]) -> str:
     narrow = common(*ends, *itertools.chain.from_iterable(m.steps_from(end) for end in ends))
     wide = kind if kind == INT64 or narrow is None else narrow
     source = _cast(wide, raw, "raw")
-    product = source if m.factor == 1 else f"{source} * {wide.literal(m.factor)}"
-    return _quotient(_sum(product, wide, m.addend), wide, m.divisor, kind)
+    return _quotient(m.dividend(source, wide), wide, m.divisor, kind)
 
 
 def _from_milli(m: _Milli, kind: Integer, type_: Type) -> Formula:

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...model.edition import Edition
-from ...model.layout import Field, Layout
+from ...model.formatting import english, further_replies
+from ...model.layout import Layout
 from ...model.message import Direction, Message
-from ...model.types import Type
+from ...model.types import Parameter, Type
+from ...semantics.plan import value_fields
+from . import messages as c
 from .conversions import ConversionView
 from .examples import ExchangeView
 from .names import RESERVED, layouts, member
-from .text import english
 from .types import TypeView
-from .view import DirectionView, EditionView, FrameView
+from .view import DirectionView, EditionView
 
 OWN_NAMES = (
     *("frame", "status", "parameters", "command", "field", "type", "layout", "any_request", "any_reply", "result"),
@@ -58,17 +59,13 @@ class ParameterSetter(NamedTuple):
     choice: str
 
 
-@dataclass(frozen=True, kw_only=True)
-class Conversion:
+class Conversion(NamedTuple):
     """A pair of functions of a type: to the unit, to it in single precision, or to thousandths."""
 
     name: str
-    number: str
     to: str
     from_: str
-    to_fails: bool
-    to_parameters: bool
-    from_parameters: bool
+    view: ConversionView
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,11 +73,20 @@ class TypeTraits:
     """A type; `named` is the enumeration of its values, `flags` that of its flags, empty without any."""
 
     name: str
-    heading: str
-    kind: str
+    view: TypeView
     named: str
     flags: str
-    conversions: tuple[Conversion, ...]
+
+    @property
+    def conversions(self) -> list[Conversion]:
+        view = self.view
+        names = {"float": "single", "double": "value", "milli": "milli"} if not (self.named or self.flags) else {}
+        every = ((name, unit, view.conversions.get(unit)) for unit, name in names.items())
+        return [
+            Conversion(name, f"{view.name}_to_{unit}", f"{view.name}_from_{unit}", conversion)
+            for name, unit, conversion in every
+            if conversion is not None
+        ]
 
     @property
     def lacking(self) -> list[str]:
@@ -102,7 +108,7 @@ class Presence(NamedTuple):
 class FieldView:
     """A field of a layout; `length` is that of an array, else 0. `presence` is empty for a field of all nodes."""
 
-    tag: str
+    tag: Enumerator
     doc: str
     member: str
     c_member: str
@@ -128,7 +134,9 @@ class MessageView(NamedTuple):
     which: str
     code: str
     reply: str
-    frame: FrameView
+    replies: str
+    """The further replies, in sentences."""
+    message: c.MessageView
 
 
 class AnyView(NamedTuple):
@@ -139,112 +147,77 @@ class AnyView(NamedTuple):
     messages: tuple[tuple[MessageView, str], ...]
 
 
-class CxxView(NamedTuple):
-    """The content of the header."""
-
-    namespace: str
-    enums: tuple[EnumView, ...]
-    parameters: tuple[ParameterSetter, ...]
-    tags: tuple[Enumerator, ...]
-    types: tuple[TypeTraits, ...]
-    presences: tuple[Presence, ...]
-    layouts: tuple[LayoutView, ...]
-    messages: tuple[MessageView, ...]
-    any: tuple[AnyView, ...]
-
-
 class CxxExample(NamedTuple):
-    """The first exchange of the examples: its messages, and a field of the reply with its conversion to a value.
+    """The messages of an exchange, and a field of the reply with its conversion to a value.
 
-    `tag` and `conversion` are empty if no field of the reply is a number with a scale. `needs_parameters` is true if
-    reading it depends on parameters.
+    The latter are None if no field of the reply is a number with a scale.
     """
 
     request: MessageView
-    assignments: tuple[str, ...]
-    node: int
     reply: MessageView
-    tag: str
+    field: FieldView | None
     conversion: Conversion | None
-    needs_parameters: bool
-    is_result: bool
+
+    @property
+    def needs_parameters(self) -> bool:
+        """Whether reading the field depends on parameters."""
+        return self._has_presence or (self.conversion is not None and self.conversion.view.to_parameters)
+
+    @property
+    def is_result(self) -> bool:
+        """Whether reading the field can fail."""
+        return self._has_presence or (self.conversion is not None and self.conversion.view.to_fails)
+
+    @property
+    def _has_presence(self) -> bool:
+        return self.field is not None and bool(self.field.presence)
 
 
-def cxx_example(x: CxxView, exchange: ExchangeView) -> CxxExample:
-    """The example for the documents."""
-    frames = {m.frame.name: m for m in x.messages}
-    request, reply = frames[exchange.request.frame.name], frames[exchange.reply.frame.name]
-    tags = {tag.value: tag.name for tag in x.tags}
-    fields = next((layout.fields for layout in x.layouts if layout.name == reply.layout), ())
-    values = ((f, c) for f in fields for c in f.type.conversions if c.name == "value" and not f.length)
-    number, conversion = next(values, (None, None))
-    presence = bool(number and number.presence)
-    return CxxExample(
-        request=request,
-        assignments=exchange.request.assignments,
-        node=exchange.node,
-        reply=reply,
-        tag=tags[number.tag] if number else "",
-        conversion=conversion,
-        needs_parameters=presence or (conversion is not None and conversion.to_parameters),
-        is_result=presence or (conversion is not None and conversion.to_fails),
-    )
+class CxxView:
+    """The content of the header."""
 
-
-def cxx_view(edition: Edition, view: EditionView) -> CxxView:
-    return _Cxx(edition, view).view()
-
-
-class _Cxx:
     def __init__(self, edition: Edition, view: EditionView) -> None:
-        self._edition, self._view = edition, view
-        self._names = view.names
-        used = [t for t in edition.types if (t.enum or t.flags) and view.has(t)]
+        self._edition, self._view, self._names = edition, view, view.names
+        messages = edition.all_messages()
         choices = [p for p in edition.parameters if p.is_choice]
-        free = _distinct(
-            (
-                *(self._names.short(m.name) for m in edition.all_messages()),
-                *(p.name for p in choices),
-                *map(self._stem, used),
-            ),
-            OWN_NAMES,
+        enums = [t for t in edition.types if (t.enum or t.flags) and view.has(t)]
+        stems = (*(p.name for p in choices), *map(self._stem, enums))
+        free = _distinct((*(self._names.short(m.name) for m in messages), *stems), OWN_NAMES)
+        self._message_names = {m.name: next(free) for m in messages}
+        items: list[Parameter | Type] = [*choices, *enums]
+        self._enums = dict(zip(items, free, strict=True))
+        self.tags = _enumerators(view.fields)
+        self._tags = dict(zip((name for _, name in view.fields), self.tags, strict=True))
+        fields = {layout: list(value_fields(layout.fields).values()) for layout in layouts(edition)}
+        self._fields = {layout: own for layout, own in fields.items() if own}
+        self._layouts = dict(zip(self._fields, _distinct(layout.name for layout in self._fields), strict=True))
+        types = {f.type.name: f.type for own in self._fields.values() for f in own}.values()
+        names = _distinct(map(self._stem, types), TYPE_NAMES)
+        self._types = {type_.name: self._type(type_, name) for type_, name in zip(types, names, strict=True)}
+        self.types = list(self._types.values())
+        presences = dict.fromkeys(
+            (layout.parameter or "", *field.only) for layout, own in self._fields.items() for field in own if field.only
         )
-        self._message_names = {m.name: next(free) for m in edition.all_messages()}
-        self._choices = {p.name: next(free) for p in choices}
-        self._enums = {t.name: next(free) for t in used}
-        with_fields = [layout for layout in layouts(edition) if _members(layout)]
-        self._layouts = dict(zip(with_fields, _distinct((layout.name for layout in with_fields), ()), strict=True))
-        self._members = {layout: view.frame(edition.of_layout(layout)[0]).layout.members for layout in with_fields}
-        types = {f.type.name: f.type for layout in with_fields for f in _members(layout)}
-        names = _distinct(map(self._stem, types.values()), TYPE_NAMES)
-        self._traits = dict(self._type_traits(zip(types.values(), names, strict=True)))
-        presences = dict.fromkeys(itertools.chain.from_iterable(map(_presences, with_fields)))
         self._presences = {key: self._presence(f"only_{place}", key) for place, key in enumerate(presences, 1)}
+        self.presences = list(self._presences.values())
 
-    def view(self) -> CxxView:
-        tags = [name for _, name in self._view.fields]
-        messages = {m.name: self._message(m) for m in self._edition.all_messages()}
-        return CxxView(
-            namespace=f"{member(self._edition.family)}::{self._edition.identifier}",
-            enums=(self._commands(), *self._parameter_enums(), *self._type_enums()),
-            parameters=tuple(
-                ParameterSetter(member(p.name), self._names.lower(p.name, "t"), self._choices.get(p.name, ""))
-                for p in self._edition.parameters
-            ),
-            tags=tuple(map(Enumerator, _distinct(tags, ()), (tag for tag, _ in self._view.fields))),
-            types=tuple(self._traits.values()),
-            presences=tuple(self._presences.values()),
-            layouts=tuple(
-                LayoutView(name, self._names.lower(layout.name, "t"), tuple(map(self._field, _members(layout))))
-                for layout, name in self._layouts.items()
-            ),
-            messages=tuple(messages.values()),
-            any=tuple(self._any(d, messages) for d in self._view.directions if d.decode),
-        )
+        self.namespace = f"{member(edition.family)}::{edition.identifier}"
+        self.enums = list(self._enumerations())
+        self.parameters = [
+            ParameterSetter(member(p.name), self._names.lower(p.name, "t"), self._enums.get(p, ""))
+            for p in edition.parameters
+        ]
+        self.layouts = [
+            LayoutView(name, self._names.lower(layout.name, "t"), tuple(self._layout(layout)))
+            for layout, name in self._layouts.items()
+        ]
+        self.messages = [self._message(m) for m in messages]
+        self.any = [self._any(d) for d in view.directions if d.decode]
+        """Any message of each direction."""
 
-    def _any(self, direction: DirectionView, messages: Mapping[str, MessageView]) -> AnyView:
+    def _any(self, direction: DirectionView) -> AnyView:
         """The messages that the decoder of any frame returns."""
-        decoded = [messages[message.name] for message in self._edition.messages(Direction(direction.word))]
+        decoded = [message for message in self.messages if message.message.direction == direction.word]
         by_command = direction.by_command
         members = tuple((view, by_command[view.which].member if view.layout else "") for view in decoded)
         return AnyView(f"any_{direction.word}", direction, members)
@@ -252,80 +225,52 @@ class _Cxx:
     def _stem(self, type_: Type) -> str:
         return self._names.type_stem(type_)
 
-    def _commands(self) -> EnumView:
-        names = [command.name for command in self._edition.commands]
-        values = [self._names.upper("command", "none"), *map(self._names.command, names)]
-        members = tuple(map(Enumerator, _distinct(("none", *map(self._names.short, names)), ()), values))
-        function, c_type = self._names.lower("command_name"), self._names.lower("command_t")
-        return EnumView("command", "int", "The commands.", members, function, c_type, "an empty text")
+    def _enumerations(self) -> Iterator[EnumView]:
+        """The commands, the values of parameters, and the names of raw integers."""
+        names, view = self._names, self._view
+        commands = [(names.command(c.name), names.short(c.name)) for c in self._edition.commands]
+        members = _enumerators([(names.upper("command", "none"), "none"), *commands])
+        function, c_type = names.lower("command_name"), names.lower("command_t")
+        yield EnumView("command", "int", "The commands.", members, function, c_type, "an empty text")
+        for item, name in self._enums.items():
+            if isinstance(item, Parameter):
+                values = ["unknown", *(value.name for value in item.values)]
+                members = _enumerators([(names.upper(item.name, value), value) for value in values])
+                yield EnumView(name, "int", f"{english(item.title)}.", members)
+            else:
+                type_ = view.type(item)
+                members, function = _enumerators(type_.names), f"{type_.name}_name"
+                yield EnumView(name, type_.kind, f"{type_.heading}.", members, function, type_.kind)
 
-    def _parameter_enums(self) -> Iterator[EnumView]:
-        for parameter in self._edition.parameters:
-            if parameter.is_choice:
-                names = ["unknown", *(value.name for value in parameter.values)]
-                members = map(Enumerator, _distinct(names, ()), (self._names.upper(parameter.name, n) for n in names))
-                doc = f"{english(parameter.title)}."
-                yield EnumView(self._choices[parameter.name], "int", doc, tuple(members))
-
-    def _type_enums(self) -> Iterator[EnumView]:
-        for type_ in self._edition.types:
-            if type_.name in self._enums:
-                view = self._view.type(type_)
-                names = [m.name for m in (*type_.enum, *type_.flags)]
-                values = (self._names.upper(self._stem(type_), name) for name in names)
-                yield EnumView(
-                    name=self._enums[type_.name],
-                    kind=view.kind,
-                    doc=f"{view.heading}.",
-                    members=tuple(map(Enumerator, _distinct(names, ()), values)),
-                    name_function=f"{view.name}_name" if view.names else "",
-                    c_type=view.kind,
-                )
-
-    def _type_traits(self, names: Iterable[tuple[Type, str]]) -> Iterator[tuple[str, TypeTraits]]:
-        for type_, name in names:
-            view = self._view.type(type_)
-            enum = self._enums.get(type_.name, "")
-            pairs = (
-                ("single", "float", view.single),
-                ("value", "double", view.double),
-                ("milli", view.milli.kind if view.milli else "", view.milli),
-            )
-            conversions = (_conversion(view, *pair) for pair in pairs if not enum and pair[2] is not None)
-            yield (
-                type_.name,
-                TypeTraits(
-                    name=name,
-                    heading=view.heading,
-                    kind=view.kind,
-                    named=enum if type_.enum else "",
-                    flags=enum if type_.flags else "",
-                    conversions=tuple(conversions),
-                ),
-            )
+    def _type(self, type_: Type, name: str) -> TypeTraits:
+        enum = self._enums.get(type_, "")
+        return TypeTraits(
+            name=name,
+            view=self._view.type(type_),
+            named=enum if type_.enum else "",
+            flags=enum if type_.flags else "",
+        )
 
     def _presence(self, name: str, key: tuple[str, ...]) -> Presence:
         parameter, *values = key
         names = tuple(self._names.upper(parameter, value) for value in values)
         return Presence(name, member(parameter), self._names.upper(parameter, "unknown"), names)
 
-    def _field(self, field: Field) -> FieldView:
-        layout = next(layout for layout in self._layouts if field in layout.fields)
-        view = next(m for m in self._members[layout] if m.name.partition("[")[0] == member(field.name))
-        key = (layout.parameter or "", *field.only)
-        name = member(field.name)
-        return FieldView(
-            tag=self._names.upper("field", field.name),
-            doc=view.doc,
-            member=f"{name}_" if name in MESSAGE_NAMES else name,
-            c_member=name,
-            length=len(field.elements) if field.is_array else 0,
-            type=self._traits[field.type.name],
-            presence=self._presences[key].name if field.only else "",
-        )
+    def _layout(self, layout: Layout) -> Iterator[FieldView]:
+        views = self._view.message(self._edition.of_layout(layout)[0]).layout.members
+        for field, view in zip(self._fields[layout], views, strict=True):
+            name, key = member(field.name), (layout.parameter or "", *field.only)
+            yield FieldView(
+                tag=self._tags[field.name],
+                doc=view.doc,
+                member=f"{name}_" if name in MESSAGE_NAMES else name,
+                c_member=name,
+                length=len(field.elements) if field.is_array else 0,
+                type=self._types[field.type.name],
+                presence=self._presences[key].name if field.only else "",
+            )
 
     def _message(self, message: Message) -> MessageView:
-        frame = self._view.frame(message)
         command = self._edition.command(message.command)
         reply = command.reply if message.direction is Direction.REQUEST else None
         return MessageView(
@@ -335,34 +280,28 @@ class _Cxx:
             which=self._names.command(command.name),
             code="" if command.code is None else self._names.upper(command.name, "code"),
             reply=self._message_names[reply.name] if reply else "",
-            frame=frame,
+            replies=" ".join(sentence[:1].upper() + sentence[1:] + "." for sentence in further_replies(command)),
+            message=self._view.message(message),
         )
 
 
-def _conversion(type_: TypeView, name: str, number: str, view: ConversionView | None) -> Conversion:
-    assert view is not None
-    unit = "milli" if name == "milli" else number
-    return Conversion(
-        name=name,
-        number=number,
-        to=f"{type_.name}_to_{unit}",
-        from_=f"{type_.name}_from_{unit}",
-        to_fails=view.to_fails,
-        to_parameters=view.to_parameters,
-        from_parameters=view.from_parameters,
-    )
+def cxx_example(x: CxxView, exchange: ExchangeView) -> CxxExample:
+    """The example for the documents."""
+    messages = {m.message: m for m in x.messages}
+    request, reply = messages[exchange.request.message], messages[exchange.reply.message]
+    fields = next((layout.fields for layout in x.layouts if layout.name == reply.layout), ())
+    values = ((f, c) for f in fields for c in f.type.conversions if c.name == "value" and not f.length)
+    return CxxExample(request, reply, *next(values, (None, None)))
 
 
-def _presences(layout: Layout) -> Iterator[tuple[str, ...]]:
-    """The parameter of a layout and its values under which a field exists, for each field that not all nodes have."""
-    yield from ((layout.parameter or "", *field.only) for field in _members(layout) if field.only)
+def _enumerators(values: Iterable[tuple[str, str]]) -> tuple[Enumerator, ...]:
+    """Enumerators for names of C, each with its name in the spec."""
+    pairs = list(values)
+    names = _distinct(name for _, name in pairs)
+    return tuple(Enumerator(name, value) for name, (value, _) in zip(names, pairs, strict=True))
 
 
-def _members(layout: Layout) -> Sequence[Field]:
-    return [f for f in layout.fields if f.role.is_value]
-
-
-def _distinct(names: Iterable[str], taken: Iterable[str]) -> Iterator[str]:
+def _distinct(names: Iterable[str], taken: Iterable[str] = ()) -> Iterator[str]:
     """The names in lower case; one that C++ or an earlier name has taken, or that starts with a digit, gets a `_`."""
     seen = {*taken}
     for name in names:

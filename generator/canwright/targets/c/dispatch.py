@@ -4,95 +4,143 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.layout import Layout
-from ...model.message import BitRun, Direction, Message
+from ...model.message import BitRun, Command, Direction, Message
 from ...semantics import dispatch
 from ...semantics.dispatch import dispatch_plan
 from ...semantics.exchange import ExchangePlan, exchange_plans
 from . import bits
 from .choices import ENUM_MAX
 from .expressions import joined, operand
-from .messages import Messages, RuleView, frame_id
+from .layouts import LayoutView
+from .messages import Messages, frame_id
 from .names import Names, address_mask
 
 
-class RejectView(NamedTuple):
-    status: str
+class ContentView(NamedTuple):
+    """A command whose message of one direction has fields: its member in the union."""
+
+    command: str
+    member: str
 
 
-class UnpackView(NamedTuple):
-    """The call that reads the fields of a frame; `fails` is true if it returns a status."""
+class ContentsView(NamedTuple):
+    """Commands whose messages of one direction have the same layout."""
 
-    call: str
-    fails: bool
+    layout: LayoutView
+    commands: tuple[ContentView, ...]
+
+    @property
+    def member(self) -> str:
+        """One of the members; all have the same type."""
+        return self.commands[0].member
 
 
 class MatchView(NamedTuple):
     """A command, or a run of commands that differ only in the number, which the expression `command` reads.
 
     `node` is the node in a field, where the messages of a route differ in it; `other_constant` is the condition for a
-    frame with other constants. Both are empty otherwise.
+    frame with other constants, `wrong_checksum` for one with another checksum. They are empty otherwise.
     """
 
     command: str
     node: str
     other_constant: str
-    unpack: UnpackView | None
+    wrong_checksum: str
+    unpack: ContentsView | None
 
 
-class GuardView(NamedTuple):
-    """Rejects frames that meet a condition."""
+class RouteView:
+    """A route of the dispatch plan, with the expressions for the nodes of the plan below it.
 
-    condition: str
-    status: str
-    then: NodeView
+    `unpack` is what follows a match. `numbers` are those of the commands.
+    """
 
-
-class CaseView(NamedTuple):
-    labels: tuple[str, ...]
-    then: NodeView
-
-
-class SwitchView(NamedTuple):
-    subject: str
-    cases: tuple[CaseView, ...]
-    otherwise: NodeView
-
-
-NodeView = RejectView | MatchView | GuardView | SwitchView
-
-
-class RouteView(NamedTuple):
-    """The decisions between the messages of one id rule."""
-
-    rule: RuleView
-    frame_id: str
-    other_kind: str
-    """Bits of the id that are 0 here and that frames of the other kind (remote or not) use; empty without any."""
-    node: str
-    """The node if the id contains none."""
-    then: NodeView
+    def __init__(
+        self,
+        names: Names,
+        edition: Edition,
+        views: Messages,
+        route: dispatch.Route,
+        numbers: Mapping[str, int],
+        unpack: Mapping[Layout, ContentsView],
+    ) -> None:
+        self._names, self._views, self._numbers, self._unpack = names, views, numbers, unpack
+        message = route.messages[0]
+        nodes = {views.message(message).node_in_data for message in route.messages}
+        self.rule = views.rule(edition.address(message.address), message.direction)
+        self.frame_id = frame_id(message)
+        self._has_nodes = len(nodes) > 1
+        """Whether each message writes the node that its fields contain."""
+        self.node = "" if self._has_nodes else nodes.pop()
+        """The node if the id contains none."""
+        self._other_kind = address_mask(edition, message.address, message.direction) & ~route.mask
+        """Bits of the id that are 0 here and that frames of the other kind (remote or not) use."""
+        self.then = route.then
+        whole, kind = self.rule.whole, joined("&&", [f"({self.frame_id} & 0xC0000000u) == {self.rule.kind}"])
+        self.unknown_parameter = joined("&&", [f"({kind})", f"({whole.unknown})"]) if whole else ""
+        """The condition under which it is unknown whether a frame has an id of this route; empty if it is known."""
 
     def only_kind(self, condition: str) -> str:
         """A condition, and that the frame is of this kind."""
-        return joined("&&", [condition, *([f"(frame->id & {self.other_kind}) == 0u"] if self.other_kind else [])])
+        kind = [f"(frame->id & 0x{self._other_kind:X}u) == 0u"] if self._other_kind else []
+        return joined("&&", [condition, *kind])
+
+    def match(self, message: Message, command: str = "") -> MatchView:
+        """The view of a message; `command` is an expression of its number."""
+        view = self._views.message(message)
+        node = view.node_in_data if self._has_nodes else ""
+        command = command or self._names.command(message.command)
+        return MatchView(command, node, view.other_constant, view.wrong_checksum, self._unpack.get(message.layout))
+
+    def guard(self, node: dispatch.Select) -> str:
+        """The condition for a frame that is rejected, if a decision has a single case beside; else empty."""
+        if len(node.cases) > 1 or not isinstance(node.otherwise, dispatch.Reject):
+            return ""
+        read = operand(self.read(node))
+        return joined("&&", [f"{read} != {label}" for label in _labels(node.subject, node.cases[0].values)])
+
+    def read(self, node: dispatch.Select) -> str:
+        """The subject of a decision."""
+        if isinstance(node.subject, dispatch.Length):
+            return "frame->dlc"
+        if isinstance(node.subject, dispatch.MaskedId):
+            return f"frame->id & 0x{node.subject.mask:X}u"
+        return bits.key_value(node.subject)
+
+    def cases(self, node: dispatch.Select) -> Iterator[tuple[Sequence[str], MatchView | dispatch.DispatchNode]]:
+        """The cases; those that differ only in the command, whose number is that of the case, become one."""
+        number = f"({self._names.lower('command_t')}){self.read(node)}"
+        is_byte = isinstance(node.subject, BitRun) and bits.is_byte(node.subject.space, node.subject.segments)
+        groups: dict[MatchView | tuple[int, ...], list[dispatch.Case]] = {}
+        for case in node.cases:
+            then = case.then
+            key: MatchView | tuple[int, ...] = case.values
+            if is_byte and isinstance(then, dispatch.Match) and key == (self._numbers[then.message.command],):
+                key = self.match(then.message, number)
+            groups.setdefault(key, []).append(case)
+        for key, cases in groups.items():
+            labels = _labels(node.subject, [value for case in cases for value in case.values])
+            yield labels, key if isinstance(key, MatchView) and len(cases) > 1 else cases[0].then
 
 
-class AnswerView(NamedTuple):
-    """Commands with the same reply conditions: `reply` answers a request if all `conditions` are true."""
+class CommandsView(NamedTuple):
+    """Commands for which a function returns the same value."""
 
     commands: tuple[str, ...]
-    conditions: tuple[str, ...]
-    uses_from: bool
-    """True if the conditions read the node that replies."""
+    value: str
 
-    @property
-    def condition(self) -> str:
-        return joined("&&", self.conditions)
+
+def grouped(names: Names, values: Iterable[tuple[Command, str]]) -> list[CommandsView]:
+    """Commands with their values, by value."""
+    groups: dict[str, list[str]] = {}
+    for command, value in values:
+        groups.setdefault(value, []).append(names.command(command.name))
+    return [CommandsView(tuple(commands), value) for value, commands in groups.items()]
 
 
 def command_numbers(edition: Edition) -> Mapping[str, int]:
@@ -108,128 +156,51 @@ def command_numbers(edition: Edition) -> Mapping[str, int]:
 
 
 def routes(
-    names: Names, edition: Edition, views: Messages, direction: Direction, unpack: Mapping[Layout, UnpackView]
+    names: Names, edition: Edition, views: Messages, direction: Direction, unpack: Mapping[Layout, ContentsView]
 ) -> list[RouteView]:
     """The routes of the dispatch plan, in the order in which they are tried; `unpack` is what follows a match."""
-    printer = _Printer(names, edition, views, unpack)
-    return [_route(edition, views, direction, route, printer) for route in dispatch_plan(edition, direction).routes]
+    numbers = command_numbers(edition)
+    plan = dispatch_plan(edition, direction)
+    return [RouteView(names, edition, views, route, numbers, unpack) for route in plan.routes]
 
 
-def _route(
-    edition: Edition, views: Messages, direction: Direction, route: dispatch.Route, printer: _Printer
-) -> RouteView:
-    message = route.messages[0]
-    nodes = {views.message(message).node_in_data for message in route.messages}
-    other_kind = address_mask(edition, message.address, direction) & ~route.mask
-    return RouteView(
-        rule=views.rule(edition.address(message.address), direction),
-        frame_id=frame_id(message),
-        other_kind=f"0x{other_kind:X}u" if other_kind else "",
-        node=(nodes.pop() if len(nodes) == 1 else "") or "0u",
-        then=printer.node(route.then, has_nodes=len(nodes) > 1),
-    )
+def _labels(subject: dispatch.Discriminator, values: Sequence[int]) -> Sequence[str]:
+    return bits.labels(subject, values) if isinstance(subject, BitRun) else [f"{value}u" for value in values]
 
 
-class _Printer:
-    """The nodes of a dispatch plan in C."""
-
-    def __init__(self, names: Names, edition: Edition, views: Messages, unpack: Mapping[Layout, UnpackView]) -> None:
-        self._names, self._views, self._unpack = names, views, unpack
-        self._numbers = command_numbers(edition)
-        self._type = names.lower("command_t")
-
-    def node(self, node: dispatch.DispatchNode, *, has_nodes: bool) -> NodeView:
-        """The view of a node of the plan; with `has_nodes`, each message writes the node that its fields contain."""
-        if isinstance(node, dispatch.Reject):
-            return RejectView(node.reason.name)
-        if isinstance(node, dispatch.Match):
-            return self._match(node.message, self._names.command(node.message.command), has_nodes)
-        if isinstance(node.otherwise, dispatch.Reject) and len(node.cases) == 1:
-            condition = _differs(node.subject, node.cases[0].values)
-            then = self.node(node.cases[0].then, has_nodes=has_nodes)
-            return GuardView(condition, node.otherwise.reason.name, then)
-        otherwise = self.node(node.otherwise, has_nodes=has_nodes)
-        return SwitchView(_read(node.subject), tuple(self._cases(node, has_nodes)), otherwise)
-
-    def _match(self, message: Message, command: str, has_nodes: bool) -> MatchView:
-        view = self._views.message(message)
-        node = view.node_in_data if has_nodes else ""
-        return MatchView(command, node, view.other_constant, self._unpack.get(message.layout))
-
-    def _cases(self, node: dispatch.Select, has_nodes: bool) -> Iterator[CaseView]:
-        """The cases; those that differ only in the command, whose number is that of the case, become one."""
-        number = f"({self._type}){_read(node.subject)}"
-        is_byte = isinstance(node.subject, BitRun) and bits.is_byte(node.subject.space, node.subject.segments)
-        groups: dict[MatchView | tuple[int, ...], list[dispatch.Case]] = {}
-        for case in node.cases:
-            then = case.then
-            key: MatchView | tuple[int, ...] = case.values
-            if is_byte and isinstance(then, dispatch.Match) and key == (self._numbers[then.message.command],):
-                key = self._match(then.message, number, has_nodes)
-            groups.setdefault(key, []).append(case)
-        for key, cases in groups.items():
-            values = [value for case in cases for value in case.values]
-            then_ = (
-                key if isinstance(key, MatchView) and len(cases) > 1 else self.node(cases[0].then, has_nodes=has_nodes)
-            )
-            yield CaseView(_labels(node.subject, values), then_)
+def answers(names: Names, edition: Edition, views: Messages) -> list[CommandsView]:
+    """The conditions under which `reply` answers a request, by command."""
+    every = (plans for plans in exchange_plans(edition).values() if plans)
+    return grouped(names, ((p[0].command, joined("||", [joined("&&", _answer(views, x)) for x in p])) for p in every))
 
 
-def _read(subject: dispatch.Discriminator) -> str:
-    if isinstance(subject, dispatch.Length):
-        return "frame->dlc"
-    if isinstance(subject, dispatch.MaskedId):
-        return f"frame->id & 0x{subject.mask:X}u"
-    return bits.key_value(subject)
-
-
-def _labels(subject: dispatch.Discriminator, values: Sequence[int]) -> tuple[str, ...]:
-    return tuple(bits.labels(subject, values) if isinstance(subject, BitRun) else (f"{value}u" for value in values))
-
-
-def _differs(subject: dispatch.Discriminator, values: Sequence[int]) -> str:
-    """The condition for a subject with none of the values."""
-    read = operand(_read(subject))
-    return joined("&&", [f"{read} != {label}" for label in _labels(subject, values)])
-
-
-def answers(names: Names, edition: Edition, views: Messages) -> list[AnswerView]:
-    """The reply conditions of every command with a request and a reply."""
-    grouped: dict[tuple[tuple[str, ...], bool], list[str]] = {}
-    for plan in exchange_plans(edition).values():
-        if plan.reply is not None:
-            conditions = tuple(_answer(views, plan, plan.reply))
-            uses_from = views.message(plan.reply).pattern.rule.has_nodes
-            grouped.setdefault((conditions, uses_from), []).append(names.command(plan.command.name))
-    return [AnswerView(tuple(commands), *answer) for answer, commands in grouped.items()]
-
-
-def _answer(views: Messages, plan: ExchangePlan, reply: Message) -> Iterator[str]:
+def _answer(views: Messages, plan: ExchangePlan) -> Iterator[str]:
+    """The conditions under which `reply` is one of the replies."""
+    reply = plan.reply
     message = views.message(reply)
     rule = message.pattern.rule
     if not plan.is_echo:
         node = "&from, " if rule.has_nodes else ""
+        known = ", parameters" if rule.whole else ""
         calls = [
-            f"{message.pattern.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}) == CANWRIGHT_OK"
+            f"{message.pattern.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}{known}) == CANWRIGHT_OK"
             for codes in _answering_codes(plan.request, reply, message.codes)
         ]
         yield joined("||", calls)
-    elif rule.has_nodes:
-        yield f"{rule.node_function}(&from, {frame_id(reply, 'reply')}) == CANWRIGHT_OK"
     else:
-        yield f"{rule.masked(frame_id(reply, 'reply'))} == {rule.id_macro}"
+        yield rule.has_id("&from", frame_id(reply, "reply"))
     if rule.has_nodes and plan.nodes:
         yield _one_of("from", plan.nodes)
     elif rule.has_nodes and plan.request.id.nodes is not None and plan.asked is None:
         yield "from == to"
-    yield from _node_fields(plan, reply)
+    yield from _node_fields(plan)
     if plan.is_echo:
-        yield "canwright_same_data(request, reply)"
+        yield f"canwright_{views.fd}same_data(request, reply)"
 
 
-def _node_fields(plan: ExchangePlan, reply: Message) -> Iterator[str]:
+def _node_fields(plan: ExchangePlan) -> Iterator[str]:
     """Conditions on the node if a field of the request or of the reply contains it, on the bits that both have."""
-    asked, reported = plan.asked, plan.reported
+    reply, asked, reported = plan.reply, plan.asked, plan.reported
     if reported is not None and plan.nodes:
         nodes = sorted({node & (1 << reported.width) - 1 for node in plan.nodes})
         yield _one_of(operand(bits.key_value(reported, "reply")), nodes)

@@ -13,12 +13,16 @@ from ...model.golden_frames import GoldenFrame, RawValue
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Assignment
+from ...semantics.plan import value_fields
 from ..base import EditionInput, WorkedExchange
 from ..examples import Examples
+from .choices import parameter_literal
 from .expressions import call, integer
-from .names import Names, member
+from .layouts import initializer, literals
+from .messages import MessageView
+from .names import member
 from .types import TypeView
-from .view import EditionView, FrameView, edition_view
+from .view import EditionView, edition_view
 
 COMMANDS = 4
 
@@ -38,7 +42,7 @@ class SideView(NamedTuple):
     `assignments` are the same raw integers for languages without designated initializers.
     """
 
-    frame: FrameView
+    message: MessageView
     initializers: tuple[str, ...]
     assignments: tuple[str, ...]
     shown: tuple[ShownView, ...]
@@ -58,25 +62,14 @@ class ExampleView(NamedTuple):
     exchanges: tuple[ExchangeView, ...]
 
     @property
-    def shows_names(self) -> bool:
-        return any(t.is_enum for t in self._shown)
-
-    @property
-    def shows_values(self) -> bool:
-        return any(t.double for t in self._shown)
-
-    @property
-    def shows_bits(self) -> bool:
-        return any(not t.double and not t.is_enum for t in self._shown)
-
-    @property
     def uses_parameters(self) -> bool:
-        frames = [side.frame for exchange in self.exchanges for side in (exchange.request, exchange.reply)]
-        values = [t.double for t in self._shown if t.double is not None]
+        frames = [side.message for exchange in self.exchanges for side in (exchange.request, exchange.reply)]
+        values = [t.double for t in self.types if t.double is not None]
         return any(f.takes_parameters for f in frames) or any(v.to_parameters for v in values)
 
     @property
-    def _shown(self) -> list[TypeView]:
+    def types(self) -> list[TypeView]:
+        """The types of printed fields."""
         return [field.type_ for exchange in self.exchanges for field in exchange.reply.shown]
 
 
@@ -89,8 +82,8 @@ class CommandExampleView(NamedTuple):
 
     e: EditionView
     parameters: tuple[str, ...]
-    request: FrameView | None
-    reply: FrameView | None
+    request: MessageView | None
+    reply: MessageView | None
     initializers: tuple[str, ...]
     received: tuple[str, ...]
     request_calls: tuple[str, ...]
@@ -125,7 +118,7 @@ def example(specification: EditionInput, view: EditionView) -> ExampleView:
     worked = list(filter(None, golden)) or filter(None, map(examples.simplest, commands))
     return ExampleView(
         f"{edition.family}_{edition.identifier}",
-        tuple(_parameters(edition, view.names, known)),
+        tuple(_parameters(view, edition, known)),
         tuple(itertools.islice(_exchanges(view, worked, known), COMMANDS)),
     )
 
@@ -157,61 +150,43 @@ def _exchanges(view: EditionView, worked: Iterable[WorkedExchange], known: Assig
 
 
 def _side(view: EditionView, message: Message, golden: GoldenFrame, known: Assignment) -> SideView:
-    fields = _fields(message, known)
-    numbers = [(number, literal) for f in fields for number, literal in _assigned(f, golden.raw.get(f.name, 0))]
+    numbers = [(field, literals(field, golden.raw.get(field.name, 0))) for field in _fields(message, known)]
     return SideView(
-        frame=view.frame(message),
-        initializers=tuple(_initializer(f, golden.raw.get(f.name, 0)) for f in fields),
-        assignments=tuple(f".{number} = {literal}" for number, literal in numbers),
-        shown=tuple(shown for field in fields for shown in _shown(view, field)),
+        message=view.message(message),
+        initializers=tuple(f".{member(f.name)} = {initializer(f, texts.values())}" for f, texts in numbers),
+        assignments=tuple(f".{number} = {text}" for _, texts in numbers for number, text in texts.items()),
+        shown=tuple(
+            ShownView(label, number, f"value_{place}{field.name}", view.type(field.type))
+            for field, texts in numbers
+            for label, number, place in _labels(field, texts)
+        ),
     )
+
+
+def _labels(field: Field, numbers: Iterable[str]) -> Iterator[tuple[str, str, str]]:
+    """The label of each number that a member has, the number, and a part of the name of a variable."""
+    for i, number in enumerate(numbers):
+        yield (f"{field.name}[{i}]", number, f"{i}_") if field.is_array else (field.name, number, "")
 
 
 def _fields(message: Message, known: Assignment) -> list[Field]:
     variant = message.layout.variant(known)
-    return [f for f in variant.fields if f.role.is_value] if variant else []
+    return list(value_fields(variant.fields if variant else ()).values())
 
 
-def _shown(view: EditionView, field: Field) -> Iterator[ShownView]:
-    type_, name = view.type(field.type), member(field.name)
-    if not field.is_array:
-        yield ShownView(field.name, name, f"value_{field.name}", type_)
-        return
-    for i in range(len(field.elements)):
-        yield ShownView(f"{field.name}[{i}]", f"{name}[{i}]", f"value_{i}_{field.name}", type_)
-
-
-def _parameters(edition: Edition, names: Names, known: Assignment) -> Iterator[str]:
+def _parameters(view: EditionView, edition: Edition, known: Assignment) -> Iterator[str]:
     """The initializers of the known parameters."""
     for parameter in edition.parameters:
-        value = known.get(parameter.name)
-        if value is not None and parameter.is_choice:
-            yield f".{member(parameter.name)} = {names.upper(parameter.name, str(value))}"
-        elif value is not None:
-            number = Fraction(value)
-            yield f".{member(parameter.name)} = {{{number.numerator}, {number.denominator}u}}"
-
-
-def _initializer(field: Field, raw: RawValue) -> str:
-    literals = [literal for _, literal in _assigned(field, raw)]
-    return f".{member(field.name)} = " + (f"{{{', '.join(literals)}}}" if isinstance(raw, list) else literals[0])
-
-
-def _assigned(field: Field, raw: RawValue) -> Iterator[tuple[str, str]]:
-    """Each number that a member has, and its raw integer as a literal."""
-    name, kind = member(field.name), integer(field.type)
-    if isinstance(raw, list):
-        yield from ((f"{name}[{i}]", kind.literal(number)) for i, number in enumerate(raw))
-    else:
-        yield name, kind.literal(raw)
+        if parameter.name in known:
+            yield f".{member(parameter.name)} = {parameter_literal(view.names, parameter, known[parameter.name])}"
 
 
 def command_example(edition: Edition, worked: WorkedExchange) -> CommandExampleView:
     """The program for a command with these golden frames."""
     command, request, reply, known, is_answered = worked
     e = edition_view(edition)
-    asked = e.frame(command.request) if command.request and request else None
-    answer = e.frame(command.reply) if command.reply and reply else None
+    asked = e.message(command.request) if command.request and request else None
+    answer = e.message(command.reply) if command.reply and reply else None
     initializers, request_calls, reply_calls = [], [], []
     if asked and request and command.request:
         for field in _fields(command.request, known):
@@ -220,11 +195,15 @@ def command_example(edition: Edition, worked: WorkedExchange) -> CommandExampleV
             initializers += [] if calls else [_named_initializer(e, field, request.raw.get(field.name, 0))]
         request_calls.append(asked.encode("&frame", f"{request.node}u", "&request", "&parameters"))
     if answer and reply:
-        reply_calls = [call(f"{e.prefix}check_reply", "&frame", "&received")] if is_answered else []
+        reply_calls = (
+            [call(f"{e.prefix}check_reply", "&frame", "&received", "&parameters" if e.check_reply_parameters else "")]
+            if is_answered
+            else []
+        )
         reply_calls.append(answer.decode("&reply", "&node", "&received", "&parameters"))
     return CommandExampleView(
         e=e,
-        parameters=tuple(_parameters(edition, e.names, known)),
+        parameters=tuple(_parameters(e, edition, known)),
         request=asked,
         reply=answer,
         initializers=tuple(initializers),
@@ -243,8 +222,8 @@ def _named_initializer(e: EditionView, field: Field, raw: RawValue) -> str:
     stem, kind = e.names.type_stem(field.type), integer(field.type)
     names = {m.value: e.names.upper(stem, m.name) for m in reversed(field.type.enum)}
     written = kind.bits if field.type.flags else kind.literal
-    literals = [names.get(number) or written(number) for number in (raw if isinstance(raw, list) else [raw])]
-    return f".{member(field.name)} = " + (f"{{{', '.join(literals)}}}" if field.is_array else literals[0])
+    texts = (names.get(number) or written(number) for number in (raw if isinstance(raw, list) else [raw]))
+    return f".{member(field.name)} = {initializer(field, texts)}"
 
 
 def _conversions(e: EditionView, field: Field, golden: GoldenFrame) -> Iterator[str]:
@@ -259,9 +238,9 @@ def _conversions(e: EditionView, field: Field, golden: GoldenFrame) -> Iterator[
         yield call(f"{view.name}_from_double", where, repr(float(number)), parameters)
 
 
-def _received(frame: FrameView, golden: GoldenFrame) -> Iterator[str]:
+def _received(message: MessageView, golden: GoldenFrame) -> Iterator[str]:
     marks = ["CANWRIGHT_EXTENDED"] * golden.extended + ["CANWRIGHT_REMOTE"] * golden.remote
     yield f".id = {' | '.join([f'0x{golden.id:X}u', *marks])}"
-    yield f".dlc = {frame.message.dlc if golden.remote else len(golden.data)}u"
+    yield f".dlc = {message.dlc if golden.remote else len(golden.data)}u"
     if golden.data:
         yield f".data = {{{', '.join(f'0x{byte:02X}u' for byte in golden.data)}}}"

@@ -8,8 +8,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model.types import Encoding, Linear, Type
-from .choices import Choice, choose
-from .conversions import ABOVE, BELOW, MISSING_PARAMETER, NO_SCALE, ConversionView, Formula, nearest, ratio
+from .choices import Choice
+from .conversions import ABOVE, BELOW, ConversionView, Formula, by_scale, factor, has_value_function, nearest, ratio
 from .expressions import INT64, UINT64, Integer, common, integer, joined, operand
 from .names import Names
 from .validity import Condition, constant_limits, has_constant_limits
@@ -57,7 +57,7 @@ def is_wide(type_: Type) -> bool:
 
 def has_floating(type_: Type, format_: Format) -> bool:
     """False for a type without a scale, and for values beyond the range of a floating-point type."""
-    linears = _linears(type_) if type_.is_number else []
+    linears = _linears(type_) if type_.is_number and type_.joined is None else []
     greatest = 1 if type_.encoding is Encoding.FLOAT else max(map(abs, type_.raw_limits))
     return bool(linears) and all(format_.has(x.scale, x.scale * greatest, x.offset) for x in linears)
 
@@ -72,19 +72,20 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
         return None
     is_float = type_.encoding is Encoding.FLOAT
 
-    def to(linear: Linear | None) -> Formula:
-        return Formula(number=_value(linear, type_, format_), ratio=ratio(linear)) if linear else NO_SCALE
+    def to(linear: Linear) -> Formula:
+        return Formula(number=_value(linear, type_, format_), ratio=ratio(linear), factor=factor(linear))
 
-    def from_(linear: Linear | None) -> Formula:
-        return Formula(number=_nearest(linear, type_, format_), ratio=ratio(linear)) if linear else NO_SCALE
+    def from_(linear: Linear) -> Formula:
+        return Formula(number=_nearest(linear, type_, format_), ratio=ratio(linear), factor=factor(linear))
 
     return ConversionView(
         kind=format_.name,
-        to=choose(names, type_.linear, to, MISSING_PARAMETER),
-        to_fails=type_.linear.parameter is not None or bool(type_.times),
-        from_=choose(names, type_.linear, from_, MISSING_PARAMETER),
+        to=by_scale(names, type_, to),
+        to_fails=type_.linear.parameter is not None or bool(type_.times or type_.no_values),
+        from_=by_scale(names, type_, from_),
         wide=_wide(type_).name,
         check=valid if is_float or not has_constant_limits(type_) else None,
+        has_value=has_value_function(names, type_),
     )
 
 
@@ -113,6 +114,8 @@ def _value(linear: Linear, type_: Type, format_: Format) -> str:
         multiple = f"canwright_multiple_{format_.name}(&{ratio(linear)}, {dividend}, {format_.literal(divisor)})"
         return integral or multiple
     if is_exact:
+        if factor > 1 and not addend and divisor & (divisor - 1) == 0:
+            return f"{raw} * {format_.literal(linear.scale)}"
         dividend = _dividend(raw, factor, addend, format_.literal)
         if divisor == 1:
             return dividend

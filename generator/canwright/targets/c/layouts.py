@@ -8,14 +8,17 @@ from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
 from ...model.edition import Edition
-from ...model.layout import Field, Layout, Variant
+from ...model.formatting import english
+from ...model.golden_frames import RawValue
+from ...model.layout import CounterRole, Field, Layout, ParameterRole, Variant
 from ...model.types import Encoding
 from ...semantics.plan import CheckConstant, CheckField, DecodingStep, EncodingStep, ReadField, message_plan
 from . import bits
-from .choices import Branch, parameter_access
+from .checksums import checksum_view
+from .choices import Branch, Whole, parameter_access, whole
 from .expressions import integer
 from .names import Names, member
-from .text import english, errata, field_facts, literal, with_deprecation
+from .text import errata, field_facts, literal, with_deprecation
 from .types import TypeView
 
 T = TypeVar("T")
@@ -71,6 +74,16 @@ class FieldRead(NamedTuple):
     constant_differs: str = ""
 
 
+class CounterView(NamedTuple):
+    """The name of the functions of a counter, its field, its C type, and the ends of its range."""
+
+    name: str
+    field: str
+    kind: str
+    first: str
+    last: str
+
+
 class FieldShow(NamedTuple):
     """The string literal before the value of a field, and the call that prints it."""
 
@@ -95,24 +108,34 @@ class LayoutView:
         self.members = [_member(names, edition, layout, f, types) for f in stored]
         self.places = list(_places(stored))
         self.has_fields = bool(layout.fields)
-        self.depends = layout.parameter is not None
-        """True if a parameter decides which fields exist; packing and unpacking return a status then."""
+        self.chooses = layout.parameter is not None
+        """True if a parameter decides which fields exist."""
+        parametric = {f: whole(edition, f.role.parameter) for f in layout.fields if isinstance(f.role, ParameterRole)}
+        self.constants = [
+            ParametricConstant(known, f"{bits.constant_read(f)} != {known.value}") for f, known in parametric.items()
+        ]
+        """The constants that are parameters."""
+        self.depends = self.chooses or bool(parametric)
+        """True if packing and unpacking need the parameters; they return a status then."""
+        values = {f.name: known.value for f, known in parametric.items()}
         self.check = _ordered_body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types))
-        self.pack = _body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared))
+        self.pack = _body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared, values))
+        self.counters = [_counter(names, layout, f) for f in stored if isinstance(f.role, CounterRole)]
+        self.checksum = checksum_view(plan.checksum) if plan.checksum else None
         self.unpack = _body(names, layout, lambda variant: _reads(plan.decoding, variant))
         self.show = _ordered_body(names, layout, lambda variant: _shows(names, variant, types))
 
     @property
     def show_parameters(self) -> bool:
-        return self.depends or any(step.uses_parameters for step in self.show.steps)
+        return self.chooses or any(step.uses_parameters for step in self.show.steps)
 
     @property
     def has_check(self) -> bool:
-        return bool(self.members) and (bool(self.check.steps) or self.depends)
+        return bool(self.members) and (bool(self.check.steps) or self.chooses)
 
     @property
     def check_parameters(self) -> bool:
-        return self.depends or any(check.uses_parameters for check in self.check.steps)
+        return self.chooses or any(check.uses_parameters for check in self.check.steps)
 
     @property
     def has_arrays(self) -> bool:
@@ -124,6 +147,13 @@ class LayoutView:
         return self.depends or self.check_parameters
 
 
+class ParametricConstant(NamedTuple):
+    """A constant that is a parameter, and the condition for a frame with another value."""
+
+    whole: Whole
+    differs: str
+
+
 def _member(names: Names, edition: Edition, layout: Layout, field: Field, types: Types) -> MemberView:
     type_ = types[names.lower(names.type_stem(field.type))]
     length = f"[{len(field.elements)}]" if field.is_array else ""
@@ -133,7 +163,14 @@ def _member(names: Names, edition: Edition, layout: Layout, field: Field, types:
     return MemberView(type_.kind, member(field.name) + length, doc)
 
 
-def _numbers(field: Field) -> list[str]:
+def _counter(names: Names, layout: Layout, field: Field) -> CounterView:
+    role, kind = field.role, integer(field.type)
+    assert isinstance(role, CounterRole)
+    ends = kind.literal(role.first), kind.literal(role.last)
+    return CounterView(names.lower(layout.name, field.name), field.name, kind.name, *ends)
+
+
+def numbers(field: Field) -> list[str]:
     """The numbers that a member has: itself, or each element of an array."""
     name = member(field.name)
     return [f"{name}[{number}]" for number in range(len(field.elements))] if field.is_array else [name]
@@ -143,7 +180,7 @@ def _places(fields: Iterable[Field]) -> Iterator[Place]:
     end = packed = 0
     for field in fields:
         size = integer(field.type).width // 8
-        for number in _numbers(field):
+        for number in numbers(field):
             start = -(-end // size) * size
             end, packed = start + size, packed - size
             yield Place(number, frozenset((*range(start, end), *range(packed, packed + size))))
@@ -180,7 +217,7 @@ def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRea
         if isinstance(step, CheckConstant) and step.field.only and step.field in variant.fields:
             yield FieldRead(constant_differs=bits.constant_differs(step.field))
         elif isinstance(step, ReadField):
-            for number, element in zip(_numbers(step.field), step.field.elements, strict=True):
+            for number, element in zip(numbers(step.field), step.field.elements, strict=True):
                 value = bits.read_field(step.field, element.segments) if step.field in variant.fields else "0"
                 yield FieldRead(member=number, value=value)
 
@@ -191,6 +228,10 @@ def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
             continue
         type_ = types[names.lower(names.type_stem(field.type))]
         given = type_.show.formulas.uses_parameters
+        if type_.joined is not None:
+            call = f"{type_.name}_write(printer, message->{member(field.name)});"
+            yield FieldShow(literal(f" {field.name}="), call, given)
+            continue
         for number, element in enumerate(field.elements):
             index, place = (f"[{element.index}]", f"[{number}]") if field.is_array else ("", "")
             raw = f"message->{member(field.name)}{place}"
@@ -217,6 +258,18 @@ def _checks(names: Names, steps: Sequence[EncodingStep], variant: Variant, types
 def _check(names: Names, field: Field, condition: str, status: str, *, uses_parameters: bool = False) -> FieldCheck:
     elements = len(field.elements) if field.is_array else 0
     return FieldCheck(names.upper("field", field.name), condition, status, elements, uses_parameters)
+
+
+def literals(field: Field, raw: RawValue) -> dict[str, str]:
+    """The literal of each number that a member has; a single raw integer is that of all elements."""
+    raws = raw if isinstance(raw, list) else [raw] * len(field.elements)
+    return dict(zip(numbers(field), map(integer(field.type).literal, raws), strict=True))
+
+
+def initializer(field: Field, texts: Iterable[str]) -> str:
+    """The initializer of a member with these literals."""
+    joined = ", ".join(texts)
+    return f"{{{joined}}}" if field.is_array else joined
 
 
 def fields_named(layouts: Sequence[Layout]) -> list[str]:

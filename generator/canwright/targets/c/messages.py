@@ -7,21 +7,25 @@ has every bit that is the same in all ids, so no single filter accepts fewer fra
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
+from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.layout import Space
+from ...model.formatting import english
+from ...model.layout import Layout, Space
 from ...model.message import Address, Direction, IdRule, Key, Message
 from ...semantics.bits import placed
 from ...semantics.plan import CheckConstant, message_plan
 from . import bits
-from .expressions import joined, operand, working
+from .choices import lacks, whole
+from .expressions import call, joined, operand, working
+from .layouts import LayoutView
 from .names import Names, Pattern, address_mask, named_patterns, pattern_of
-from .text import english
-from .types import MacroView
+from .text import MacroView, with_deprecation
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
 STANDARD_BITS, EXTENDED_BITS = (1 << 11) - 1, (1 << 29) - 1
@@ -95,6 +99,19 @@ class RuleView:
         self.id_function, self.node_function = f"{base}_id", f"{base}_node"
         self.base = f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u"
         self.has_nodes = rule.nodes is not None
+        self.whole = whole(edition, rule.parameter) if rule.parameter else None
+        """The parameter in the id; None without one."""
+        self.start = self.base
+        if self.whole:
+            step = rule.parameter_step
+            self.start += f" + {self.whole.value if step == 1 else f'({self.whole.value} * {step}u)'}"
+        """The id without the node."""
+        self.kind = f"0x{EXTENDED if rule.extended else 0:08X}u"
+        self.check_function = f"{base}_match_id"
+        self.takes_node = ["uint32_t node"] if self.has_nodes else []
+        self.takes_parameters = [f"const {names.lower('parameters_t')} *parameters"] if self.whole else []
+        self.can_fail = self.has_nodes or self.whole is not None
+        """Whether there may be no id."""
         self.mask = f"0x{0xFFFFFFFF & ~mask:08X}u" if mask else ""
         """The bits of the id that belong to the address; empty if all do."""
         self.node_unknown = _node_unknown(rule)
@@ -103,7 +120,9 @@ class RuleView:
         self.node_offset, self.offset_node, self.offset_rest = _step(rule.node_step)
         """The part of the id that depends on `node`, the node from the `offset` of an id, and the rest, which must be 0."""
         frames = "replies from" if direction is Direction.REPLY else "requests to"
-        self.filter_doc = f"The filter for the {frames} one node."
+        self.filter_doc = (
+            f"The filter for the {frames if self.has_nodes else frames.split()[0]}{' one node' * self.has_nodes}."
+        )
         self.filter_function = f"{base}_filter"
         self.filter_bits = f"0x{accepted.id:X}u" if accepted.id else ""
         """Bits of the id of the filter for one node besides those of its `id_function`; empty without any."""
@@ -116,9 +135,21 @@ class RuleView:
         )
         self.filters = [
             MacroView(names.upper(address.name, direction.value, ending), f"0x{value:08X}u", doc)
-            for ending, value, doc in ends
+            for ending, value, doc in (() if self.whole else ends)
         ]
-        """The filter for all nodes."""
+        """The filter for all nodes; none if a parameter decides on the ids."""
+
+    def call(self, function: str, *arguments: str) -> str:
+        """The call of a function of the address, with the parameters if the id contains one."""
+        return call(function, *arguments, *["parameters"] * (self.whole is not None))
+
+    def has_id(self, node: str, id_: str) -> str:
+        """The condition for an id of this address; it writes the node into `node`."""
+        if self.has_nodes:
+            return f"{self.call(self.node_function, node, id_)} == CANWRIGHT_OK"
+        if self.whole:
+            return f"{self.call(self.check_function, id_)} == CANWRIGHT_OK"
+        return f"{self.masked(id_)} == {self.id_macro}"
 
     def masked(self, id_: str) -> str:
         """The bits of an id that belong to the address."""
@@ -156,7 +187,7 @@ class PatternView(NamedTuple):
 
 
 class AddressView(NamedTuple):
-    name: str
+    path: DocumentPath
     heading: str
     doc: str
     rules: tuple[RuleView, ...]
@@ -164,49 +195,114 @@ class AddressView(NamedTuple):
     nodes: tuple[MacroView, ...]
 
 
-class MessageView(NamedTuple):
-    """A message.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MessageView:
+    """A message with its layout.
 
     `codes` are the values of its keys, then the same with each other accepted value of the first key. `node_in_data` is
-    the expression of the node in a field; empty unless a field identifies the node. `other_constant` is the condition for a frame with another value in a constant field.
+    the expression of the node in a field; empty unless a field identifies the node. `other_constant` is the condition for
+    a frame with another value in a constant field, `wrong_checksum` for one with another checksum. `struct` is empty without fields. `deprecated` is the end of a comment
+    on a deprecated message. `lacking` is the condition for a node that does not have the command of a request; empty
+    without parameters that decide it.
     """
 
     name: str
     struct: str
+    title: str
     direction: str
     pattern: PatternView
     dlc: int
     codes: tuple[tuple[str, ...], ...]
     other_constant: str
+    wrong_checksum: str
     node_in_data: str
+    layout: LayoutView
+    own_layout: bool
+    own_struct: bool
+    deprecated: str
+    lacking: str
 
     @property
     def has_node(self) -> bool:
         """True if a frame contains the node."""
         return self.pattern.rule.has_nodes or bool(self.node_in_data)
 
+    @property
+    def takes_parameters(self) -> bool:
+        """True if encoding the message needs the parameters."""
+        return self.layout.takes_parameters or bool(self.lacking) or self.pattern.rule.whole is not None
+
+    @property
+    def decode_parameters(self) -> bool:
+        """True if decoding the message needs the parameters."""
+        return self.layout.depends or self.pattern.rule.whole is not None
+
+    @property
+    def _node(self) -> str:
+        return "node" if self.pattern.rule.has_nodes else ""
+
+    @property
+    def stamp(self) -> str:
+        """The call that writes id, length and code of a frame."""
+        return self.pattern.rule.call(f"{self.pattern.name}_stamp", "frame", self._node, f"{self.dlc}u", *self.codes[0])
+
+    @property
+    def matches(self) -> list[str]:
+        """The calls of which one succeeds if a frame is this message."""
+        match, rule = f"{self.pattern.name}_match", self.pattern.rule
+        return [rule.call(match, self._node, "frame", f"{self.dlc}u", *codes) for codes in self.codes]
+
+    def encode(self, frame: str, node: str, message: str, parameters: str) -> str:
+        """The call that encodes a message, without the arguments that it does not take."""
+        return call(
+            f"{self.name}_encode",
+            frame,
+            node if self._node else "",
+            message if self.struct else "",
+            parameters if self.takes_parameters else "",
+        )
+
+    def decode(self, message: str, node: str, frame: str, parameters: str) -> str:
+        """The call that decodes a message, without the arguments that it does not take."""
+        return call(
+            f"{self.name}_decode",
+            message if self.struct else "",
+            node if self.has_node else "",
+            frame,
+            parameters if self.decode_parameters else "",
+        )
+
+    @property
+    def is_match_only(self) -> bool:
+        """True if there is nothing to read or check after the match."""
+        layout = self.layout
+        has_checks = bool(self.other_constant or self.wrong_checksum)
+        return not (layout.members or layout.depends or has_checks or self.node_in_data or self.codes[1:])
+
 
 class Messages:
-    """The messages of an edition, and their patterns."""
+    """The messages of an edition, their patterns and their addresses."""
 
-    def __init__(self, names: Names, edition: Edition) -> None:
-        self._names, self._edition = names, edition
+    def __init__(self, names: Names, edition: Edition, layouts: Mapping[Layout, LayoutView]) -> None:
+        self._names, self._edition, self._layouts = names, edition, layouts
+        self.fd = "fd_" if edition.bus.frame_format.is_fd else ""
+        """In the names of what contains frames of CAN FD."""
         by_pattern: dict[Pattern, list[Message]] = {}
         for message in edition.all_messages():
             by_pattern.setdefault(pattern_of(message), []).append(message)
         self._rules: dict[tuple[str, Direction], RuleView] = {}
-        self._at: dict[str, list[PatternView]] = {}
-        self._messages: dict[str, MessageView] = {}
+        self._messages: dict[Message, MessageView] = {}
+        patterns: dict[str, list[PatternView]] = {}
         for pattern, parts in named_patterns(by_pattern).items():
-            view = self._view(pattern, parts, by_pattern[pattern][0])
-            self._at.setdefault(pattern.address, []).append(view)
-            self._messages |= {message.name: self._message(message, view) for message in by_pattern[pattern]}
-
-    def at(self, address: Address) -> tuple[PatternView, ...]:
-        return tuple(self._at.get(address.name, ()))
+            view = self._pattern(pattern, parts, by_pattern[pattern][0])
+            patterns.setdefault(pattern.address, []).append(view)
+            self._messages |= {message: self._message(message, view) for message in by_pattern[pattern]}
+        used = (address for address in edition.addresses if address.name in patterns)
+        self.addresses = [_address(names, address, patterns[address.name]) for address in used]
+        """The addresses that messages use, each with the directions that they use."""
 
     def message(self, message: Message) -> MessageView:
-        return self._messages[message.name]
+        return self._messages[message]
 
     def rule(self, address: Address, direction: Direction) -> RuleView:
         key = address.name, direction
@@ -215,20 +311,32 @@ class Messages:
         return self._rules[key]
 
     def _message(self, message: Message, pattern: PatternView) -> MessageView:
+        names, layout = self._names, self._layouts[message.layout]
+        command = self._edition.command(message.command)
         constants = [step.field for step in message_plan(message).decoding if isinstance(step, CheckConstant)]
         always = [bits.constant_differs(field) for field in constants if not field.only]
+        lacking = lacks(names, self._edition, command) if message.direction is Direction.REQUEST else []
+        own_struct = message.name == message.layout.name
+        what = f"The {message.direction.value}" if own_struct else "Request and reply"
         return MessageView(
-            name=self._names.lower(message.name),
-            struct=self._names.lower(message.name, "t"),
+            name=names.lower(message.name),
+            struct=names.lower(message.name, "t") if layout.members else "",
+            title=f"{what} of {message.command}",
             direction=message.direction.value,
             pattern=pattern,
             dlc=message.dlc,
             codes=tuple(_codes(message)),
             other_constant=joined("||", always) if always else "",
+            wrong_checksum=f"{layout.name}_sum(frame) != {layout.checksum.read}" if layout.checksum else "",
             node_in_data=bits.key_value(message.node_in_data) if message.node_in_data else "",
+            layout=layout,
+            own_layout=not message.layout.shared and self._edition.of_layout(message.layout)[0] is message,
+            own_struct=own_struct,
+            deprecated=with_deprecation("", command.deprecated),
+            lacking=joined("||", lacking) if lacking else "",
         )
 
-    def _view(self, pattern: Pattern, name: tuple[str, ...], message: Message) -> PatternView:
+    def _pattern(self, pattern: Pattern, name: tuple[str, ...], message: Message) -> PatternView:
         mask = address_mask(self._edition, pattern.address, pattern.direction) & ~pattern.id_mask
         return PatternView(
             name=self._names.lower(*name),
@@ -240,20 +348,15 @@ class Messages:
         )
 
 
-def addresses(names: Names, edition: Edition, messages: Messages) -> list[AddressView]:
-    """The addresses that messages use, each with the directions that they use."""
-    return [_address(names, address, messages.at(address)) for address in edition.addresses if messages.at(address)]
-
-
-def _address(names: Names, address: Address, patterns: tuple[PatternView, ...]) -> AddressView:
+def _address(names: Names, address: Address, patterns: Sequence[PatternView]) -> AddressView:
     nodes = address.request.nodes or address.reply.nodes
     ends = [("node_min", nodes[0], "Lowest"), ("node_max", nodes[-1], "Highest")] if nodes else []
     return AddressView(
-        name=address.name,
+        path=address.path,
         heading=english(address.title) + (f" ({address.manual})" if address.manual else ""),
         doc=english(address.about),
         rules=tuple(dict.fromkeys(pattern.rule for pattern in patterns)),
-        patterns=patterns,
+        patterns=tuple(patterns),
         nodes=tuple(MacroView(names.upper(address.name, e), f"{n}u", f"{word} node number.") for e, n, word in ends),
     )
 

@@ -15,13 +15,19 @@ from typing import NamedTuple
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.layout import Field, Layout, Segment, Space
+from ...model.layout import ChecksumRole, CounterRole, Field, Layout, Segment, Space
 from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
 from ..base import NameProblem
 
 SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h", "canwright_selftest.h")
 """The headers that are the same for every protocol."""
+
+FD = "canwright_fd.h"
+"""The header for editions with CAN FD."""
+
+TEXT = "canwright_text.h"
+"""The header for editions with texts or decimal digits."""
 
 SHARED_CXX = ("canwright.hpp",)
 """Those of C++."""
@@ -87,15 +93,18 @@ TYPES_OF_MEMBERS = "int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uin
 RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS} {TYPES_OF_MEMBERS}".split())
 
 TYPE_ENDINGS = (
-    *("_valid", "_name", "_first_flag", "_write"),
+    *("_valid", "_name", "_first_flag", "_write", "_no_value", "_has_value"),
     *("_to_milli", "_from_milli", "_to_float", "_from_float", "_to_double", "_from_double"),
 )
 SCALE_MACROS = ("UNIT", "SCALE_NUM", "SCALE_DEN", "OFFSET_NUM", "OFFSET_DEN")
+FIRST = "first"
+"""The ending of the macro of the first of several raw integers without a value."""
 LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show", "_matches")
+COUNTER_ENDINGS = ("_next", "_steps")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = (
-    *("_request_id", "_request_node", "_request_filter"),
-    *("_reply_id", "_reply_node", "_reply_filter"),
+    *("_request_id", "_request_node", "_request_match_id", "_request_filter"),
+    *("_reply_id", "_reply_node", "_reply_match_id", "_reply_filter"),
 )
 PATTERN_ENDINGS = ("_match", "_stamp")
 ADDRESS_MACROS = (
@@ -145,6 +154,23 @@ class Names:
     def short(self, name: str) -> str:
         """The short form of the name of a command or a message, if it has one."""
         return self._short.get(name, name)
+
+    def facts(self, message: Message) -> Iterator[str]:
+        """The macros of a message: of its period, of its time-out, and of its frames if there are several."""
+        yield from self.times(message)
+        yield from self.frames(message)
+
+    def frames(self, message: Message) -> Iterator[str]:
+        """The macros of the number of the first frame, and of the number of frames."""
+        yield from (self.upper(message.name, name) for name in ("first_frame", "frames") if message.sequence)
+
+    def times(self, message: Message) -> Iterator[str]:
+        """The macros of the period and of the time-out of a message, if it has them."""
+        sending = message.sending
+        times = (sending.every_ms, sending.timeout_ms) if sending else ()
+        for time, name in zip(times, ("every_us", "timeout_us"), strict=False):
+            if time is not None:
+                yield self.upper(message.name, name)
 
     def type_stem(self, type_: Type) -> str:
         """The part of the names of a type that stands for it: its name, `speed`, or with its raw format, `speed_i16`."""
@@ -244,16 +270,27 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         yield names.upper("effect", effect.name), f"the effect `{effect.name}`", ("effects", effect.name)
     for layout in layouts(edition):
         what = _layout(layout)
-        yield from ((names.lower(layout.name) + e, what, layout.path) for e in LAYOUT_ENDINGS)
+        yield from ((name, what, path) for name, path in _layout_names(names, layout))
         yield from ((names.upper("field", f.name), f"the field name `{f.name}`", f.path) for f in layout.fields)
     for command in edition.commands:
         for name in (names.command(command.name), names.upper(command.name, "code")):
             yield name, f"the command `{command.name}`", command.path
     for message in edition.all_messages():
+        yield from ((name, f"a number of `{message.name}`", message.path) for name in names.facts(message))
         what = f"the {message.direction.value} of `{message.command}`"
         own = message.name == message.layout.name
         yield names.lower(message.name, "t"), _layout(message.layout) if own else what, message.path
         yield from ((names.lower(message.name) + e, what, message.path) for e in MESSAGE_ENDINGS)
+
+
+def _layout_names(names: Names, layout: Layout) -> Iterator[tuple[str, DocumentPath]]:
+    """The names of the functions of a layout, of its counters and of its checksum."""
+    yield from ((names.lower(layout.name) + e, layout.path) for e in LAYOUT_ENDINGS)
+    for field in layout.fields:
+        if isinstance(field.role, CounterRole):
+            yield from ((names.lower(layout.name, field.name) + e, field.path) for e in COUNTER_ENDINGS)
+        if isinstance(field.role, ChecksumRole):
+            yield names.lower(layout.name, "sum"), field.path
 
 
 def _layout(layout: Layout) -> str:
@@ -277,4 +314,5 @@ def _type(names: Names, type_: Type) -> Iterator[str]:
         yield from (names.upper(stem, ending, case) for case in type_.raw_range.cases)
     if type_.is_number:
         yield from (names.upper(stem, ending) for ending in SCALE_MACROS)
-    yield from (names.upper(stem, m.name) for m in (*type_.enum, *type_.flags))
+    yield from (names.upper(stem, m.name) for m in (*type_.enum, *type_.flags, *type_.no_values))
+    yield from (names.upper(stem, n.name, FIRST) for n in type_.no_values if len(n.raws) > 1)

@@ -9,14 +9,18 @@ from typing import NamedTuple, TypeVar
 
 from ...model.edition import Edition
 from ...model.golden_frames import CheckedFrame, GoldenFrame, GoldenFrames, RawValue, RefusedFrame, RefusedValues
-from ...model.layout import MAX_DATA_BYTES, Field, Layout
+from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
+from ...model.refusal import Refusal
 from ...semantics.decoder import Decoder, Identified
 from ...semantics.frame import CanFrame, node_of
+from ...semantics.plan import value_fields
 from ..base import EditionInput
+from .choices import parameter_literal
 from .expressions import integer
-from .names import member
-from .view import DirectionView, EditionView, FrameView
+from .layouts import initializer, literals, numbers
+from .messages import MessageView
+from .view import EditionView
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
 UNIQUE, ENCODED = "CANWRIGHT_GOLDEN_UNIQUE", "CANWRIGHT_GOLDEN_ENCODED"
@@ -41,7 +45,7 @@ class MessageCase:
 
     number: int
     command: str
-    frame: FrameView
+    message: MessageView
     table: str
     any_depends: bool
     any_same: tuple[str, ...]
@@ -53,21 +57,12 @@ class Entry(NamedTuple):
 
 
 class Table(NamedTuple):
+    """Golden frames of one kind; `first` is the number of the first one among all."""
+
     name: str
     kind: str
+    first: int
     entries: tuple[Entry, ...]
-
-
-class SelfTestView(NamedTuple):
-    """The tables of a self-test, without empty ones, and its calls."""
-
-    layouts: tuple[LayoutTable, ...]
-    messages: tuple[MessageCase, ...]
-    directions: tuple[DirectionView, ...]
-    parameters: tuple[str, ...]
-    tables: tuple[Table, ...]
-    blank: str
-    """The initializer of a stored frame without anything."""
 
 
 def has_self_test(specification: EditionInput) -> bool:
@@ -75,54 +70,48 @@ def has_self_test(specification: EditionInput) -> bool:
     return specification.frames is not None and bool(specification.frames.frames)
 
 
-def self_test(specification: EditionInput, view: EditionView) -> SelfTestView:
-    """The self-test of an edition with golden frames.
+def _braces(*parts: str) -> str:
+    return f"{{{', '.join(parts)}}}"
+
+
+class SelfTest:
+    """The tables of an edition with golden frames, without empty ones, and the calls.
 
     Omitted are values in units, and raw integers that the members of a struct cannot contain.
     """
-    assert specification.frames is not None
-    return _SelfTest(specification.edition, specification.frames, view).view()
 
-
-class _SelfTest:
     def __init__(self, edition: Edition, frames: GoldenFrames, view: EditionView) -> None:
         self._edition, self._frames, self._view = edition, frames, view
         self._names = view.names
+        self._most = edition.bus.frame_format.max_data_bytes
+        self.blank = _braces("0u", _braces(*["0u"] * self._most))
+        """The initializer of a stored frame without anything."""
         self._decoder = Decoder(edition)
         self._messages: dict[Message, int] = {}
         self._raws: dict[Layout, dict[str, int]] = {}
         self._known: dict[str, int] = {}
-
-    def view(self) -> SelfTestView:
-        tables = (
-            Table("frames", "canwright_golden_t", tuple(map(self._frame, self._frames.frames))),
-            Table("rejections", "canwright_golden_rejection_t", tuple(self._rejections())),
-            Table("refusals", "canwright_golden_refusal_t", tuple(self._refusals())),
-            Table("exchanges", "canwright_golden_exchange_t", tuple(self._exchanges())),
-        )
-        number, numbered = 0, []
-        for table in tables:
-            entries = []
-            for entry in table.entries:
-                number += 1
-                entries.append(Entry(f"{number}: {entry.comment}", entry.text))
-            numbered += [Table(table.name, table.kind, tuple(entries))] if entries else []
-        return SelfTestView(
-            layouts=tuple(self._layout(layout, entries) for layout, entries in self._raws.items()),
-            messages=tuple(self._case(message, number) for message, number in self._messages.items()),
-            directions=tuple(d for d in self._view.directions if d.decode),
-            parameters=tuple(self._known),
-            tables=tuple(numbered),
-            blank=_braces("0u", _braces(*["0u"] * MAX_DATA_BYTES)),
-        )
+        self.tables: list[Table] = []
+        first = 1
+        for name, kind, entries in (
+            ("frames", f"{view.fd}golden", [*map(self._frame, frames.frames)]),
+            ("rejections", f"{view.fd}golden_rejection", [*self._rejections()]),
+            ("refusals", "golden_refusal", [*self._refusals()]),
+            ("exchanges", f"{view.fd}golden_exchange", [*self._exchanges()]),
+        ):
+            self.tables += [Table(name, f"canwright_{kind}_t", first, tuple(entries))] if entries else []
+            first += len(entries)
+        self.layouts = [self._layout(layout, entries) for layout, entries in self._raws.items()]
+        self.messages = [self._case(message, number) for message, number in self._messages.items()]
+        self.directions = [direction for direction in view.directions if direction.decode]
+        self.parameters = list(self._known)
 
     def _frame(self, frame: GoldenFrame) -> Entry:
         message = self._message(frame.direction, frame.command)
-        alone = self._decoder.identify(frame.direction, _can(frame))
+        alone = self._decoder.identify(frame.direction, _can(frame), frame.parameters)
         is_unique = isinstance(alone, Identified) and alone.message is message
         flags = [*([UNIQUE] if is_unique else []), *([] if frame.decode_only else [ENCODED])]
         text = _braces(
-            _stored(frame),
+            self._stored(frame),
             f"{_node(message, frame)}u",
             f"{_index(self._messages, message)}u",
             f"{self._raw_index(message, frame.raw)}u",
@@ -138,14 +127,15 @@ class _SelfTest:
                 is_request = int(entry.decode is Direction.REQUEST)
                 status = f"CANWRIGHT_{entry.says.name}"
                 known = self._parameters(entry.parameters)
-                text = _braces(_stored(entry), f"{len(entry.data)}u", f"{known}u", f"{is_request}u", status)
+                text = _braces(self._stored(entry), f"{len(entry.data)}u", f"{known}u", f"{is_request}u", status)
                 yield Entry(f"{entry.decode.value}: {entry.says.value}", text)
 
     def _refusals(self) -> Iterator[Entry]:
+        """Raw integers that the function of a message rejects; it does not ask whether the node has the command."""
         for entry in self._frames.refused:
-            if isinstance(entry, RefusedValues) and not entry.values:
+            if isinstance(entry, RefusedValues) and not entry.values and entry.says is not Refusal.NOT_AVAILABLE:
                 message = self._message(entry.encode, entry.command)
-                if all(_fits(f, entry.raw.get(f.name, 0)) for f in _members(message.layout)):
+                if all(_fits(f, entry.raw.get(f.name, 0)) for f in value_fields(message.layout.fields).values()):
                     text = _braces(
                         f"{entry.node or 0}u",
                         f"{_index(self._messages, message)}u",
@@ -160,8 +150,17 @@ class _SelfTest:
         for entry in self._frames.exchanges if self._view.answers else ():
             status = entry.says.name if entry.says else "OK"
             lengths = (f"{len(frame.data)}u" for frame in (entry.request, entry.reply))
-            text = _braces(_stored(entry.request), _stored(entry.reply), *lengths, f"CANWRIGHT_{status}")
+            known = [f"{self._parameters(entry.parameters)}u"] if self._view.check_reply_parameters else ["0u"]
+            text = _braces(
+                self._stored(entry.request), self._stored(entry.reply), *lengths, *known, f"CANWRIGHT_{status}"
+            )
             yield Entry(f"request and reply: {status.lower()}", text)
+
+    def _stored(self, frame: GoldenFrame | RefusedFrame | CheckedFrame) -> str:
+        """A frame, without the bytes that its format does not have."""
+        flags = (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
+        data = [f"0x{byte:02X}u" for byte in frame.data.ljust(self._most, b"\0")[: self._most]]
+        return _braces(f"0x{frame.id | flags:X}u", _braces(*data))
 
     def _message(self, direction: Direction, command: str) -> Message:
         message = self._edition.command(command).message(direction)
@@ -171,48 +170,35 @@ class _SelfTest:
 
     def _raw_index(self, message: Message, raws: Raws) -> int:
         """The index of raw integers in the table of the layout; 0 without fields."""
-        fields = list(_members(message.layout))
+        fields = value_fields(message.layout.fields)
         if not fields:
             return 0
-        text = _braces(*(_literal(f, raws.get(f.name, 0)) for f in fields))
-        return _index(self._raws.setdefault(message.layout, {}), text)
+        texts = (initializer(f, literals(f, raws.get(name, 0)).values()) for name, f in fields.items())
+        return _index(self._raws.setdefault(message.layout, {}), _braces(*texts))
 
     def _parameters(self, known: Known) -> int:
         """The index of parameters in their table; 0 if the edition has none."""
-        if not self._edition.parameters:
-            return 0
-        values = []
-        for parameter in self._edition.parameters:
-            given = known.get(parameter.name)
-            number = Fraction(0) if given is None or parameter.is_choice else Fraction(str(given))
-            name = "unknown" if given is None else str(given)
-            values.append(
-                self._names.upper(parameter.name, name)
-                if parameter.is_choice
-                else f"{{{number.numerator}, {0 if given is None else number.denominator}u}}"
-            )
-        return _index(self._known, _braces(*values))
+        values = (parameter_literal(self._names, p, known.get(p.name)) for p in self._edition.parameters)
+        return _index(self._known, _braces(*values)) if self._edition.parameters else 0
 
     def _layout(self, layout: Layout, entries: Mapping[str, int]) -> LayoutTable:
-        same = []
-        for field in _members(layout):
-            places = [f"[{i}]" for i in range(len(field.elements))] if field.is_array else [""]
-            same += [f"one->{member(field.name)}{p} == other->{member(field.name)}{p}" for p in places]
+        fields = value_fields(layout.fields).values()
+        same = (f"one->{number} == other->{number}" for field in fields for number in numbers(field))
         return LayoutTable(self._names.lower(layout.name), _table(layout), tuple(same), tuple(entries))
 
     def _case(self, message: Message, number: int) -> MessageCase:
-        frame = self._view.frame(message)
+        view = self._view.message(message)
         enumerator = self._names.command(message.command)
         any_ = self._view.direction(message.direction)
         same = [f"{any_.word}.command == {enumerator}", f"{any_.word}.node == result->node"]
-        if frame.struct:
+        if view.struct:
             content = any_.by_command[enumerator]
             wanted = f"&wanted.{_table(message.layout)}"
-            same.append(f"{frame.layout.name}_matches(&{any_.word}.as.{content.member}, {wanted})")
+            same.append(f"{view.layout.name}_matches(&{any_.word}.as.{content.member}, {wanted})")
         return MessageCase(
             number=number,
             command=message.command,
-            frame=frame,
+            message=view,
             table=_table(message.layout),
             any_depends=any_.depends,
             any_same=tuple(same),
@@ -224,45 +210,21 @@ def _table(layout: Layout) -> str:
     return f"raws_{layout.name}"
 
 
-def _members(layout: Layout) -> Iterator[Field]:
-    return (f for f in layout.fields if f.role.is_value)
-
-
 def _index(numbers: dict[T, int], item: T) -> int:
     """The number of an item, which is added if it is new."""
     return numbers.setdefault(item, len(numbers))
 
 
-def _braces(*parts: str) -> str:
-    return f"{{{', '.join(parts)}}}"
-
-
-def _literal(field: Field, raw: RawValue) -> str:
-    kind = integer(field.type)
-    if field.is_array:
-        raws = raw if isinstance(raw, list) else [raw] * len(field.elements)
-        return _braces(*(kind.literal(number) for number in raws))
-    return kind.literal(raw if isinstance(raw, int) else raw[0])
-
-
 def _fits(field: Field, raw: RawValue) -> bool:
-    low, high = integer(field.type).limits
-    raws = raw if isinstance(raw, list) else [raw]
-    return all(low <= number <= high for number in raws) and (
-        not field.is_array or len(raws) in (1, len(field.elements))
-    )
+    if isinstance(raw, list) and len(raw) != len(field.elements):
+        return False
+    return integer(field.type).holds(*(raw if isinstance(raw, list) else [raw]))
 
 
 def _node(message: Message, frame: GoldenFrame) -> int:
     """The node in the id or in the data; 0 if the frame contains none."""
-    return node_of(message, _can(frame)) or 0
+    return node_of(message, _can(frame), frame.parameters) or 0
 
 
 def _can(frame: GoldenFrame) -> CanFrame:
     return CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-
-
-def _stored(frame: GoldenFrame | RefusedFrame | CheckedFrame) -> str:
-    flags = (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
-    data = [f"0x{byte:02X}u" for byte in frame.data.ljust(MAX_DATA_BYTES, b"\0")[:MAX_DATA_BYTES]]
-    return _braces(f"0x{frame.id | flags:X}u", _braces(*data))

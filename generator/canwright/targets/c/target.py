@@ -7,46 +7,96 @@ from collections.abc import Iterator, Sequence
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ..base import CodeExample, CodeNames, EditionInput, NameProblem, Output, Target, WorkedExchange
-from ..options import Options
-from . import generate, names, program, validity
-from .code_names import code_names
-from .messages import Messages, addresses
+from ..base import CodeExample, CodeNames, EditionInput, ItemNames, NameProblem, Output, Target, WorkedExchange
+from ..options import NO_OPTIONS, Options
+from . import names, validity
 from .names import SHARED, Names, layouts, member
-from .types import TypeView, types
+from .package import files, program
+from .types import TypeView
+from .view import edition_view
 
 Exported = tuple[DocumentPath, str]
 
+C_HEADERS = (
+    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic "
+    "stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype"
+)
+POSIX_HEADERS = "endian fcntl poll pthread sched semaphore strings termios unistd"
+HEADERS = frozenset((f"{C_HEADERS} {POSIX_HEADERS} arduino").split())
+"""Headers that a header of the same name would replace; some file systems find `arduino.h` for `Arduino.h`."""
 
-def exported_names(edition: Edition) -> Iterator[Exported]:
-    """Every name, with the path of its item; that of a declaration before those of its functions.
 
-    `…_` stands for the prefix of family and edition.
-    """
-    names = Names(edition)
-    prefixes = names.lower(""), names.upper("")
-    for path, name in _names(names, edition):
-        yield path, f"…_{name[len(prefixes[0]) :]}" if name.startswith(prefixes) else name
+class CTarget(Target):
+    """The target that generates C headers."""
+
+    title = "C"
+
+    def generate(
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = NO_OPTIONS
+    ) -> Iterator[Output]:
+        """Parameters are not fixed; they are arguments of functions."""
+        return files(specifications)
+
+    def problems(self, edition: Edition) -> Iterator[NameProblem]:
+        yield from _headers(edition)
+        yield from names.problems(edition)
+        yield from validity.problems(edition)
+
+    def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
+        owners: dict[str, Edition] = {}
+        for edition in editions if len(editions) > 1 else ():
+            for name, _, _ in names.defined(edition):
+                owner = owners.setdefault(name, edition)
+                if owner is not edition:
+                    yield edition, f"{owner.family} {owner.name} would also have `{name}` in C"
+                    break
+
+    def exported_names(self, edition: Edition) -> Iterator[Exported]:
+        """The name of a declaration before those of its functions; `…_` stands for the prefix of family and edition."""
+        names = Names(edition)
+        prefixes = names.lower(""), names.upper("")
+        for path, name in _names(names, edition):
+            yield path, f"…_{name[len(prefixes[0]) :]}" if name.startswith(prefixes) else name
+
+    def code_names(self, edition: Edition) -> CodeNames:
+        """Raw integers stand for the members of types."""
+        view, messages = edition_view(edition), edition.all_messages()
+        names = view.names
+        return CodeNames(
+            language="c",
+            source=f"{edition.family}/{edition.identifier}.h",
+            parameters_type=names.lower("parameters_t"),
+            frame=view.frame,
+            messages={message: names.lower(message.name) for message in messages},
+            needs_parameters=frozenset(m for m in messages if view.message(m).takes_parameters),
+            fields={field.name: member(field.name) for m in messages for field in m.layout.fields},
+            parameters={
+                p: ItemNames(member(p.name), "", {v.name: names.upper(p.name, v.name) for v in p.values})
+                for p in edition.parameters
+            },
+            types={},
+        )
+
+    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
+        return program(edition, worked)
 
 
 def _names(names: Names, edition: Edition) -> Iterator[Exported]:
     yield from _parameters(names, edition)
     yield from ((("effects", effect.name), names.upper("effect", effect.name)) for effect in edition.effects)
-    used = {address.name: address for address in edition.addresses}
-    for view in addresses(names, edition, Messages(names, edition)):
-        path = used[view.name].path
-        yield from ((path, macro.name) for macro in view.nodes)
-        for rule in view.rules:
-            yield from (
-                (path, n) for n in ((rule.id_function, rule.node_function) if rule.has_nodes else (rule.id_macro,))
-            )
-    views = {view.name: view for view in types(names, edition)}
+    view = edition_view(edition)
+    for address in view.addresses:
+        yield from ((address.path, macro.name) for macro in address.nodes)
+        for rule in address.rules:
+            reader = rule.node_function if rule.has_nodes else rule.check_function
+            functions = (rule.id_function, reader) if rule.can_fail else (rule.id_macro,)
+            yield from ((address.path, function) for function in functions)
     for type_ in (t for t in edition.types if t.path[0] == "types"):
         stem = names.type_stem(type_)
         key = "enum" if type_.enum else "flags"
         members = {names.upper(stem, m.name): (*type_.path, key, m.name) for m in (*type_.enum, *type_.flags)}
-        if names.lower(stem) in views:
-            yield from ((members.get(name, type_.path), name) for name in _type(views[names.lower(stem)]))
+        if view.has(type_):
+            yield from ((members.get(name, type_.path), name) for name in _type(view.type(type_)))
     for layout in layouts(edition):
         varying = [field for field in layout.fields if field.role.is_value]
         if varying:
@@ -59,6 +109,7 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
         if command.code is not None:
             yield command.path, names.upper(command.name, "code")
     for message in edition.all_messages():
+        yield from ((message.path, name) for name in names.facts(message))
         if any(field.role.is_value for field in message.layout.fields):
             yield message.path, names.lower(message.name, "t")
             yield message.path, f".{member(names.short(message.command))}"
@@ -78,28 +129,10 @@ def _parameters(names: Names, edition: Edition) -> Iterator[Exported]:
 
 def _type(view: TypeView) -> Iterator[str]:
     """The functions of a type and its macros."""
-    conversions = (("milli", view.milli), ("double", view.double), ("float", view.single))
-    for number, conversion in conversions:
-        yield from (f"{view.name}_{way}_{number}" for way in ("to", "from") if conversion is not None)
+    yield from (f"{view.name}_{way}_{unit}" for unit in view.conversions for way in ("to", "from"))
     functions = (("name", view.names), ("first_flag", view.is_flags), ("valid", view.valid))
     yield from (f"{view.name}_{ending}" for ending, exists in functions if exists)
     yield from (macro.name for macro in view.macros)
-
-
-C_HEADERS = (
-    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic "
-    "stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype"
-)
-POSIX_HEADERS = "endian fcntl poll pthread sched semaphore strings termios unistd"
-HEADERS = frozenset((f"{C_HEADERS} {POSIX_HEADERS} arduino").split())
-"""Headers that a header of the same name would replace; some file systems find `arduino.h` for `Arduino.h`."""
-
-
-def problems(edition: Edition) -> Iterator[NameProblem]:
-    """The problems of one edition."""
-    yield from _headers(edition)
-    yield from names.problems(edition)
-    yield from validity.problems(edition)
 
 
 def _headers(edition: Edition) -> Iterator[NameProblem]:
@@ -114,43 +147,6 @@ def _headers(edition: Edition) -> Iterator[NameProblem]:
     if f"{file.lower()}.h" in SHARED:
         text = f"the C library already contains a header `{file.lower()}.h`"
         yield NameProblem(("edition",), text, f"choose another name, for example v-{edition.name}")
-
-
-def edition_collisions(editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
-    """Names that two editions would have: the later edition, and a sentence."""
-    owners: dict[str, Edition] = {}
-    for edition in editions if len(editions) > 1 else ():
-        for name, _, _ in names.defined(edition):
-            owner = owners.setdefault(name, edition)
-            if owner is not edition:
-                yield edition, f"{owner.family} {owner.name} would also have `{name}` in C"
-                break
-
-
-class CTarget(Target):
-    """The target that generates C headers."""
-
-    title = "C"
-
-    def generate(
-        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
-    ) -> Iterator[Output]:
-        return generate(specifications, set_parameters)
-
-    def problems(self, edition: Edition) -> Iterator[NameProblem]:
-        return problems(edition)
-
-    def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
-        return edition_collisions(editions)
-
-    def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
-        return exported_names(edition)
-
-    def code_names(self, edition: Edition) -> CodeNames:
-        return code_names(edition)
-
-    def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
-        return program(edition, worked)
 
 
 TARGET = CTarget()

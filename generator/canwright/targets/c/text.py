@@ -4,37 +4,28 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...diagnostics.unicode_safety import visible
 from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
-from ...model.layout import Field, NodeRole, Space
-from ...model.types import IDENTITY, ByParameter, Encoding, Linear, Text, Type
+from ...model.formatting import english
+from ...model.layout import CounterRole, Field, NodeRole, Space
+from ...model.types import IDENTITY, ByParameter, Encoding, Type
 
 WIDTH = 118
 
 
-class Defined(Protocol):
-    """A macro."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> str: ...
-    @property
-    def doc(self) -> str: ...
+class MacroView(NamedTuple):
+    name: str
+    value: str
+    doc: str
 
 
 _ENTITIES = str.maketrans({"\\": "&#92;", "@": "&#64;"})
-
-
-def english(text: Text) -> str:
-    """The English text, else the first."""
-    return text.get("en") or next(iter(text.values()), "")
 
 
 class Markup(str):
@@ -110,7 +101,7 @@ def arguments(names: Sequence[str]) -> str:
     return ", ".join(filter(None, names))
 
 
-def defines(macros: Sequence[Defined]) -> str:
+def defines(macros: Sequence[MacroView]) -> str:
     """Aligned macros, each with its comment on the same line if all fit, else above."""
     names = max((len(m.name) for m in macros), default=0)
     values = max((len(m.value) for m in macros), default=0)
@@ -146,7 +137,7 @@ def _folded(line: str) -> str:
 
 def type_facts(type_: Type, among: Sequence[str] = ()) -> list[str]:
     """Resolution and range of a type, only for the parameter values in `among` if there are any."""
-    return [sentence for sentence in (_scale(type_, among), _range(type_, among)) if sentence]
+    return [sentence for sentence in (_scale(type_, among), _range(type_, among), _no_values(type_)) if sentence]
 
 
 def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence[str], *, low_bits: bool) -> str:
@@ -162,12 +153,20 @@ def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence
         parts.append(f"Element 0 is number {indices[0]}, the last one number {indices[-1]}.")
     if isinstance(field.role, NodeRole):
         parts.append("It contains the low bits of the node." if low_bits else "It contains the node.")
+    if isinstance(field.role, CounterRole):
+        parts.append(f"A counter from {field.role.first} to {field.role.last}.")
     if english(field.about):
         parts.append(english(field.about))
     parts += type_facts(field.type, among) if among else of_type
+    parts += in_manual(field.manual_name)
     if field.only:
         parts.append(f"Only {parameter} {', '.join(field.only)}; 0 otherwise.")
     return " ".join(parts)
+
+
+def in_manual(name: str) -> list[str]:
+    """The name in the manual as a sentence. Headers are ASCII, so a name in another script is left out."""
+    return [f"In the manual: {name}."] if name.isascii() and name else []
 
 
 def errata(edition: Edition, path: DocumentPath) -> list[str]:
@@ -184,13 +183,12 @@ def _scale(type_: Type, among: Sequence[str]) -> str:
         return ""
     if type_.encoding is Encoding.FLOAT and type_.linear == ByParameter.always(IDENTITY):
         return f"In {unit}, as the bits of an IEEE 754 number." if unit else "The bits of an IEEE 754 number."
-    known = [(_among(names, among), linear) for names, linear in type_.linear.distinct()]
-    given = [
-        _worth(linear, unit) + _case(type_.linear.parameter, names)
-        for names, linear in known
-        if linear and names is not None
-    ]
-    lacking = [", ".join(names) for names, linear in known if not linear and names is not None]
+    scales = formatting.scale(type_, among, ", counted from ", unit)
+    cases = [(names, formatting.with_ascii_pi(scale)) for names, scale in scales]
+    given = _alternatives(
+        type_.linear.parameter, [(names, what) for names, what in cases if what != formatting.NOT_GIVEN]
+    )
+    lacking = [names for names, what in cases if what == formatting.NOT_GIVEN]
     if not given:
         return "No scale is known." if lacking else ""
     if given == ["1"]:
@@ -203,33 +201,21 @@ def _range(type_: Type, among: Sequence[str]) -> str:
     if not type_.is_number:
         return ""
     what = "Range" if type_.encoding is Encoding.FLOAT else "Raw"
-    known = [(_among(names, among), limits) for names, limits in type_.raw_range.distinct()]
-    given = [
-        formatting.span(limits) + _case(type_.raw_range.parameter, names)
-        for names, limits in known
-        if limits and names is not None
-    ]
+    given = _alternatives(type_.raw_range.parameter, formatting.ranges(type_, tuple(among)))
     return f"{what} {', '.join(given)}." if given else ""
 
 
-def _worth(linear: Linear, unit: str) -> str:
-    offset = f", counted from {formatting.offset(linear)}" if linear.offset else ""
-    return f"{formatting.step(linear)} {unit}".rstrip() + offset + (f" {unit}" if linear.offset and unit else "")
+def _no_values(type_: Type) -> str:
+    named = (f"{no_value.name} ({formatting.raws(no_value.raws)})" for no_value in type_.no_values)
+    return f"Without a value: {', '.join(named)}." if type_.no_values else ""
 
 
-def _case(parameter: str | None, names: Sequence[str]) -> str:
-    return f" ({parameter} {', '.join(names)})" if names else ""
-
-
-def _among(names: Sequence[str], among: Sequence[str]) -> Sequence[str] | None:
-    """The names that are in `among`; None if all of them are left out."""
-    if not names or not among:
-        return names
-    return [name for name in names if name in among] or None
+def _alternatives(parameter: str | None, cases: Iterable[tuple[str, str]]) -> list[str]:
+    return [f"{what} ({parameter} {names})" if names else what for names, what in cases]
 
 
 def _places(field: Field) -> str:
-    places = [formatting.place(field.space, e.segments) for e in field.elements]
+    places = [formatting.place(field.space, e.segments, order=field.type.order) for e in field.elements]
     if len(places) == 1 or field.space is Space.ID:
         return places[0]
     return f"{places[0]} to {places[-1]}"

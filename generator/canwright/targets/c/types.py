@@ -6,14 +6,16 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from ...model.edition import Edition
+from ...model.formatting import english
+from ...model.joined import JoinedText
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
-from .conversions import ConversionView, Formula, milli, ratio
+from .conversions import ConversionView, Formula, factor, milli, ratio
 from .expressions import INT64, Integer, integer
 from .floating import DOUBLE, SINGLE, floating, has_floating, initializer, is_wide, raw_kind
-from .names import SCALE_MACROS, Names, layouts
-from .text import english, errata, literal, type_facts, with_deprecation
-from .validity import valid
+from .names import FIRST, SCALE_MACROS, Names, layouts
+from .text import MacroView, errata, literal, type_facts, with_deprecation
+from .validity import has_value, valid, within_run
 
 FEWEST, MOST = 3, 9
 """The limits of the number of decimals of a scale that is no decimal fraction."""
@@ -45,7 +47,7 @@ def show(names: Names, type_: Type) -> ShowView:
         if not numbers:
             return RAW
         call = f"canwright_print_value_{kind}(printer, raw, &linear, {decimals(type_, linear)}u);"
-        return Formula(number=call, linear=numbers, ratio=ratio(linear))
+        return Formula(number=call, linear=numbers, ratio=ratio(linear), factor=factor(linear))
 
     formulas = choose(names, type_.linear, formula, RAW)
     has_value = any(not formula_.status for formula_ in formulas.alternatives)
@@ -67,15 +69,23 @@ def decimals(type_: Type, linear: Linear) -> int:
     return min(max(enough + 1, FEWEST), MOST)
 
 
-class MacroView(NamedTuple):
-    name: str
-    value: str
-    doc: str
+class JoinedView(NamedTuple):
+    """The elements of a field as one value: `most` is the most characters of a text with its terminator, 0 for digits."""
+
+    elements: int
+    most: int
+    padding: str
+    highest: str
 
 
-class NameView(NamedTuple):
-    label: str
-    name: str
+def joined(type_: Type) -> JoinedView | None:
+    """How elements are joined; None if they are not."""
+    of = type_.joined
+    if of is None:
+        return None
+    if isinstance(of, JoinedText):
+        return JoinedView(of.count, of.count + 1, f"0x{of.padding:02X}u", "0x7Fu" if of.codec == "ascii" else "0xFFu")
+    return JoinedView(of.count, 0, "", "")
 
 
 class TypeView:
@@ -92,6 +102,10 @@ class TypeView:
         self.milli = milli(names, type_, self.valid)
         self.milli_unit = f"thousandths of {unit}" if unit else "thousandths"
         self.single, self.double = (floating(names, type_, self.valid, format_) for format_ in (SINGLE, DOUBLE))
+        pairs = {"milli": self.milli, "double": self.double, "float": self.single}
+        self.conversions = {unit: conversion for unit, conversion in pairs.items() if conversion is not None}
+        """Conversions by the ending of their names."""
+        self.joined = joined(type_)
         self.show = show(names, type_)
         self.use = f"Raw integer, type {stem}{_functions(type_, stem, self.milli or self.double)}."
         """A sentence with the type and its functions, for comments of fields."""
@@ -102,8 +116,11 @@ class TypeView:
         about = " ".join(text for text in (english(type_.about), *self.facts, *lacking) if text)
         self.doc = [text for text in (about, *errata(edition, type_.path)) if text]
         self.macros = [*_limits(names, type_, kind), *_scale(names, type_), *_members(names, type_, kind)]
-        self.names = [NameView(names.upper(stem, m.name), m.name) for m in (*type_.enum, *type_.flags)]
-        """Those of an enum or of flags."""
+        self.names = [(names.upper(stem, m.name), m.name) for m in (*type_.enum, *type_.flags)]
+        """The macros and names of an enum or of flags."""
+        self.no_values = list(_no_values(names, type_))
+        self.has_value = has_value(type_)
+        """The condition for a number; empty if all raw integers are numbers."""
         self.is_flags = bool(type_.flags)
 
     @property
@@ -112,7 +129,7 @@ class TypeView:
 
     @property
     def is_empty(self) -> bool:
-        return not (self.macros or self.valid or self.milli or self.has_notes)
+        return not (self.macros or self.valid or self.milli or self.has_notes or self.joined)
 
 
 def types(names: Names, edition: Edition) -> list[TypeView]:
@@ -125,8 +142,11 @@ def _functions(type_: Type, stem: str, conversion: ConversionView | None) -> str
     """The names by which a field of a type is used, without the prefix of the edition."""
     if not type_.is_number:
         return f": {stem}_*".upper()
+    if type_.joined is not None:
+        word = "text" if isinstance(type_.joined, JoinedText) else "number"
+        return f", an element: {stem}_to_{word}, {stem}_from_{word}"
     if type_.is_plain and not type_.unit:
-        return ", a plain number"
+        return f": {stem}_has_value, {stem}_no_value" if type_.no_values else ", a plain number"
     if conversion is None:
         return ""
     given = ", with the parameters" if conversion.to_parameters or conversion.from_parameters else ""
@@ -179,9 +199,29 @@ def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
     for m in type_.enum:
         doc = with_deprecation(english(m.title), m.deprecated)
         yield MacroView(names.upper(names.type_stem(type_), m.name), _parenthesised(kind.literal(m.value)), doc)
+    for n in type_.no_values:
+        several = len(n.raws) > 1
+        doc = f"No value: {with_deprecation(english(n.title), n.deprecated)}{'; the last raw value' if several else ''}"
+        yield MacroView(names.upper(names.type_stem(type_), n.name), _parenthesised(kind.literal(n.raws[-1])), doc)
+        if several:
+            name = names.upper(names.type_stem(type_), n.name, FIRST)
+            yield MacroView(name, _parenthesised(kind.literal(n.raws[0])), f"No value: the first raw value of {n.name}")
     for m in type_.flags:
         doc = with_deprecation(english(m.title), m.deprecated)
         yield MacroView(names.upper(names.type_stem(type_), m.name), kind.unsigned.bits(1 << m.value), doc)
+
+
+class NoValueView(NamedTuple):
+    """A name for raw integers without a value, and the condition for them."""
+
+    name: str
+    condition: str
+
+
+def _no_values(names: Names, type_: Type) -> Iterator[NoValueView]:
+    for n in type_.no_values:
+        macro = names.upper(names.type_stem(type_), n.name)
+        yield NoValueView(n.name, f"raw == {macro}" if len(n.raws) == 1 else within_run(integer(type_), n.raws))
 
 
 def _parenthesised(literal: str) -> str:

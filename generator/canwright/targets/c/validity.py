@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -43,11 +43,44 @@ def valid(names: Names, type_: Type) -> Choice[Condition] | None:
 
 def _condition(type_: Type, raws: ValidRaws | None) -> Condition:
     """The condition for a valid raw integer, without the limits of its C type."""
+    depends = isinstance(raws, RawInterval) and bool(raws.low_bound or raws.high_bound)
+    if isinstance(raws, RawInterval) and raws.no_values:
+        return _with_names(type_, raws, depends)
     every = list(_conditions(type_, raws))
     if not every:
         return ALWAYS
-    depends = isinstance(raws, RawInterval) and bool(raws.low_bound or raws.high_bound)
     return Condition(joined("&&", [joined("||", some) for some in every]), depends)
+
+
+def _with_names(type_: Type, raws: RawInterval, depends: bool) -> Condition:
+    """The condition for a number within its limits, or for a raw integer without a value."""
+    kind = integer(type_)
+    numbers = [] if depends else [range(raws.low, raws.high + 1)]
+    terms = [joined("&&", _between(kind, run[0], run[-1])) for run in _merged((*numbers, *raws.no_values))]
+    if "" in terms:
+        return ALWAYS
+    if depends:
+        every = [joined("||", some) for some in _conditions(type_, raws)]
+        terms.insert(0, joined("&&", every))
+    return Condition(joined("||", terms), depends)
+
+
+def _merged(runs: Iterable[range]) -> list[range]:
+    """Runs of integers in ascending order; those without a gap between them as one run."""
+    merged: list[range] = []
+    for run in sorted(runs, key=lambda run: run.start):
+        if merged and run.start <= merged[-1].stop:
+            merged[-1] = range(merged[-1].start, max(merged[-1].stop, run.stop))
+        else:
+            merged.append(run)
+    return merged
+
+
+def has_value(type_: Type) -> str:
+    """The condition for a raw integer that is a number, whatever its range; empty if all are."""
+    kind = integer(type_)
+    named = [joined("&&", _between(kind, run[0], run[-1])) for run in _merged(n.raws for n in type_.no_values)]
+    return f"!({joined('||', named)})" if named else ""
 
 
 Alternatives = tuple[str, ...]
@@ -57,7 +90,7 @@ Alternatives = tuple[str, ...]
 def _conditions(type_: Type, raws: ValidRaws | None) -> Iterator[Alternatives]:
     kind = integer(type_)
     if isinstance(raws, NamedRaws):
-        yield tuple(_within_run(kind, run) for run in raws.runs)
+        yield tuple(within_run(kind, run) for run in raws.runs)
     elif isinstance(raws, FlagBits):
         unnamed = ((1 << kind.width) - 1) & ~raws.mask
         source = f"({kind.unsigned.name})raw" if kind.signed else "raw"
@@ -77,7 +110,7 @@ def _conditions(type_: Type, raws: ValidRaws | None) -> Iterator[Alternatives]:
 def constant_limits(type_: Type) -> tuple[int, int]:
     """The smallest and largest raw integer, without limits that depend on a parameter."""
     raws = valid_raws(type_).constant
-    return (raws.low, raws.high) if isinstance(raws, RawInterval) else type_.raw_limits
+    return (raws.low, raws.high) if isinstance(raws, RawInterval) else type_.number_limits
 
 
 def has_constant_limits(type_: Type) -> bool:
@@ -115,7 +148,7 @@ def _between(kind: Integer, low: int, high: int) -> list[str]:
     return result + ([f"raw <= {kind.literal(high)}"] if high < most else [])
 
 
-def _within_run(kind: Integer, run: range) -> str:
+def within_run(kind: Integer, run: range) -> str:
     """The condition for one of some consecutive raw integers."""
     if len(run) == 1:
         return f"raw == {kind.literal(run[0])}"

@@ -6,105 +6,27 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
+from ...model.formatting import english
 from ...model.layout import Layout
 from ...model.message import Command, Direction, Message, OtherReply
 from ...model.metadata import Level
+from ...model.sending import microseconds
 from ...model.types import Type
+from ...semantics.exchange import exchange_plans
 from ..base import header
-from .choices import parameter_access, parameters
-from .conversions import ConversionView
-from .dispatch import RouteView, UnpackView, answers, command_numbers, routes
-from .expressions import call, joined
+from .choices import lacks, parameters
+from .dispatch import ContentsView, ContentView, answers, command_numbers, grouped, routes
+from .expressions import UINT32, UINT64, call, joined
 from .layouts import LayoutView, fields_named
-from .messages import Messages, MessageView, addresses
+from .messages import Messages, MessageView
 from .names import Names, layouts, member
-from .text import english, errata, literal, with_deprecation
-from .types import MacroView, TypeView, types
-
-
-class FrameView(NamedTuple):
-    """A message with its layout."""
-
-    message: MessageView
-    layout: LayoutView
-    own_layout: bool
-    own_struct: bool
-    title: str
-    deprecated: str
-    """The end of a comment on a deprecated message."""
-    lacking: str
-    """For a request, the condition for a node that does not have the command; empty without parameters that decide it."""
-
-    @property
-    def takes_parameters(self) -> bool:
-        """True if encoding the message needs the parameters."""
-        return self.layout.takes_parameters or bool(self.lacking)
-
-    @property
-    def name(self) -> str:
-        return self.message.name
-
-    @property
-    def struct(self) -> str:
-        """The struct's name; empty if the message has no fields."""
-        return self.message.struct if self.layout.members else ""
-
-    @property
-    def stamp(self) -> str:
-        """The call that writes id, length and code of a frame."""
-        pattern = self.message.pattern
-        arguments = [
-            "frame",
-            *(["node"] if pattern.rule.has_nodes else []),
-            f"{self.message.dlc}u",
-            *self.message.codes[0],
-        ]
-        return f"{pattern.name}_stamp({', '.join(arguments)})"
-
-    @property
-    def matches(self) -> list[str]:
-        """The calls of which one succeeds if a frame is this message."""
-        pattern = self.message.pattern
-        start = [*(["node"] if pattern.rule.has_nodes else []), "frame", f"{self.message.dlc}u"]
-        return [f"{pattern.name}_match({', '.join([*start, *codes])})" for codes in self.message.codes]
-
-    def encode(self, frame: str, node: str, message: str, parameters: str) -> str:
-        """The call that encodes a message, without the arguments that it does not take."""
-        return call(
-            f"{self.name}_encode",
-            frame,
-            node if self.message.pattern.rule.has_nodes else "",
-            message if self.struct else "",
-            parameters if self.takes_parameters else "",
-        )
-
-    def decode(self, message: str, node: str, frame: str, parameters: str) -> str:
-        """The call that decodes a message, without the arguments that it does not take."""
-        return call(
-            f"{self.name}_decode",
-            message if self.struct else "",
-            node if self.message.has_node else "",
-            frame,
-            parameters if self.layout.depends else "",
-        )
-
-    @property
-    def is_match_only(self) -> bool:
-        """True if there is nothing to read or check after the match."""
-        message = self.message
-        return not (
-            self.layout.members
-            or self.layout.depends
-            or message.other_constant
-            or message.node_in_data
-            or self.matches[1:]
-        )
+from .text import MacroView, errata, in_manual, literal, with_deprecation
+from .types import TypeView, types
 
 
 class CommandView(NamedTuple):
@@ -113,58 +35,31 @@ class CommandView(NamedTuple):
     number: str
     heading: str
     doc: tuple[str, ...]
-    code: MacroView | None
-    frames: tuple[FrameView, ...]
+    constants: tuple[MacroView, ...]
+    messages: tuple[MessageView, ...]
 
 
-class EffectsView(NamedTuple):
-    """Commands that have the same effects."""
-
-    commands: tuple[str, ...]
-    value: str
-
-
-class AvailabilityView(NamedTuple):
-    """Commands that a node has under the same condition."""
-
-    commands: tuple[str, ...]
-    condition: str
-
-
-class ContentView(NamedTuple):
-    """A command whose message of one direction has fields: its member in the union."""
-
-    command: str
-    member: str
-    doc: str
-
-
-class ContentsView(NamedTuple):
-    """Commands whose messages of one direction have the same layout."""
-
-    layout: LayoutView
-    commands: tuple[ContentView, ...]
-
-    @property
-    def member(self) -> str:
-        """One of the members; all have the same type."""
-        return self.commands[0].member
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class DirectionView:
-    """Any message of one direction.
+    """Any message of one direction."""
 
-    `without_node` are the commands whose id contains no node. `without_fields` is true if some commands have no fields.
-    """
-
-    word: str
-    identify: tuple[RouteView, ...]
-    decode: tuple[RouteView, ...]
-    contents: tuple[ContentsView, ...]
-    without_node: tuple[str, ...]
-    without_fields: bool
-    checks_availability: bool
+    def __init__(self, names: Names, edition: Edition, messages: Messages, direction: Direction) -> None:
+        contents: dict[Layout, list[ContentView]] = {}
+        sent = edition.messages(direction)
+        views = {m.layout: messages.message(m).layout for m in sent}
+        for message in sent:
+            if views[message.layout].members or views[message.layout].depends:
+                content = ContentView(names.command(message.command), member(names.short(message.command)))
+                contents.setdefault(message.layout, []).append(content)
+        unpack = {layout: ContentsView(views[layout], tuple(commands)) for layout, commands in contents.items()}
+        self.word = direction.value
+        self.identify = routes(names, edition, messages, direction, {})
+        self.decode = routes(names, edition, messages, direction, unpack)
+        self.contents = list(unpack.values())
+        self.without_node = [names.command(m.command) for m in sent if not m.id.nodes]
+        """The commands whose id contains no node."""
+        self.without_fields = any(not view.members for view in views.values())
+        """True if some commands have no fields."""
+        self.checks_availability = any(messages.message(m).lacking for m in sent)
 
     @cached_property
     def cleared(self) -> list[str]:
@@ -196,8 +91,19 @@ class DirectionView:
         return call(f"{e.prefix}print_{self.word}", "text", "sizeof text", frame, parameters)
 
     @cached_property
-    def depends(self) -> bool:
+    def identify_parameters(self) -> bool:
+        """Whether ids contain a parameter."""
+        return any(route.rule.whole for route in self.decode)
+
+    @cached_property
+    def unpacking_fails(self) -> bool:
+        """Whether reading fields needs the parameters."""
         return any(content.layout.depends for content in self.contents)
+
+    @cached_property
+    def depends(self) -> bool:
+        """Whether decoding needs the parameters."""
+        return self.identify_parameters or self.unpacking_fails
 
     @cached_property
     def shown(self) -> list[ContentsView]:
@@ -222,19 +128,12 @@ class DirectionView:
         return self.checks_availability or any(content.layout.check_parameters for content in self.contents)
 
 
-class FloatingView(NamedTuple):
-    """The conversions to one floating-point type, and the preprocessor condition under which they exist."""
-
-    guard: str
-    types: tuple[tuple[TypeView, ConversionView], ...]
-
-
 class EditionView:
     """The content of a header. `spec` is the start of the hash of its spec; every name has `prefix` or `PREFIX`."""
 
     def __init__(self, edition: Edition) -> None:
         self.names = names = Names(edition)
-        used, numbers, messages = layouts(edition), command_numbers(edition), Messages(names, edition)
+        used = layouts(edition)
         self.header = header(edition)
         self.spec = edition.hash[:8]
         self.prefix, self.PREFIX = names.lower(""), names.upper("")
@@ -243,22 +142,37 @@ class EditionView:
         self.doc = _edition_doc(edition)
         self.facts = list(_facts(names, edition))
         self.parameters = parameters(names, edition)
-        self.addresses = addresses(names, edition, messages)
         self.types = types(names, edition)
         self.fields = [(names.upper("field", name), name) for name in fields_named(used)]
+        self.has_joined = any(view.joined for view in self.types)
         self._types = {view.name: view for view in self.types}
         views = {layout: LayoutView(names, edition, layout, self._types) for layout in used}
         self.layouts = [views[layout] for layout in used if layout.shared]
-        self.commands = [_command(names, edition, messages, c, numbers[c.name], views) for c in edition.commands]
-        self._frames = {frame.name: frame for command in self.commands for frame in command.frames}
-        self.effects = _effects(names, edition)
-        self.command_effects = _command_effects(names, edition)
-        self.availability = _availability(names, edition)
-        self.directions = [_direction(names, edition, messages, direction, views) for direction in Direction]
+        self._messages = messages = Messages(names, edition, views)
+        self.fd = messages.fd
+        self.frame = f"canwright_{self.fd}frame_t"
+        self.frame_header = "canwright_fd.h" if self.fd else "canwright.h"
+        self.most_data = f"CANWRIGHT_{self.fd.upper()}MAX_DATA"
+        rate = " | CANWRIGHT_FD_BRS" if edition.bus.frame_format.switches_rate else ""
+        self.frame_flags = f"CANWRIGHT_FD_FDF{rate}" if self.fd else ""
+        self.addresses = messages.addresses
+        numbers = command_numbers(edition)
+        self.commands = [_command(names, edition, messages, c, numbers[c.name]) for c in edition.commands]
+        self.effects_type = UINT64 if len(edition.effects) > 32 else UINT32
+        self.effects = [
+            MacroView(names.upper("effect", e.name), self.effects_type.bits(1 << i), f"{english(e.title)}.")
+            for i, e in enumerate(edition.effects)
+        ]
+        self.command_effects = grouped(names, _effects_of_commands(names, edition))
+        self.availability = grouped(names, _availability(names, edition))
+        self.directions = [DirectionView(names, edition, messages, direction) for direction in Direction]
         self.answers = answers(names, edition, messages)
+        replies = (plan.reply for plans in exchange_plans(edition).values() for plan in plans)
+        self.answers_use_from = any(reply.id.nodes is not None for reply in replies)
+        """Whether the conditions of answers read the node that replies."""
 
-    def frame(self, message: Message) -> FrameView:
-        return self._frames[self.names.lower(message.name)]
+    def message(self, message: Message) -> MessageView:
+        return self._messages.message(message)
 
     def type(self, type_: Type) -> TypeView:
         return self._types[self.names.lower(self.names.type_stem(type_))]
@@ -271,6 +185,11 @@ class EditionView:
         return next(view for view in self.directions if view.word == direction.value)
 
     @property
+    def check_reply_parameters(self) -> bool:
+        """Whether the check of a reply needs the parameters: ids of messages with a reply contain them."""
+        return any(d.identify_parameters for d in self.directions)
+
+    @property
     def parameters_argument(self) -> str:
         return f"const {self.prefix}parameters_t *parameters"
 
@@ -280,23 +199,8 @@ class EditionView:
         return list({content.layout.name: content.layout for d in self.directions for content in d.shown}.values())
 
     @property
-    def floating(self) -> list[FloatingView]:
-        return [
-            FloatingView("", tuple((type_, type_.single) for type_ in self.types if type_.single)),
-            FloatingView("CANWRIGHT_HAS_DOUBLE", tuple((type_, type_.double) for type_ in self.types if type_.double)),
-        ]
-
-    @property
     def has_reply_time(self) -> bool:
         return any(fact.name == f"{self.PREFIX}REPLY_WITHIN_US" for fact in self.facts)
-
-    @property
-    def effect_bits(self) -> int:
-        return 64 if len(self.effects) > 32 else 32
-
-    @property
-    def answers_use_from(self) -> bool:
-        return any(answer.uses_from for answer in self.answers)
 
 
 @lru_cache(maxsize=4)
@@ -323,46 +227,44 @@ def _facts(names: Names, edition: Edition) -> Iterator[MacroView]:
         yield MacroView(names.upper("reply_within_us"), f"{math.ceil(within * 1000)}u", doc)
 
 
-def _command(
-    names: Names,
-    edition: Edition,
-    message_views: Messages,
-    command: Command,
-    number: int,
-    views: Mapping[Layout, LayoutView],
-) -> CommandView:
-    messages = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
-    code = None
-    if command.code is not None:
-        code = MacroView(
-            names.upper(command.name, "code"), f"0x{command.code:02X}u", "Identifies the command in a frame."
-        )
-    frames: list[FrameView] = []
-    lacking = [f"{parameter} == {value}" for parameter, value in _lacking(names, edition, command)]
-    for message in messages:
-        layout = views[message.layout]
-        own_struct = message.name == message.layout.name
-        what = f"The {message.direction.value}" if own_struct else "Request and reply"
-        frames.append(
-            FrameView(
-                message=message_views.message(message),
-                layout=layout,
-                own_layout=not message.layout.shared and all(f.layout is not layout for f in frames),
-                own_struct=own_struct,
-                title=f"{what} of {command.name}",
-                deprecated=with_deprecation("", command.deprecated),
-                lacking=joined("||", lacking) if lacking and message.direction is Direction.REQUEST else "",
-            )
-        )
+def _command(names: Names, edition: Edition, messages: Messages, command: Command, number: int) -> CommandView:
+    own = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
     return CommandView(
         name=command.name,
         enumerator=names.command(command.name),
         number=f"0x{number:02X}",
         heading=english(command.title) + (f" ({command.manual})" if command.manual else ""),
         doc=tuple(_command_doc(edition, command)),
-        code=code,
-        frames=tuple(frames),
+        constants=(
+            *(
+                MacroView(names.upper(command.name, "code"), f"0x{code:02X}u", "Identifies the command in a frame.")
+                for code in (command.code,)
+                if code is not None
+            ),
+            *(macro for message in own for macro in (*_times(names, message), *_frame_numbers(names, message))),
+        ),
+        messages=tuple(map(messages.message, own)),
     )
+
+
+def _times(names: Names, message: Message) -> Iterator[MacroView]:
+    """The period and the time-out of a message."""
+    docs = ("Nominal period, in microseconds.", "Silence that the receiver treats as a failure, in microseconds.")
+    times = (message.sending.every_ms, message.sending.timeout_ms) if message.sending else ()
+    stated = ((time, doc) for time, doc in zip(times, docs, strict=False) if time is not None)
+    for name, (time, doc) in zip(names.times(message), stated, strict=True):
+        yield MacroView(name, f"{microseconds(time)}u", doc)
+
+
+def _frame_numbers(names: Names, message: Message) -> Iterator[MacroView]:
+    """The number of the first frame and the number of frames, of a message in several frames."""
+    if message.sequence is not None:
+        numbers, of = message.sequence.numbers, f"`{message.sequence.field}` of the {message.direction.value}"
+        first, count = names.frames(message)
+        yield MacroView(first, f"{numbers[0]}u", f"Number of the first frame, in {of}.")
+        yield MacroView(
+            count, f"{len(numbers)}u", f"Maximum number of frames. They come in any order, numbered in {of}."
+        )
 
 
 def _command_doc(edition: Edition, command: Command) -> list[str]:
@@ -371,6 +273,9 @@ def _command_doc(edition: Edition, command: Command) -> list[str]:
         paragraphs.append("The manual says that this is not implemented yet.")
     if command.reply_within_ms is not None:
         paragraphs.append(f"Maximum time from request to reply: {formatting.exact(command.reply_within_ms)} ms.")
+    for message in (command.request, command.reply):
+        if message is not None and message.command == command.name and message.sending is not None:
+            paragraphs.append(f"Timing of the {message.direction.value}: {formatting.sending(message.sending)}.")
     if command.only:
         paragraphs.append(f"Only {formatting.condition(command.only)}.")
     for level in (Level.DANGER, Level.WARNING, Level.NOTE):
@@ -380,12 +285,17 @@ def _command_doc(edition: Edition, command: Command) -> list[str]:
     for verb, settings in (("Limited by", command.limited_by), ("Not limited by", command.not_limited_by)):
         if settings:
             paragraphs.append(f"{verb}: {', '.join(english(s.title) for s in settings)}.")
-    paragraphs.append(_reply_doc(command))
+    paragraphs += [_reply_doc(command), *in_manual(command.manual_name)]
     paragraphs += [english(note) for note in command.notes]
     return [text for text in (*paragraphs, *errata(edition, command.path)) if text]
 
 
 def _reply_doc(command: Command) -> str:
+    further = "; ".join(formatting.further_replies(command))
+    return " ".join(filter(None, (_first_reply_doc(command), further and f"{further.capitalize()}.")))
+
+
+def _first_reply_doc(command: Command) -> str:
     nodes = command.from_each
     each = f", from each of the nodes {', '.join(map(str, nodes))} in this order" if nodes else ""
     if command.reply is None:
@@ -397,74 +307,20 @@ def _reply_doc(command: Command) -> str:
     return f"One reply{each}." if each else ""
 
 
-def _effects(names: Names, edition: Edition) -> list[MacroView]:
-    digits = 16 if len(edition.effects) > 32 else 8
-    return [
-        MacroView(names.upper("effect", e.name), _mask(1 << i, digits), f"{english(e.title)}.")
-        for i, e in enumerate(edition.effects)
-    ]
-
-
-def _mask(value: int, digits: int) -> str:
-    return f"UINT64_C(0x{value:016X})" if digits == 16 else f"0x{value:08X}u"
-
-
-def _command_effects(names: Names, edition: Edition) -> list[EffectsView]:
-    grouped: dict[str, list[str]] = {}
+def _effects_of_commands(names: Names, edition: Edition) -> Iterator[tuple[Command, str]]:
     for command in edition.commands:
         if command.effects:
-            value = " | ".join(names.upper("effect", effect.name) for effect in command.effects)
-            grouped.setdefault(value, []).append(names.command(command.name))
-    return [EffectsView(tuple(commands), value) for value, commands in grouped.items()]
+            yield command, " | ".join(names.upper("effect", effect.name) for effect in command.effects)
 
 
-def _availability(names: Names, edition: Edition) -> list[AvailabilityView]:
-    grouped: dict[str, list[str]] = {}
+def _availability(names: Names, edition: Edition) -> Iterator[tuple[Command, str]]:
+    """The commands that some nodes do not have, and the condition for one that has it."""
     for command in edition.commands:
-        if command.only:
-            lacking = [f"{parameter} != {value}" for parameter, value in _lacking(names, edition, command)]
-            if lacking:
-                grouped.setdefault(joined("&&", lacking), []).append(names.command(command.name))
-    return [AvailabilityView(tuple(commands), condition) for condition, commands in grouped.items()]
-
-
-def _lacking(names: Names, edition: Edition, command: Command) -> Iterator[tuple[str, str]]:
-    """The parameters and the values of them under which a node does not have a command."""
-    for name, values in command.only.items():
-        for value in edition.parameter(name).values:
-            if value.name not in values:
-                yield parameter_access(name), names.upper(name, value.name)
-
-
-def _direction(
-    names: Names, edition: Edition, messages: Messages, direction: Direction, views: Mapping[Layout, LayoutView]
-) -> DirectionView:
-    contents: dict[Layout, list[ContentView]] = {}
-    for message in edition.messages(direction):
-        if views[message.layout].members or views[message.layout].depends:
-            enumerator = names.command(message.command)
-            content = ContentView(enumerator, member(names.short(message.command)), f"With {enumerator}.")
-            contents.setdefault(message.layout, []).append(content)
-    some = {layout: ContentsView(views[layout], tuple(commands)) for layout, commands in contents.items()}
-    unpack = {layout: _unpack(direction, content) for layout, content in some.items()}
-    return DirectionView(
-        word=direction.value,
-        identify=tuple(routes(names, edition, messages, direction, {})),
-        decode=tuple(routes(names, edition, messages, direction, unpack)),
-        contents=tuple(some.values()),
-        without_node=tuple(names.command(m.command) for m in edition.messages(direction) if not m.id.nodes),
-        checks_availability=direction is Direction.REQUEST and bool(_availability(names, edition)),
-        without_fields=any(not views[m.layout].members for m in edition.messages(direction)),
-    )
+        lacking = lacks(names, edition, command, "!=")
+        if lacking:
+            yield command, joined("&&", lacking)
 
 
 def _all_bytes(layout: LayoutView) -> frozenset[int]:
     """The bytes of a struct without padding."""
     return frozenset(itertools.chain(*(place.bytes for place in layout.places)))
-
-
-def _unpack(direction: Direction, content: ContentsView) -> UnpackView:
-    layout = content.layout
-    given = [f"&{direction.value}->as.{content.member}"] if layout.members else []
-    given += ["frame", *(["parameters"] if layout.depends else [])]
-    return UnpackView(f"{layout.name}_unpack({', '.join(given)})", layout.depends)

@@ -12,6 +12,7 @@ from ...model.edition import Edition
 from ...model.layout import Element, Field, Segment, Space
 from ...model.message import BitRun
 from ...model.types import Encoding, Type
+from ...semantics.checksum import FrameByte
 
 WORD_BITS = 64
 """The bits of the integers that contain the data."""
@@ -46,6 +47,10 @@ class FrameReads:
     def key(self, key: BitRun) -> str:
         """The unsigned values of a key."""
         return self._in_place(key.segments, key.space, "u", key.width) or self._assembled(key.segments, key.space)
+
+    def byte(self, byte: FrameByte) -> str:
+        """The values of a byte of the frame."""
+        return self._in_place(byte.segments, byte.space, "u", 8) or self._assembled(byte.segments, byte.space)
 
     def _element(self, field: Field, element: Element) -> str:
         is_signed = field.type.encoding is Encoding.SIGNED

@@ -7,10 +7,12 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model.edition import Edition
-from ...model.layout import Field, Layout
+from ...model.joined import JoinedText
+from ...model.layout import ConstantRole, Field, Layout
 from ...model.message import BitRun, Direction, KeyRole, Message
 from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
+from ...semantics.plan import message_plan
 from ..base import header
 from ..python_source import english, literal, member_name, tuple_of
 from ..tables import Positions
@@ -27,9 +29,9 @@ class Columns(NamedTuple):
     raw: str
 
 
-def columns_of(layout: Layout) -> Mapping[Field, Columns]:
+def columns_of(layout: Layout, frame_columns: Iterable[str] = FRAME_COLUMNS) -> Mapping[Field, Columns]:
     """The columns of each field. A name that is taken has `_` appended: those of the frame come first, then values."""
-    taken = set(FRAME_COLUMNS)
+    taken = set(frame_columns)
     fields = varying(layout)
     values = [_free(field.name, taken) for field in fields]
     raws = [_free(f"{field.name}_raw", taken) for field in fields]
@@ -76,6 +78,35 @@ class ModuleView:
         keys = (key.value for key in message.keys if key.role is KeyRole.CODE)
         return next(keys, self._codes[message.command])
 
+    def facts(self, message: Message) -> str:
+        """The arguments about when a message is sent, and about its frames; empty if nothing is stated."""
+        of, sequence = message.sending, message.sequence
+        frames = f", frames=({literal(sequence.field)}, {sequence.numbers})" if sequence else ""
+        if of is None:
+            return frames
+        times = {"every_ms": of.every_ms, "timeout_ms": of.timeout_ms}
+        stated = [f"sent={tuple_of(literal(o.value) for o in of.occasions)}"] if of.occasions else []
+        stated += [f"{name}={float(time)}" for name, time in times.items() if time is not None]
+        return "".join(f", {argument}" for argument in stated) + frames
+
+    def checksum(self, layout: Layout) -> Sequence[str]:
+        """The arguments of the `Checksum` of a layout; none without one."""
+        step = message_plan(self.edition.of_layout(layout)[0]).checksum
+        if step is None:
+            return ()
+        plan = step.checksum
+        inputs = (f"0x{part:02X}" if isinstance(part, int) else self.reads.byte(part) for part in plan.inputs)
+        numbers = {"poly": plan.poly, "init": plan.init, "xor_out": plan.xor_out}
+        return (
+            f"lambda words, ids: {self.reads.field(step.field)}",
+            f"lambda words, ids: {tuple_of(inputs)}",
+            literal(plan.arithmetic.value),
+            str(plan.width),
+            *(f"{name}=0x{number:X}" for name, number in numbers.items() if number),
+            *["reflected=True"] * plan.is_reflected,
+            *[f"shift={plan.shift}"] * bool(plan.shift),
+        )
+
     def leaf(self, node: dispatch.DispatchNode) -> str:
         """The position of a message, or a refusal; empty for a decision."""
         if isinstance(node, dispatch.Match):
@@ -116,9 +147,16 @@ def arguments(type_: Type) -> Sequence[str]:
         listed.append("is_float=True")
     if type_.flags:
         listed.append("is_flags=True")
+    if isinstance(type_.joined, JoinedText):
+        listed.append(f"text=({literal(type_.joined.codec)}, {type_.joined.padding})")
+    elif type_.joined is not None:
+        listed.append("is_digits=True")
     members = type_.enum or type_.flags
     if members:
         listed.append("names={" + ", ".join(f"{m.value}: {literal(m.name)}" for m in members) + "}")
+    if type_.no_values:
+        names = (f"{literal(n.name)}: ({n.raws[0]}, {n.raws[-1]})" for n in type_.no_values)
+        listed.append("no_values={" + ", ".join(names) + "}")
     return listed
 
 
@@ -136,7 +174,7 @@ def varying(layout: Layout) -> Sequence[Field]:
 
 def demanded(layout: Layout) -> Sequence[Field]:
     """The constants."""
-    return [field for field in layout.fields if field.role.is_checked]
+    return [field for field in layout.fields if field.role.key == ConstantRole.key]
 
 
 def fraction(number: Fraction | None) -> str:

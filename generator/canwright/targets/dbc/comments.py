@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from ...model.deprecation import Deprecation
 from ...model.types import Text
-from ...templating import resources
-from ...templating.data_files import read_data
+from ...templating.data_files import template_texts
 from .text import any_text, in_ascii
 
 ENGLISH = "en"
+_FILE = "dbc/comments.yaml"
 
 
 class Comments:
@@ -19,7 +18,7 @@ class Comments:
 
     def __init__(self, language: str) -> None:
         self.language = language
-        self._texts = _texts()[language]
+        self._texts: Mapping[str, str] = template_texts(_FILE)[language]
 
     def of(self, texts: Text) -> str:
         """A text of the spec: in the language, else in English or the first language."""
@@ -29,6 +28,10 @@ class Comments:
         """A fixed text with its values."""
         return self._texts[name].format(**values)
 
+    def fixed_text(self, name: str) -> str:
+        """A fixed text with its placeholders."""
+        return self._texts[name]
+
     def deprecation(self, deprecated: Deprecation | None, name: str = "") -> str:
         """The sentence about a deprecated item, with its name if it is not the first thing in the comment."""
         if deprecated is None:
@@ -36,6 +39,15 @@ class Comments:
         key = "deprecated_until" if deprecated.until else "deprecated"
         sentence = self.fixed(key, since=deprecated.since, until=deprecated.until)
         return self.labelled(name, sentence) if name else sentence
+
+    def in_manual(self, name: str) -> str:
+        """The sentence about the name of a field in the manual; empty without one."""
+        printed = self.printed(name)
+        return self.fixed("manual_name", printed=printed) if printed else ""
+
+    def printed(self, name: str) -> str:
+        """A name in the manual; empty for another script than ASCII in English comments."""
+        return "" if self.language == ENGLISH and not name.isascii() else any_text(name)
 
     def labelled(self, label: str, text: str) -> str:
         """`label: text`."""
@@ -51,11 +63,6 @@ class Comments:
         return self._texts["stop"].join(ended) + self._texts["end"] if ended else ""
 
 
-def languages() -> Iterable[str]:
+def languages() -> Sequence[str]:
     """The languages that comments can have."""
-    return _texts()
-
-
-@functools.cache
-def _texts() -> Mapping[str, Mapping[str, str]]:
-    return read_data(resources.TEMPLATES / "dbc/comments.yaml")  # type: ignore[no-any-return]
+    return list(template_texts(_FILE))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -12,10 +12,10 @@ from ...model.edition import Edition
 from ...model.message import Direction
 from ...model.types import Assignment, number_of
 from ..options import NO_OPTIONS, Options
+from . import sending
 from .comments import ENGLISH, Comments
-from .frames import Frame, Part, Scope, Traffic, partners
+from .frames import Frame, Part, frames, partners
 from .selection import COMMENTS, NODES
-from .selectors import joined_span, table_key, table_names
 from .signals import Signals
 from .text import camel, fitting, number
 from .view import KIND, File, Message, Signal, fitted
@@ -27,20 +27,12 @@ _VERSION_LENGTH = 32
 _MAX_NODES_IN_NAME = 8
 
 
-Traffics = Mapping[Direction, Traffic]
-
-
-def traffics(edition: Edition) -> Traffics:
-    """Both directions of an edition, in the order of their files."""
-    return {direction: Traffic(edition, direction) for direction in KIND}
-
-
-def files(edition: Edition, both: Traffics, set_parameters: Assignment, options: Options) -> Sequence[File]:
+def files(edition: Edition, set_parameters: Assignment, options: Options) -> Sequence[File]:
     """All files of an edition that contain frames: those of the first selector precede those of tables.
 
     Files of a table that are the same for every value of the parameters are one file.
     """
-    made = _Files(edition, both, set_parameters, options)
+    made = _Files(edition, set_parameters, options)
     plain = [file for values in made.assignments for file in made.plain(values)]
     of_tables: dict[tuple[Sequence[Direction], str], list[File]] = {}
     for assignment in made.assignments:
@@ -51,7 +43,7 @@ def files(edition: Edition, both: Traffics, set_parameters: Assignment, options:
 
 @functools.lru_cache(maxsize=4)
 def _with_defaults(edition: Edition) -> _Files:
-    return _Files(edition, traffics(edition), {}, NO_OPTIONS)
+    return _Files(edition, {}, NO_OPTIONS)
 
 
 def reply_file(edition: Edition, assignment: Assignment) -> str | None:
@@ -63,8 +55,8 @@ def reply_file(edition: Edition, assignment: Assignment) -> str | None:
 
 def stems(edition: Edition) -> Iterator[str]:
     """The first part of the names of files: the edition, and the parameter values that have files of their own."""
-    for assignment in _assignments(edition, {}):
-        yield "-".join((f"{edition.family}-{edition.name}", *_known(edition, assignment, {})))
+    made = _with_defaults(edition)
+    return ("-".join((made.name, *made.known(assignment))) for assignment in made.assignments)
 
 
 def node_name(address: str, node: int | None) -> str:
@@ -84,37 +76,33 @@ class _Content(NamedTuple):
 class _Files:
     """Builds the files of an edition."""
 
-    def __init__(self, edition: Edition, both: Traffics, set_parameters: Assignment, options: Options) -> None:
+    def __init__(self, edition: Edition, set_parameters: Assignment, options: Options) -> None:
+        self.name = f"{edition.family}-{edition.name}"
+        self.assignments = list(_assignments(edition, set_parameters))
+        """The combinations of parameter values that have files of their own."""
         self._edition = edition
-        self._both = both
+        self._host = fitting(edition.bus.host, ())
         self._nodes = options[NODES]
         self._comments = Comments(options[COMMENTS])
-        self._numbers: Mapping[str, Fraction] = {
-            p.name: number
-            for p in edition.parameters
-            if not p.is_choice and (number := number_of(set_parameters, p.name)) is not None
-        }
+        numbers = {p.name: number_of(set_parameters, p.name) for p in edition.parameters if not p.is_choice}
+        self._numbers: dict[str, Fraction] = {name: fixed for name, fixed in numbers.items() if fixed is not None}
         self._signals = {direction: Signals(direction, self._numbers, self._comments) for direction in KIND}
-        self.assignments = list(_assignments(edition, set_parameters))
-        every_frame = {direction: traffic.frames({}) for direction, traffic in both.items()}
-        every_node = Scope(edition, {}, self._numbers)
-        ids = [{id_ for frame in frames for id_ in every_node.ids(frame)} for frames in every_frame.values()]
+        every_frame = {direction: frames(edition, direction, {}) for direction in KIND}
+        ids = ({id_ for frame in of_one for _, id_ in frame.ids()} for of_one in every_frame.values())
         self._shared = set.intersection(*ids)
         used = tuple(direction for direction in KIND if every_frame[direction])
         self._groups = [(direction,) for direction in used] if self._shared else [used]
-        self._names = table_names(part for frames in every_frame.values() for frame in frames for part in frame.parts)
+        self._tables = table_names(part for listed in every_frame.values() for frame in listed for part in frame.parts)
 
     def plain(self, assignment: Assignment) -> Iterator[File]:
         """The files of the first selector: one for each direction, or one for both if they share no id."""
         for group in self._groups:
-            yield from self._file(group, assignment, "", list(self._plain_contents(group, assignment)))
+            yield from self._file(group, assignment, "", self._plain_contents(group, assignment))
 
     def name_of_replies(self, assignment: Assignment) -> str | None:
         """The name of the file of the first selector that contains replies."""
-        names = f"{self._edition.family}-{self._edition.name}", *self._known(self._scope(assignment))
-        groups = [group for group in self._groups if Direction.REPLY in group]
-        kinds = [KIND[group[0]] if len(group) == 1 else "" for group in groups]
-        return "-".join(filter(None, (*names, *kinds))) if groups else None
+        kinds = [KIND[group[0]] if len(group) == 1 else "" for group in self._groups if Direction.REPLY in group]
+        return "-".join(filter(None, (self.name, *self.known(assignment), *kinds))) if kinds else None
 
     def tables(self, assignment: Assignment) -> Iterator[File]:
         """The files that read the selectors of a table as one number."""
@@ -130,81 +118,79 @@ class _Files:
         first = same[0]
         if len(same) < len(self.assignments) or any(file.messages != first.messages for file in same):
             return same
-        scope = self._scope({})
-        comment = self._about(scope, first.directions, first.table)
-        return [first._replace(known=tuple(self._known(scope)), comment=comment)]
+        comment = self._about({}, first.directions, first.table)
+        return [first._replace(known=tuple(self.known({})), comment=comment)]
 
-    def _scope(self, assignment: Assignment) -> Scope:
-        return Scope(self._edition, assignment, self._numbers, self._nodes)
+    def known(self, assignment: Assignment) -> Iterator[str]:
+        """The parameter values in file names: a name alone, a number together with the name of its parameter."""
+        for name, value in assignment.items():
+            yield f"{name}_{value}" if self._edition.parameter(name).is_numeric else str(value)
+        for name, fixed in self._numbers.items():
+            yield f"{name}_{number(fixed)}"
 
     def _plain_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[_Content]:
         for direction in group:
-            for frame in self._both[direction].frames(assignment):
+            for frame in frames(self._edition, direction, assignment):
                 yield _Content(direction, frame, self._signals[direction].of(frame.parts, assignment))
 
     def _table_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[tuple[str, _Content]]:
         for direction in group:
-            for frame in self._both[direction].frames(assignment):
-                by_name: dict[str, list[Part]] = {}
+            for frame in frames(self._edition, direction, assignment):
+                by_name: dict[tuple[str, range], list[Part]] = {}
                 for part in frame.parts:
-                    if joined_span(part):
-                        by_name.setdefault(self._names[table_key(part)], []).append(part)
-                for name, parts in by_name.items():
-                    span = joined_span(parts[0])
-                    assert span
+                    if part.joined_span:
+                        by_name.setdefault((self._tables[table_key(part)], part.joined_span), []).append(part)
+                for (name, span), parts in by_name.items():
                     signals = self._signals[direction].joined(parts, assignment, span)
                     yield name, _Content(direction, frame._replace(parts=tuple(parts)), signals)
 
     def _file(
-        self, group: tuple[Direction, ...], assignment: Assignment, table: str, contents: Sequence[_Content]
+        self, group: tuple[Direction, ...], assignment: Assignment, table: str, contents: Iterable[_Content]
     ) -> Iterator[File]:
         """A file with these frames; none without messages."""
-        scope = self._scope(assignment)
-        host = fitting(self._edition.bus.host, ())
-        messages = fitted(
-            message for content in contents for message in self._messages(scope, content, host, len(group) > 1)
-        )
+        messages = fitted(message for content in contents for message in self._messages(content, len(group) > 1))
         ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NO_NODE]
+        digest = self._edition.hash[:12]
         if messages:
             yield File(
-                f"{self._edition.family}-{self._edition.name}",
-                tuple(self._known(scope)),
-                group,
-                table,
-                tuple(self._variant()),
-                _version(self._edition),
-                self._about(scope, group, table),
-                tuple(dict.fromkeys((host, *ends))),
-                messages,
+                edition=self.name,
+                known=tuple(self.known(assignment)),
+                directions=group,
+                table=table,
+                variant=tuple(self._variant()),
+                version=f"{self._edition.name[: _VERSION_LENGTH - len(digest) - 1]} {digest}",
+                comment=self._about(assignment, group, table),
+                nodes=tuple(dict.fromkeys((self._host, *ends))),
+                messages=messages,
+                frame_format=self._edition.bus.frame_format,
             )
 
-    def _messages(self, scope: Scope, content: _Content, host: str, with_direction: bool) -> Iterator[Message]:
+    def _messages(self, content: _Content, with_direction: bool) -> Iterator[Message]:
         """One message for each node, named by direction and a code in the id, or by the command if there is no selector."""
         direction, frame, signals = content
-        first = frame.parts[0]
-        kind = KIND[direction]
+        first, kind = frame.parts[0], KIND[direction]
         ending = "_".join((kind, *first.codes_in_id)) if first.selectors else first.command.name
         if with_direction and not first.selectors and first.command.request and first.command.reply:
             ending = f"{ending}_{kind}"
-        length = max(part.message.dlc for part in frame.parts)
-        nodes_of_rule = scope.nodes(frame.rule)
-        for node in (None,) if nodes_of_rule is None else nodes_of_rule:
+        send_type, cycle_ms = sending.attributes(frame)
+        for node, id_ in frame.ids(self._nodes):
             name = node_name(first.message.address, node)
             nodes: tuple[str, ...] = (name,)
             if node is None:
-                ends = (node_name(*end) for part in frame.parts for end in partners(scope, part))
+                ends = (node_name(*end) for part in frame.parts for end in partners(self._edition, part, self._nodes))
                 nodes = tuple(dict.fromkeys(ends)) or (_NO_NODE,)
             is_request = direction is Direction.REQUEST
-            id_ = frame.dbc_id(node)
             yield Message(
-                id_,
-                f"{name}_{ending}",
-                length,
-                frame.shortest,
-                (host,) if is_request else nodes,
-                nodes if is_request else (host,),
-                self._comment(content, id_ in self._shared),
-                signals,
+                id=id_,
+                name=f"{name}_{ending}",
+                length=frame.length,
+                shortest=frame.shortest,
+                senders=(self._host,) if is_request else nodes,
+                receivers=nodes if is_request else (self._host,),
+                comment=self._comment(content, id_ in self._shared),
+                signals=signals,
+                send_type=send_type,
+                cycle_ms=cycle_ms,
             )
 
     def _comment(self, content: _Content, is_shared: bool) -> str:
@@ -213,10 +199,8 @@ class _Files:
         about = comments.of(first.command.title if not first.selectors else address.title)
         warning = comments.fixed("same_id", other=comments.fixed(KIND[_OTHER[content.direction]]))
         kind = comments.fixed(KIND[content.direction])
-        return comments.sentences([comments.labelled(about, kind), warning if is_shared else ""])
-
-    def _known(self, scope: Scope) -> Iterator[str]:
-        return _known(self._edition, scope.assignment, self._numbers)
+        times = sending.sentences(content.frame, comments)
+        return comments.sentences([comments.labelled(about, kind), *times, warning if is_shared else ""])
 
     def _variant(self) -> Iterator[str]:
         """The selected nodes and the language, as parts of a file name."""
@@ -227,11 +211,10 @@ class _Files:
         if self._comments.language != ENGLISH:
             yield self._comments.language
 
-    def _about(self, scope: Scope, group: Sequence[Direction], table: str) -> str:
+    def _about(self, assignment: Assignment, group: Sequence[Direction], table: str) -> str:
         """The comment of a file: its origin, and what it describes."""
-        comments = self._comments
-        known = comments.listed(self._known(scope))
-        edition = self._edition
+        comments, edition = self._comments, self._edition
+        known = comments.listed(self.known(assignment))
         sentences = [
             comments.fixed("made", family=edition.family, edition=edition.name, hash=edition.hash[:12]),
             comments.labelled(comments.fixed("parameters"), known) if known else "",
@@ -256,15 +239,40 @@ def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assig
     yield from map(dict, itertools.product(*choices))
 
 
-def _known(edition: Edition, assignment: Assignment, numbers: Mapping[str, Fraction]) -> Iterator[str]:
-    """The parameter values in file names: a name alone, a number together with the name of its parameter."""
-    for name, value in assignment.items():
-        yield f"{name}_{value}" if edition.parameter(name).is_numeric else str(value)
-    for name, fixed in numbers.items():
-        yield f"{name}_{number(fixed)}"
+TableKey = tuple[str, range | None]
+"""The table of a part, and the bits of its selectors; without a table, the names of the selectors after the first."""
 
 
-def _version(edition: Edition) -> str:
-    """The edition and the hash of its spec, as far as they fit."""
-    digest = edition.hash[:12]
-    return f"{edition.name[: _VERSION_LENGTH - len(digest) - 1]} {digest}"
+def table_key(part: Part) -> TableKey:
+    """The table and the selector bits of a part whose selectors can be read as one number."""
+    entry = part.command.entry
+    return entry.table if entry else "-".join(key.name for key, _ in part.selectors[1:]), part.joined_span
+
+
+def table_names(parts: Iterable[Part]) -> Mapping[TableKey, str]:
+    """A unique name for each table, as in `stored-settings`.
+
+    Entries of a table with longer selectors than others need a file of their own. The file with most entries, or with
+    the shorter selectors, has the name of the table; another one adds the last word that its entries have in common, or a number.
+    """
+    by_table: dict[str, dict[TableKey, list[str]]] = {}
+    for part in parts:
+        if part.joined_span:
+            key = table_key(part)
+            name = part.command.entry.name if part.command.entry else part.command.name
+            by_table.setdefault(key[0], {}).setdefault(key, []).append(name)
+    names: dict[TableKey, str] = {}
+    for table, keys in by_table.items():
+        for i, (key, entries) in enumerate(
+            sorted(keys.items(), key=lambda item: (-len(item[1]), len(item[0][1] or ())))
+        ):
+            ending = [_common_ending(entries) or str(i + 1)] if i else []
+            name = "-".join([table, *ending]).replace("_", "-")
+            numbered = (name if n == 1 else f"{name}-{n}" for n in itertools.count(1))
+            names[key] = next(name for name in numbered if name not in names.values())
+    return names
+
+
+def _common_ending(names: Sequence[str]) -> str:
+    last, *further = {name.rpartition("_")[2] for name in names}
+    return "" if further else last

@@ -2,47 +2,27 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from fractions import Fraction
 from typing import NamedTuple
 
 from ...model.edition import Edition
-from ...model.layout import Field, Space
+from ...model.layout import Field, ParameterRole, Space
 from ...model.message import LISTED_NODES, Address, Command, Direction, IdRule, Key, Message
 from ...model.types import Assignment
+from ...semantics.bits import data_bits, placed
+from ...semantics.plan import CheckConstant, MaskedBits, message_plan
 from .view import EXTENDED
 
 
-@dataclass(frozen=True)
-class Scope:
-    """The scope of one file: the known parameters of the nodes, and the selected nodes."""
-
-    edition: Edition
-    assignment: Assignment
-    numbers: Mapping[str, Fraction]
-    selected: Sequence[int] = ()
-    """The nodes to list; empty for all."""
-
-    def nodes(self, rule: IdRule) -> Sequence[int] | None:
-        """The nodes of a rule that the file lists; None if the id is fixed."""
-        if rule.nodes is None:
-            return None
-        return [n for n in self.selected if n in rule.nodes] if self.selected else rule.nodes[:LISTED_NODES]
-
-    def ids(self, frame: Frame) -> Iterator[int]:
-        """The ids of a frame as they are in a file."""
-        nodes = self.nodes(frame.rule)
-        return (frame.dbc_id(node) for node in ((None,) if nodes is None else nodes))
-
-
 class Part:
-    """A message with one code; `selectors` are its keys in the data with their values."""
+    """A message with one code, by default the one that is sent; `selectors` are its keys in the data with their values."""
 
-    def __init__(self, command: Command, message: Message, values: tuple[int, ...]) -> None:
+    def __init__(self, command: Command, message: Message, values: Sequence[int] | None = None) -> None:
         self.command = command
         self.message = message
-        self._keys = tuple(zip(message.keys, values, strict=True))
+        sent = [key.value for key in message.keys]
+        self._keys = tuple(zip(message.keys, sent if values is None else values, strict=True))
         self.selectors = tuple((key, value) for key, value in self._keys if key.space is Space.DATA)
 
     @property
@@ -61,9 +41,40 @@ class Part:
     @property
     def id_bits(self) -> int:
         """The bits of the id that are set by keys and constant fields."""
-        placed = [(key.segments[0].low, value) for key, value in self._keys if key.space is Space.ID]
-        placed += [(f.elements[0].segments[0].low, f.role.sent_raw or 0) for f in fields_in_id(self.message)]
-        return sum(value << low for low, value in placed)
+        fixed = sum(placed(key.segments, value) for key, value in self._keys if key.space is Space.ID)
+        return fixed + sum(placed(f.elements[0].segments, f.role.sent_raw or 0) for f in fields_in_id(self.message))
+
+    @functools.cached_property
+    def selector_bits(self) -> int:
+        """The data bits of the selectors as a mask."""
+        return data_bits((key.space, key.segments) for key, _ in self.selectors)
+
+    @functools.cached_property
+    def fixed(self) -> MaskedBits:
+        """The data bits that have the same value in every frame: of selectors and constants."""
+        fixed = [(key.segments, value) for key, value in self.selectors]
+        for step in message_plan(self.message).decoding:
+            if isinstance(step, CheckConstant) and step.field.space is Space.DATA and not step.field.only:
+                fixed += [(element.segments, step.raw) for element in step.field.elements]
+        mask = value = 0
+        for segments, raw in fixed:
+            mask, value = mask | placed(segments, -1), value | placed(segments, raw)
+        return MaskedBits(mask, value)
+
+    @functools.cached_property
+    def joined_span(self) -> range | None:
+        """The bits from the first selector to the last, which can be read as one number: a plain multiplexor.
+
+        Few readers support nested ones. None if there is only one selector, or if bits between them can vary.
+        """
+        bits = self.selector_bits
+        span = range((bits & -bits).bit_length() - 1, bits.bit_length())
+        is_fixed = len(self.selectors) > 1 and all(self.fixed.mask >> bit & 1 for bit in span)
+        return span if is_fixed else None
+
+    def joined_value(self, span: range) -> int:
+        """The number in `span` in every frame of this part."""
+        return self.fixed.value >> span.start & (1 << len(span)) - 1
 
 
 class Frame(NamedTuple):
@@ -79,49 +90,67 @@ class Frame(NamedTuple):
     hidden: Mapping[str, str]
     shortest: int
 
-    def dbc_id(self, node: int | None) -> int:
-        """The id as it is in a file: with bit 31 set if it has 29 bits."""
-        id_ = self.rule.base + (node or 0) * self.rule.node_step + self.id_bits
-        return id_ | (EXTENDED if self.rule.extended else 0)
+    @property
+    def length(self) -> int:
+        """The length of the longest message that is shown."""
+        return max(part.message.dlc for part in self.parts)
+
+    def ids(self, selected: Sequence[int] = ()) -> Iterator[tuple[int | None, int]]:
+        """Each listed node with its id as it is in a file: with bit 31 set if it has 29 bits; None for a fixed id."""
+        nodes = listed_nodes(self.rule, selected)
+        for node in (None,) if nodes is None else nodes:
+            id_ = self.rule.base + (node or 0) * self.rule.node_step + self.id_bits
+            yield node, id_ | (EXTENDED if self.rule.extended else 0)
 
 
-class Traffic:
-    """One direction of an edition: its parts in the order of the spec, computed once for all files."""
+def listed_nodes(rule: IdRule, selected: Sequence[int]) -> Sequence[int] | None:
+    """The nodes of a rule that a file lists, without selected ones the first; None if the id is fixed."""
+    if rule.nodes is None:
+        return None
+    return [n for n in selected if n in rule.nodes] if selected else rule.nodes[:LISTED_NODES]
 
-    def __init__(self, edition: Edition, direction: Direction) -> None:
-        self.edition = edition
-        self.direction = direction
-        self._parts = [(part, (part.message.id, part.id_bits)) for part in _parts(edition, direction)]
 
-    def frames(self, assignment: Assignment) -> list[Frame]:
-        """Frames of the commands that an assignment has, in the order of their first messages in the spec."""
-        available = [command for command in self.edition.commands if command.available(assignment)]
-        used = {m.name for c in available for m in (c.request, c.reply) if m is not None}
-        by_id: dict[tuple[IdRule, int], list[Part]] = {}
-        for part, its_id in self._parts:
-            if part.message.name in used:
-                by_id.setdefault(its_id, []).append(part)
-        return [_frame(*its_id, parts) for its_id, parts in by_id.items()]
+def frames(edition: Edition, direction: Direction, assignment: Assignment) -> list[Frame]:
+    """Frames of the commands that an assignment has, in the order of their first messages in the spec."""
+    available = [command for command in edition.commands if command.available(assignment)]
+    used = {message for command in available for message in (command.request, command.reply)}
+    by_id: dict[tuple[IdRule, int], list[Part]] = {}
+    for part in _parts(edition, direction):
+        if part.message in used:
+            by_id.setdefault((part.message.id, part.id_bits), []).append(part)
+    return [_frame(*its_id, parts) for its_id, parts in by_id.items()]
 
 
 def fields_in_id(message: Message) -> Iterator[Field]:
     return (f for f in message.layout.fields if f.space is Space.ID)
 
 
+def _is_in_id(message: Message, parameter: str) -> bool:
+    """Whether a constant in the id is a parameter."""
+    return any(f.role == ParameterRole(parameter) for f in fields_in_id(message))
+
+
 def obstacle(message: Message) -> str:
     """Why a DBC cannot describe this message; empty if it can."""
     if message.remote:
         return "a remote frame has no data, and a DBC cannot distinguish it from a data frame"
+    unknown = [name for name in message.parameters if message.id.parameter == name or _is_in_id(message, name)]
+    if unknown:
+        return f"the id contains `{unknown[0]}`, and a DBC has fixed ids only; set it with `--set {unknown[0]}=NUMBER`"
     varying = [f.name for f in fields_in_id(message) if f.role.is_value]
     return f"the id contains {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
 
 
-def _parts(edition: Edition, direction: Direction) -> Iterator[Part]:
+@functools.lru_cache(maxsize=16)
+def _parts(edition: Edition, direction: Direction) -> Sequence[Part]:
+    """The parts of one direction in the order of the spec; cached for all files."""
+    parts = []
     for message in edition.messages(direction):
         if not obstacle(message):
             command, rest = edition.command(message.command), tuple(key.value for key in message.keys[1:])
-            for values in [(code, *rest) for code in message.identifying_codes] if message.keys else [()]:
-                yield Part(command, message, values)
+            values = [(code, *rest) for code in message.identifying_codes] if message.keys else [()]
+            parts += [Part(command, message, codes) for codes in values]
+    return parts
 
 
 def _frame(rule: IdRule, id_bits: int, parts: Sequence[Part]) -> Frame:
@@ -156,21 +185,21 @@ def _content(message: Message) -> tuple[bool, int]:
     return has_fields, message.dlc
 
 
-def partners(scope: Scope, part: Part) -> Sequence[tuple[str, int | None]]:
+def partners(edition: Edition, part: Part, selected: Sequence[int]) -> Sequence[tuple[str, int | None]]:
     """The receivers of a request or the senders of a reply with a fixed id, as address and node.
 
     These are the nodes of the addresses of the command. If there are none, every node receives the request.
     """
-    command, message, edition = part.command, part.message, scope.edition
+    command, message = part.command, part.message
     counterpart = command.reply if message.direction is Direction.REQUEST else command.request
     near = dict.fromkeys((message.address, counterpart.address if counterpart else message.address))
     everywhere = [address.name for address in edition.addresses] if message.direction is Direction.REQUEST else []
     for names in (list(near), everywhere):
-        ends = [(name, node) for name in names for node in _nodes(scope, edition.address(name))]
+        ends = [(name, node) for name in names for node in _nodes(edition.address(name), selected)]
         if ends:
             return [end for end in ends if end[1] in (command.from_each or (end[1],))]
     return [(message.address, None)]
 
 
-def _nodes(scope: Scope, address: Address) -> Sequence[int]:
-    return scope.nodes(address.request) or scope.nodes(address.reply) or ()
+def _nodes(address: Address, selected: Sequence[int]) -> Sequence[int]:
+    return listed_nodes(address.request, selected) or listed_nodes(address.reply, selected) or ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -13,34 +13,12 @@ from ...model.message import LISTED_NODES, Direction
 from ...model.types import Assignment, Parameter, number_of
 from ..base import EditionInput, header
 from .comments import ENGLISH, languages
-from .fields import LETTER
-from .files import Traffics
-from .frames import Part, obstacle
-from .selectors import joined_span
+from .frames import Part, frames, obstacle
+from .signals import prefix
 from .text import number
 from .view import EXTENDED, KIND, File, Message, Signal
 
 _HIGHEST_STANDARD_ID = 0x7FF
-
-
-class Section(NamedTuple):
-    """The files of one edition as a table: a row for each combination of parameter values.
-
-    `tables` are the names of tables, with their commands and files. `open_choices` are parameters that are not set, with
-    their values; `open_numbers` are parameters that scales are multiples of, with an example; `lacking` is direction,
-    command and reason; `excluded` are the settings that leave no file.
-    """
-
-    edition: str
-    header: str
-    parameters: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, tuple[File, ...]], ...]
-    tables: tuple[tuple[str, tuple[str, ...], tuple[File, ...]], ...]
-    open_choices: tuple[tuple[str, tuple[str, ...]], ...]
-    open_numbers: tuple[tuple[str, str], ...]
-    lacking: tuple[tuple[str, str, str], ...]
-    excluded: str
 
 
 class Example(NamedTuple):
@@ -65,55 +43,39 @@ class Example(NamedTuple):
     def data(self) -> str:
         return self.frame.data.hex(" ").upper()
 
+    @property
+    def mark(self) -> str:
+        """Between id and data in the notation of can-utils."""
+        return "#" if not self.file.frame_format.is_fd else f"##{int(self.file.frame_format.switches_rate)}"
+
 
 class Made(NamedTuple):
     """An edition with its files, and the parameters that are set."""
 
     specification: EditionInput
-    traffics: Traffics
     files: tuple[File, ...]
     set_parameters: Assignment
 
 
-class Guide(NamedTuple):
-    """Content of README.md; an example is None if there is no golden frame for it.
-
-    `kinds` are the directions of the files. `selection` are the options of `generate` that select nodes and parameters of
-    the first edition, and `translations` the other languages of its texts. `first_needs_program` means that `cantools decode`
-    rejects frames of the first file.
-    """
-
-    sections: tuple[Section, ...]
-    first: File | None
-    first_needs_program: bool
-    reading: Example | None
-    sending: Example | None
-    kinds: frozenset[str]
-    selection: str
-    translations: tuple[str, ...]
-
-
-def guide(made: Sequence[Made]) -> Guide:
-    sections = tuple(map(_section, made))
+def guide(made: Sequence[Made]) -> Mapping[str, object]:
+    """Variables of README.md; an example is None if there is no golden frame for it."""
     reading = [e for product in made for e in _examples(product.specification, product.files, Direction.REPLY)]
     requests = (e for product in made for e in _examples(product.specification, product.files, Direction.REQUEST))
     sending = next((e for e in requests if len(e.values) == len(e.frame.raw)), None)
     best = max(reading, key=lambda e: len(e.values), default=None)
     first = best.file if best else next((file for product in made for file in product.files), None)
-    return Guide(
-        sections,
-        first,
-        any(map(_is_rejected, first.messages)) if first else False,
-        best,
-        sending,
-        frozenset(file.kind for product in made for file in product.files),
-        " ".join(_selection(made[0])) if made else "",
-        tuple(
-            language
-            for language in languages()
-            if language != ENGLISH and any(language in m.specification.edition.languages for m in made)
-        ),
-    )
+    written = {language for product in made for language in product.specification.edition.languages}
+    return {
+        "sections": list(map(_section, made)),
+        "first": first,
+        "first_needs_program": any(map(_is_rejected, first.messages)) if first else False,
+        "is_fd": any(file.frame_format.is_fd for product in made for file in product.files),
+        "reading": best,
+        "sending": sending,
+        "kinds": {file.kind for product in made for file in product.files},
+        "selection": " ".join(_selection(made[0])) if made else "",
+        "translations": [name for name in languages() if name != ENGLISH and name in written],
+    }
 
 
 def _is_rejected(message: Message) -> bool:
@@ -141,8 +103,9 @@ def _usual(specification: EditionInput, parameter: Parameter) -> str:
     return number(next(filter(None, numbers), parameter.maximum or Fraction(1)))
 
 
-def _section(made: Made) -> Section:
-    specification, traffics, files, known = made
+def _section(made: Made) -> Mapping[str, object]:
+    """The files of one edition as a table with a row for each combination of parameter values."""
+    specification, files, known = made
     edition = specification.edition
     rows: dict[tuple[str, ...], list[File]] = {}
     tables: dict[str, list[File]] = {}
@@ -152,41 +115,43 @@ def _section(made: Made) -> Section:
         else:
             rows.setdefault(file.known, []).append(file)
     unset = [p for p in edition.parameters if p.name not in known] if files else []
-    return Section(
-        f"{edition.family} {edition.name}",
-        header(edition),
-        ", ".join(p.name for p in edition.parameters if p.is_choice and not p.is_numeric) or "for",
-        tuple(file.kind or "requests and replies" for file in next(iter(rows.values()), ())),
-        tuple((" ".join(values) or "all", tuple(row)) for values, row in rows.items()),
-        tuple((name, tuple(_commands(edition, some)), tuple(some)) for name, some in tables.items()),
-        tuple((p.name, tuple(v.name for v in p.values)) for p in unset if p.is_choice and p.is_numeric),
-        tuple((p.name, _usual(specification, p)) for p in unset if edition.is_factor(p)),
-        tuple(_lacking(edition, traffics)) if files else (),
-        "" if files else ", ".join(f"{name}={value}" for name, value in known.items()),
-    )
+    return {
+        "edition": f"{edition.family} {edition.name}",
+        "header": header(edition),
+        "parameters": ", ".join(p.name for p in edition.parameters if p.is_choice and not p.is_numeric) or "for",
+        "columns": [file.kind or "requests and replies" for file in next(iter(rows.values()), ())],
+        "rows": [(" ".join(values) or "all", row) for values, row in rows.items()],
+        "tables": [(name, _commands(edition, some), some) for name, some in tables.items()],
+        # parameters that are not set: choices with their values, and factors of scales with an example
+        "open_choices": [(p.name, [v.name for v in p.values]) for p in unset if p.is_choice and p.is_numeric],
+        "open_numbers": [(p.name, _usual(specification, p)) for p in unset if edition.is_factor(p)],
+        "open_ids": [(p.name, _usual(specification, p)) for p in edition.parameters if p.whole and p.name not in known],
+        "lacking": list(_lacking(edition)) if files else (),
+        "excluded": "" if files else ", ".join(f"{name}={value}" for name, value in known.items()),
+    }
 
 
-def _commands(edition: Edition, files: Sequence[File]) -> Iterable[str]:
+def _commands(edition: Edition, files: Sequence[File]) -> Collection[str]:
     """The commands of the files of a table, by their names in the spec."""
     groups = {command.name: command.spec_name for command in edition.commands}
     selectors = (message.signals[0] for file in files for message in file.messages[:1])
     return dict.fromkeys(groups[name] for signal in selectors for _, name in signal.values if name in groups)
 
 
-def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, str]]:
+def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
     """Direction, command and reason of every part of the spec that is missing or incomplete in the files."""
     for direction, kind in KIND.items():
         for message in edition.messages(direction):
             reason = obstacle(message)
             if reason:
                 yield kind, message.command, f"omitted: {reason}"
-        frames = traffics[direction].frames({})
-        hidden = {name: what for frame in frames for name, what in frame.hidden.items()}
+        listed = frames(edition, direction, {})
+        hidden = {name: what for frame in listed for name, what in frame.hidden.items()}
         for message in edition.messages(direction):
             if message.name in hidden:
                 what = f"{hidden[message.name]} distinguishes it from the other messages of its id"
                 yield kind, message.command, f"omitted: {what}, which a multiplexor cannot express"
-        for frame in frames:
+        for frame in listed:
             nodes = frame.rule.nodes or range(0)
             if len(nodes) > LISTED_NODES:
                 last = nodes[LISTED_NODES - 1]
@@ -195,19 +160,18 @@ def _lacking(edition: Edition, traffics: Traffics) -> Iterator[tuple[str, str, s
                     frame.parts[0].command.name,
                     f"the files list the nodes up to {last} of {nodes[-1]}",
                 )
-            length = max(part.message.dlc for part in frame.parts)
             for part in frame.parts:
-                if len(part.selectors) > 1 and joined_span(part) is None:
+                if len(part.selectors) > 1 and part.joined_span is None:
                     yield (
                         kind,
                         part.command.name,
                         "its fields are shown as raw bits, because its selectors are not adjacent",
                     )
-                if part.message.dlc < length:
+                if part.message.dlc < frame.length:
                     yield (
                         kind,
                         part.command.name,
-                        f"it has {part.message.dlc} bytes, but the file lists {length}, the longest frame on its id",
+                        f"it has {part.message.dlc} bytes, but the file lists {frame.length}, the longest frame on its id",
                     )
 
 
@@ -233,11 +197,11 @@ def _example(edition: Edition, file: File, view: Message, frame: GoldenFrame) ->
     message = command.message(frame.direction)
     if message is None:
         return None
-    code = Part(command, message, tuple(key.value for key in message.keys)).code
+    start = prefix(Part(command, message))
     signals = {signal.name: signal for signal in view.signals}
     values = []
     for field, value in frame.values.items():
-        signal = signals.get(f"{LETTER[frame.direction]}{code}_{field}")
+        signal = signals.get(f"{start}_{field}")
         if signal and isinstance(value, Fraction):
             values.append((signal, number(value), False))
         elif signal and isinstance(value, str) and value in dict(signal.values).values():

@@ -9,23 +9,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from .sending import SEND_TYPES
 from .text import text
 from .view import File, Message, Signal
 
 _ATTRIBUTES = """\
 BA_DEF_ "BusType" STRING;
 BA_DEF_ "DBName" STRING;
-BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN";
-BA_DEF_ BO_ "GenMsgSendType" ENUM "Cyclic","Event";
+BA_DEF_ BO_ "VFrameFormat" ENUM {frame_formats};
+BA_DEF_ BO_ "GenMsgSendType" ENUM {send_types};
 BA_DEF_ BO_ "GenMsgCycleTime" INT 0 0;
 BA_DEF_ SG_ "GenSigStartValue" INT 0 0;
-BA_DEF_DEF_ "BusType" "CAN";
+{fd_definition}BA_DEF_DEF_ "BusType" "CAN";
 BA_DEF_DEF_ "DBName" "";
 BA_DEF_DEF_ "VFrameFormat" "StandardCAN";
-BA_DEF_DEF_ "GenMsgSendType" "Event";
+{fd_default}BA_DEF_DEF_ "GenMsgSendType" "Event";
 BA_DEF_DEF_ "GenMsgCycleTime" 0;
 BA_DEF_DEF_ "GenSigStartValue" 0;
-BA_ "BusType" "CAN";"""
+BA_ "BusType" "{bus_type}";"""
+_FRAME_FORMATS = ("StandardCAN", "ExtendedCAN")
+_FD_FRAME_FORMATS = (*_FRAME_FORMATS, *("reserved",) * 12, "StandardCAN_FD", "ExtendedCAN_FD")
 
 
 class _Texts(NamedTuple):
@@ -46,15 +49,16 @@ def printed(file: File) -> str:
 
 def _texts(signal: Signal) -> _Texts:
     name = f"{signal.name} {signal.mux}" if signal.mux else signal.name
-    bits = f"{signal.start}|{signal.width}@{0 if signal.big_endian else 1}{'-' if signal.signed else '+'}"
-    numbers = f"({signal.factor},{signal.offset}) [{signal.minimum}|{signal.maximum}]"
-    has_start = signal.start_value or not float(signal.minimum) <= 0 <= float(signal.maximum)
+    numbers = signal.numbers
+    bits = f"{signal.start}|{len(signal.bits)}@{0 if signal.big_endian else 1}{'-' if numbers.signed else '+'}"
+    limits = f"({numbers.factor},{numbers.offset}) [{numbers.minimum}|{numbers.maximum}]"
+    has_start = numbers.start_value or not float(numbers.minimum) <= 0 <= float(numbers.maximum)
     values = " ".join(f'{value} "{text(name)}"' for value, name in signal.values)
     return _Texts(
-        signal=f' SG_ {name} : {bits} {numbers} "{text(signal.unit)}"',
-        start_value=f"{signal.name} {signal.start_value}" if has_start else "",
+        signal=f' SG_ {name} : {bits} {limits} "{text(numbers.unit)}"',
+        start_value=f"{signal.name} {numbers.start_value}" if has_start else "",
         values=f"{signal.name} {values}" if values else "",
-        float_kind=f"{signal.name} : {signal.float_kind}" if signal.float_kind else "",
+        float_kind=f"{signal.name} : {numbers.float_kind}" if numbers.float_kind else "",
     )
 
 
@@ -69,11 +73,26 @@ def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> 
         if len(message.senders) > 1:
             yield f"BO_TX_BU_ {message.id} : {','.join(message.senders)};"
     yield from _comments(file)
-    yield _ATTRIBUTES
+    send_types = list(dict.fromkeys((*SEND_TYPES, *(m.send_type for m in file.messages if m.send_type))))
+    formats = _FD_FRAME_FORMATS if file.frame_format.is_fd else _FRAME_FORMATS
+    yield _ATTRIBUTES.format(
+        send_types=_listed(send_types),
+        frame_formats=_listed(formats),
+        bus_type="CAN FD" if file.frame_format.is_fd else "CAN",
+        fd_definition='BA_DEF_ BO_ "CANFD_BRS" ENUM "0","1";\n' if file.frame_format.is_fd else "",
+        fd_default=f'BA_DEF_DEF_ "CANFD_BRS" "{int(file.frame_format.switches_rate)}";\n'
+        if file.frame_format.is_fd
+        else "",
+    )
     yield f'BA_ "DBName" "{text(file.name)}";'
     for message in file.messages:
-        if message.extended:
-            yield f'BA_ "VFrameFormat" BO_ {message.id} 1;'
+        if message.extended or file.frame_format.is_fd:
+            yield f'BA_ "VFrameFormat" BO_ {message.id} {len(formats) - (1 if message.extended else 2)};'
+    for message in file.messages:
+        if message.send_type:
+            yield f'BA_ "GenMsgSendType" BO_ {message.id} {send_types.index(message.send_type)};'
+        if message.cycle_ms:
+            yield f'BA_ "GenMsgCycleTime" BO_ {message.id} {message.cycle_ms};'
     for message, signals in messages:
         yield from (
             f'BA_ "GenSigStartValue" SG_ {message.id} {texts.start_value};' for texts in signals if texts.start_value
@@ -82,6 +101,10 @@ def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> 
         yield from (f"VAL_ {message.id} {texts.values} ;" for texts in signals if texts.values)
     for message, signals in messages:
         yield from (f"SIG_VALTYPE_ {message.id} {texts.float_kind};" for texts in signals if texts.float_kind)
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ",".join(f'"{name}"' for name in names)
 
 
 def _comments(file: File) -> Iterator[str]:

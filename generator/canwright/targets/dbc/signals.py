@@ -1,17 +1,65 @@
-"""The signals of a frame: its selector and the fields of every message."""
+"""The signals of a frame: its selector, and one signal for each field, flag and element of an array."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from typing import NamedTuple
 
-from ...model.message import Direction, Key
-from ...model.types import Assignment
+from ...model import formatting
+from ...model.layout import (
+    ChecksumRole,
+    CounterRole,
+    Element,
+    Field,
+    FixedRole,
+    ParameterRole,
+    ReservedRole,
+    Space,
+    bits_of,
+    is_one_run,
+    runs_of,
+)
+from ...model.message import Command, Direction, Key
+from ...model.metadata import Effect, Level
+from ...model.types import IDENTITY, Assignment, Bound, Encoding, Linear, Order, Range, Type
+from ...semantics.valid_raws import FiniteFloats, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from .comments import Comments
-from .fields import LETTER, Fields, Place, bare
 from .frames import Part
-from .selectors import bits, joined_span, joined_value, runs
-from .view import Signal, fitted
+from .text import any_text, number
+from .view import Numbers, Signal, fitted
+
+MAX_NAMED = 16
+"""So many raw integers of one name for no value are listed."""
+
+RAW_UNIT = "raw"
+"""Unit of values without a scale, so that raw integers are not mistaken for a quantity."""
+
+_LETTER = {Direction.REPLY: "r", Direction.REQUEST: "c"}
+"""First letter of signal names, so that the names of the two directions differ."""
+
+_FLOAT_KINDS = {32: 1, 64: 2}
+
+
+def prefix(part: Part) -> str:
+    """The start of the names of the signals of a message."""
+    return f"{_LETTER[part.message.direction]}{part.code}"
+
+
+def signal_name(part: Part, field: Field, element: Element) -> str:
+    """The name of the signal of a field, or of an element of an array; it may be too long."""
+    name = f"{prefix(part)}_{field.name}"
+    return name if element.index is None else f"{name}_{element.index}"
+
+
+class _Reading(NamedTuple):
+    """Properties of all signals of a type; `step` is a sentence on the scale of a signal that stays raw."""
+
+    linear: Linear
+    unit: str
+    numbers: Numbers
+    step: str
 
 
 class Signals:
@@ -19,10 +67,11 @@ class Signals:
 
     def __init__(self, direction: Direction, numbers: Mapping[str, Fraction], comments: Comments) -> None:
         self._direction = direction
-        self._letter = LETTER[direction]
+        self._letter = _LETTER[direction]
         self._numbers = numbers
         self._comments = comments
-        self._fields: dict[tuple[tuple[str, str | Fraction], ...], Fields] = {}
+        self._messages: dict[tuple[object, ...], Sequence[Signal]] = {}
+        self._readings: dict[tuple[object, ...], _Reading] = {}
 
     def of(self, parts: Sequence[Part], assignment: Assignment) -> tuple[Signal, ...]:
         """All signals of a frame; the first selector identifies the message."""
@@ -35,7 +84,7 @@ class Signals:
     def _of(self, parts: Sequence[Part], assignment: Assignment) -> Iterator[Signal]:
         if not parts[0].selectors:
             for part in parts:
-                yield from self._fields_of(part, assignment).of(part, "")
+                yield from self._message(part, assignment, "")
             return
         by_value: dict[int, list[Part]] = {}
         for part in parts:
@@ -47,24 +96,17 @@ class Signals:
         yield self._selector(f"{self._letter}_{key.name}", "M", key, names, "selector")
         for value, under in by_value.items():
             if len(under[0].selectors) == 1:
-                yield from self._fields_of(under[0], assignment).of(under[0], f"m{value}")
+                yield from self._message(under[0], assignment, f"m{value}")
             else:
                 yield from self._undecided(under, f"m{value}")
 
     def _joined(self, parts: Sequence[Part], assignment: Assignment, span: range) -> Iterator[Signal]:
-        by_value = {joined_value(part, span): part for part in parts}
+        by_value = {part.joined_value(span): part for part in parts}
         name = "_".join((self._letter, *(key.name for key, _ in parts[0].selectors)))
         names = _names((value, part.command.name, part.code) for value, part in by_value.items())
-        yield bare(Place(name, "M", tuple(span)), self._sentence("joined"), names)
+        yield _bare(name, "M", span, self._sentence("joined"))._replace(values=tuple(names))
         for value, part in by_value.items():
-            yield from self._fields_of(part, assignment).of(part, f"m{value}", span)
-
-    def _fields_of(self, part: Part, assignment: Assignment) -> Fields:
-        """The builder of the fields of a message for the values of the parameters it depends on."""
-        known = tuple((name, assignment[name]) for name in part.message.layout.parameters if name in assignment)
-        if known not in self._fields:
-            self._fields[known] = Fields(self._direction, dict(known), self._numbers, self._comments)
-        return self._fields[known]
+            yield from self._message(part, assignment, f"m{value}", span)
 
     def _undecided(self, parts: Sequence[Part], mux: str) -> Iterator[Signal]:
         """Messages with a second selector: that selector, and all other bits as raw bits."""
@@ -75,16 +117,227 @@ class Signals:
             values = [value for value, _ in named]
             names = [(value, command) for value, command in named if values.count(value) == 1]
             yield self._selector(f"{self._letter}{code}_{key.name}", mux, key, names, "index")
-        free = set(range(max(part.message.dlc for part in parts) * 8)) - {b for key, _ in shared for b in bits(key)}
-        comment = self._sentence("separate_file" if all(map(joined_span, parts)) else "undecided")
-        for run in runs(free):
-            yield bare(Place(f"{self._letter}{code}_data", mux, run), comment)
+        free = set(range(max(part.message.dlc for part in parts) * 8)).difference(
+            *(bits_of(k.segments) for k, _ in shared)
+        )
+        comment = self._sentence("separate_file" if all(part.joined_span for part in parts) else "undecided")
+        for run in _runs(free):
+            yield _bare(f"{self._letter}{code}_data", mux, run, comment)
 
     def _selector(self, name: str, mux: str, key: Key, names: Sequence[tuple[int, str]], comment: str) -> Signal:
-        return bare(Place(name, mux, bits(key), key.order), self._sentence(comment), names)
+        bare = _bare(name, mux, bits_of(key.segments), self._sentence(comment), key.order)
+        return bare._replace(values=tuple(names))
 
     def _sentence(self, name: str) -> str:
         return self._comments.sentences([self._comments.fixed(name)])
+
+    def _message(self, part: Part, assignment: Assignment, mux: str, taken: range = range(0)) -> Sequence[Signal]:
+        """The fields of a message outside the `taken` bits; the reserved bits if there are none, as readers need a signal."""
+        known = {name: assignment[name] for name in part.message.layout.parameters if name in assignment}
+        key = (part, mux, taken, *known.items())
+        if key not in self._messages:
+            self._messages[key] = list(self._fields(part, known, mux, taken)) or list(self._reserved(part, mux, taken))
+        return self._messages[key]
+
+    def _fields(self, part: Part, known: Assignment, mux: str, taken: range) -> Iterator[Signal]:
+        layout = part.message.layout
+        variant = layout.variant(known)
+        about = list(self._about(part))
+        for field in variant.fields if variant else tuple(f for f in layout.fields if not f.only):
+            for element in field.elements if field.space is Space.DATA else ():
+                if element.bits[0] not in taken:
+                    yield from self._field(part, known, mux, field, element, about)
+                    about = []
+
+    def _reserved(self, part: Part, mux: str, taken: range) -> Iterator[Signal]:
+        free = [bit for bit in range(part.message.dlc * 8) if bit not in taken and not part.selector_bits >> bit & 1]
+        if free:
+            reserved = self._comments.labelled(self._comments.of(part.command.title), self._comments.fixed("reserved"))
+            comment = self._comments.sentences([reserved, *self._about(part)])
+            yield self._unused(f"{prefix(part)}_reserved", mux, max(_runs(free), key=len), comment)
+
+    def _unused(self, name: str, mux: str, bits: Sequence[int], comment: str, order: Order = Order.LITTLE) -> Signal:
+        """Bits that are sent as 0; a decoder accepts any."""
+        bare = _bare(name, mux, bits, comment, order)
+        return bare._replace(numbers=Numbers("0", "0")) if self._direction is Direction.REQUEST else bare
+
+    def _field(
+        self, part: Part, known: Assignment, mux: str, field: Field, element: Element, about: Sequence[str]
+    ) -> Iterator[Signal]:
+        """The signals of a field; `about` are sentences about the message."""
+        comments, type_ = self._comments, field.type
+        title = comments.of(part.command.title)
+        which = f"{comments.of(field.title)} {'' if element.index is None else element.index}".strip()
+        is_included = comments.labelled("", title).lower().endswith(comments.labelled("", which).lower())
+        reading = self._reading(type_, known)
+        sentences = [
+            title if is_included else comments.labelled(title, which),
+            comments.deprecation(field.deprecated),
+            comments.of(field.about) or comments.of(type_.about),
+            *(comments.deprecation(m.deprecated, m.name) for m in (*type_.enum, *type_.no_values)),
+            reading.step,
+            comments.in_manual(field.manual_name),
+            *about,
+        ]
+        if isinstance(field.role, CounterRole):
+            sentences.append(comments.fixed("counter", first=field.role.first, last=field.role.last))
+        signal = Signal(signal_name(part, field, element), mux, element.bits, type_.order, "", reading.numbers)
+        if not type_.flags and not is_one_run(element.segments, type_.order):
+            yield from self._parts(signal, sentences, field, element, reading)
+        elif isinstance(field.role, FixedRole):
+            word = "sent_as" if isinstance(field.role, ReservedRole) else "always"
+            sentences.append(comments.fixed(word, raw=field.role.raw))
+            numbers = self._integers(type_, reading.linear, reading.unit, (field.role.raw, field.role.raw))
+            yield signal._replace(
+                comment=comments.sentences(sentences), numbers=numbers._replace(start_value=field.role.raw)
+            )
+        elif isinstance(field.role, ChecksumRole):
+            sentences.append(comments.fixed("checksum", checksum=formatting.checksum(field.role)))
+            yield signal._replace(comment=comments.sentences(sentences))
+        elif isinstance(field.role, ParameterRole):
+            sentences.append(comments.fixed("always", raw=field.role.parameter))
+            yield signal._replace(comment=comments.sentences(sentences))
+        elif type_.flags:
+            yield from self._flags(signal, sentences, type_, element)
+        else:
+            named = [(raw, no_value.name) for no_value in type_.no_values for raw in _listed(no_value.raws)]
+            values = tuple(sorted((*((member.value, member.name) for member in type_.enum), *named)))
+            yield signal._replace(comment=comments.sentences(sentences), values=values)
+
+    def _parts(
+        self, whole: Signal, sentences: Sequence[str], field: Field, element: Element, reading: _Reading
+    ) -> Iterator[Signal]:
+        """One signal for each run of bits of a field: the value is the sum of their values."""
+        role, runs = field.role, runs_of(element.segments, field.type.order)
+        spans = [(run[0].raw_low, sum(s.width for s in run)) for run in runs]
+        names = [f"{whole.name}_bits_{low}_{low + width - 1}" for low, width in spans]
+        summed = self._comments.fixed("summed", signals=self._comments.listed(names))
+        comment = self._comments.sentences([*sentences, summed])
+        for name, run, (low, width) in zip(names, runs, spans, strict=True):
+            is_top = run is runs[-1] and field.type.encoding is Encoding.SIGNED
+            ends = (-(1 << width - 1), (1 << width - 1) - 1) if is_top else (0, (1 << width) - 1)
+            if isinstance(role, FixedRole):
+                raw = role.raw >> low if is_top else role.raw >> low & (1 << width) - 1
+                ends = raw, raw
+            scale, offset = reading.linear.scale * (1 << low), reading.linear.offset if low == 0 else Fraction(0)
+            lowest, highest = sorted(end * scale + offset for end in ends)
+            start_value = ends[0] if isinstance(role, FixedRole) else 0
+            steps = number(scale), number(offset)
+            numbers = Numbers(number(lowest), number(highest), *steps, reading.unit, is_top, start_value)
+            yield whole._replace(name=name, bits=bits_of(run), comment=comment, numbers=numbers)
+
+    def _flags(self, whole: Signal, sentences: Sequence[str], type_: Type, element: Element) -> Iterator[Signal]:
+        """One signal for each flag, and one for each run of bits without a name, so that no bit is missing."""
+        named = {flag.value: flag for flag in type_.flags}
+        bit_of = {s.raw_low + i: s.byte * 8 + s.low + i for s in element.segments for i in range(s.width)}
+        starts = [] if is_one_run(element.segments, type_.order) else [s.raw_low for s in element.segments]
+        for run in _runs(bit_of, split=named, before=starts):
+            bits = tuple(bit_of[i] for i in run)
+            flag = named.get(run[0])
+            if flag:
+                about = [self._comments.of(flag.title), self._comments.deprecation(flag.deprecated)]
+                comment = self._comments.sentences([*sentences, *about])
+                yield _bare(f"{whole.name}_{flag.name}", whole.mux, bits, comment, whole.order)
+            else:
+                name = "_".join((whole.name, "bits", *(str(i) for i in sorted({run[0], run[-1]}))))
+                comment = self._comments.sentences([*sentences, self._comments.fixed("unnamed_bits")])
+                yield self._unused(name, whole.mux, bits, comment, whole.order)
+
+    def _reading(self, type_: Type, known: Assignment) -> _Reading:
+        key = (type_, *known.items())
+        if key not in self._readings:
+            line = type_.linear.at(known)
+            linear = line.at(self._numbers) if line else None
+            unit = RAW_UNIT if linear is None else type_.unit.dbc if type_.unit else ""
+            step = self._step(type_, line) if line and linear is None else ""
+            linear, valid = linear or IDENTITY, valid_raws(type_).at(known) or width_limits(type_)
+            if isinstance(valid, FiniteFloats):
+                numbers = self._floats(type_, linear, unit, valid.scaled)
+            else:
+                numbers = self._integers(type_, linear, unit, self._ends(type_, valid))
+            self._readings[key] = _Reading(linear, unit, numbers, step)
+        return self._readings[key]
+
+    def _ends(self, type_: Type, valid: ValidRaws) -> tuple[int, int]:
+        """The smallest and the largest valid raw integer, as far as the set parameters determine them."""
+        if isinstance(valid, NamedRaws):
+            return valid.values[0], valid.values[-1]
+        if not isinstance(valid, RawInterval):
+            return type_.raw_limits
+        low, high = self._end(valid.low_bound), self._end(valid.high_bound)
+        return (
+            valid.low if low is None else max(valid.low, math.ceil(low)),
+            valid.high if high is None else min(valid.high, math.floor(high)),
+        )
+
+    def _end(self, bound: Bound | None) -> Fraction | None:
+        return bound.at(self._numbers) if bound else None
+
+    def _integers(self, type_: Type, linear: Linear, unit: str, valid: tuple[int, int]) -> Numbers:
+        """The numbers of an integer signal: the valid ones for an encoder; a decoder accepts all bit patterns."""
+        limits = valid if self._direction is Direction.REQUEST else type_.raw_limits
+        low, high = sorted(end * linear.scale + linear.offset for end in limits)
+        start_value = 0 if limits[0] <= 0 <= limits[1] else limits[0]
+        steps = number(linear.scale), number(linear.offset)
+        return Numbers(number(low), number(high), *steps, unit, type_.encoding is Encoding.SIGNED, start_value)
+
+    def _floats(self, type_: Type, linear: Linear, unit: str, scaled: Range | None) -> Numbers:
+        """The numbers of a float signal; it starts with 0, or with the first integer in its range."""
+        low, high = (self._end(scaled.low), self._end(scaled.high)) if scaled else (None, None)
+        limits, start_value = ("0", "0"), 0
+        if self._direction is Direction.REQUEST and low is not None and high is not None:
+            limits = (number(low), number(high))
+            first, last = sorted((end - linear.offset) / linear.scale for end in (low, high))
+            start_value = 0 if first <= 0 <= last else math.ceil(first)
+        steps = number(linear.scale), number(linear.offset)
+        return Numbers(*limits, *steps, unit, True, start_value, _FLOAT_KINDS[type_.width])
+
+    def _step(self, type_: Type, line: Linear) -> str:
+        """The scale of a signal that stays raw because its scale is a multiple of a parameter that is not set."""
+        unit = f" {type_.unit.dbc}" if type_.unit else ""
+        parts = [self._comments.fixed("raw_integer", step=formatting.with_ascii_pi(formatting.step(line)) + unit)]
+        if line.offset:
+            parts.append(
+                self._comments.fixed("offset", offset=formatting.with_ascii_pi(formatting.offset(line)) + unit)
+            )
+        return self._comments.listed(parts)
+
+    def _about(self, part: Part) -> Iterator[str]:
+        """Warnings and manual section of a command, as sentences."""
+        command = part.command
+        yield self._comments.deprecation(command.deprecated, command.name)
+        if part.message.direction is Direction.REQUEST:
+            yield from (self._effect(command, e) for e in command.effects if e.level is not Level.NOTE)
+            if not command.implemented:
+                yield self._comments.fixed("not_implemented")
+        cited = formatting.cited(any_text(command.manual), self._comments.printed(command.manual_name))
+        if cited:
+            yield self._comments.fixed("manual", section=cited)
+
+    def _effect(self, command: Command, effect: Effect) -> str:
+        title, values = self._comments.of(effect.title), formatting.exemptions(command, effect)
+        return self._comments.fixed("effect_except", effect=title, values=values) if values else title
+
+
+def _listed(raws: range) -> Sequence[int]:
+    """The raw integers of a name that a file lists: both ends of many, since a DBC has no names for ranges."""
+    return raws if len(raws) <= MAX_NAMED else (raws[0], raws[-1])
+
+
+def _bare(name: str, mux: str, bits: Sequence[int], comment: str, order: Order = Order.LITTLE) -> Signal:
+    """A signal without a type: plain bits."""
+    return Signal(name, mux, tuple(bits), order, comment, Numbers("0", str((1 << len(bits)) - 1)))
+
+
+def _runs(numbers: Iterable[int], split: Iterable[int] = (), before: Iterable[int] = ()) -> list[list[int]]:
+    """Runs of adjacent numbers; each number in `split` is a run of its own, one in `before` starts a run."""
+    adjacent: list[list[int]] = []
+    for n in sorted(numbers):
+        if adjacent and adjacent[-1][-1] == n - 1 and n not in (*split, *before) and n - 1 not in split:
+            adjacent[-1].append(n)
+        else:
+            adjacent.append([n])
+    return adjacent
 
 
 def _shared_name(parts: Sequence[Part]) -> str:

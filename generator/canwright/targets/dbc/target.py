@@ -5,16 +5,23 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterator, Sequence
 
-from ...diagnostics.diagnostic import DocumentPath
+from ...diagnostics.diagnostic import DocumentPath, Severity
 from ...model.edition import Edition
+from ...model.layout import Field, Space
 from ...model.message import Direction
 from ...model.types import Assignment
+from ...semantics.configured import configured
+from ...templating.environment import environment
 from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
-from ..options import Options
-from . import generate
-from .files import reply_file, stems
-from .names import exported_names, long_names
+from ..options import NO_OPTIONS, Options
+from .files import files, node_name, reply_file, stems
+from .frames import Part, frames
+from .guide import Made, guide
+from .printer import printed
 from .selection import COMMENTS, NODES
+from .signals import signal_name
+from .text import NAME_LENGTH
+from .view import KIND
 
 
 class DbcTarget(Target):
@@ -24,12 +31,28 @@ class DbcTarget(Target):
     options = (NODES, COMMENTS)
 
     def generate(
-        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = NO_OPTIONS
     ) -> Iterator[Output]:
-        return generate(specifications, set_parameters, options)
+        """The files of every edition, and a README.md with instructions."""
+        known = (item._replace(edition=configured(item.edition, set_parameters)) for item in specifications)
+        made = [Made(item, tuple(files(item.edition, set_parameters, options)), set_parameters) for item in known]
+        for product in made:
+            for file in product.files:
+                yield Output(f"{file.name}.dbc", printed(file))
+        env = environment("dbc", {})
+        yield Output("README.md", env.get_template("README.md.j2").render(guide=guide(made)))
 
     def problems(self, edition: Edition) -> Iterator[NameProblem]:
-        return long_names(edition)
+        """A problem for every field with a signal name that is too long."""
+        seen: set[DocumentPath] = set()
+        for message in edition.all_messages():
+            part = Part(edition.command(message.command), message)
+            for field in message.layout.fields:
+                name = max((name for _, name in _signals(part, field)), key=len)
+                if field.space is Space.DATA and len(name) > NAME_LENGTH and field.path not in seen:
+                    seen.add(field.path)
+                    text = f"the signal name `{name}` has {len(name)} characters; the maximum in a DBC is {NAME_LENGTH}"
+                    yield NameProblem(field.path, text, "use a shorter name; this one is truncated", Severity.WARNING)
 
     def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
         owners: dict[str, Edition] = {}
@@ -42,7 +65,18 @@ class DbcTarget(Target):
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """The host, the first node of each address, signals, and names of values."""
-        return exported_names(edition)
+        yield ("bus", "host"), edition.bus.host
+        parts = [part for direction in KIND for frame in frames(edition, direction, {}) for part in frame.parts]
+        first = {part.message.address: part.message.id.nodes[0] for part in parts if part.message.id.nodes}
+        yield from ((("addresses", address), node_name(address, node)) for address, node in first.items())
+        made = files(edition, {}, Options({NODES: tuple(sorted(set(first.values())))}))
+        existing = {signal.name for file in made for message in file.messages for signal in message.signals}
+        for part in parts:
+            for field in part.message.layout.fields:
+                for path, name in _signals(part, field):
+                    if name[:NAME_LENGTH] in existing:
+                        yield path, name
+                        yield from (((*field.type.path, "enum", m.name), m.name) for m in field.type.enum)
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:
         frame, command = worked.reply, worked.command
@@ -53,6 +87,14 @@ class DbcTarget(Target):
         line = f"can0 {frame.id:0{digits}X} [{len(frame.data)}] {frame.data.hex(' ').upper()}"
         text = f"echo '{line}' | cantools decode --single-line {file}.dbc"
         return CodeExample("sh", text) if file else None
+
+
+def _signals(part: Part, field: Field) -> Iterator[tuple[DocumentPath, str]]:
+    """The names of the signals of a field, each with the path of the field or the flag."""
+    for name in (signal_name(part, field, element) for element in field.elements):
+        yield from (((*field.type.path, "flags", flag.name), f"{name}_{flag.name}") for flag in field.type.flags)
+        if not field.type.flags:
+            yield field.path, name
 
 
 @functools.lru_cache(maxsize=4)

@@ -9,6 +9,8 @@ from collections.abc import Collection, Mapping
 from decimal import Decimal
 from fractions import Fraction
 
+from ...model import formatting
+
 NAME_LENGTH = 32
 
 _KEYWORD = re.compile(r"[A-Z_]+_|VERSION|FILTER|INT|HEX|FLOAT|STRING|ENUM")
@@ -51,7 +53,7 @@ def any_text(written: str) -> str:
 
 def in_ascii(texts: Mapping[str, str]) -> str:
     """The ASCII form of a text in several languages: the English one, or the first."""
-    return text(texts.get("en") or next(iter(texts.values()), ""))
+    return text(formatting.english(texts))
 
 
 def camel(name: str) -> str:

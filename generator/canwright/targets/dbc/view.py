@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from typing import NamedTuple, TypeVar
 
 from ...model.message import Direction
+from ...model.metadata import FrameFormat
+from ...model.types import Order
 from .text import fitting
 
 KIND = {Direction.REPLY: "reply", Direction.REQUEST: "command"}
@@ -15,25 +17,41 @@ EXTENDED = 1 << 31
 """Marks a 29-bit id."""
 
 
+class Numbers(NamedTuple):
+    """The numbers of a signal as text, their unit, and attributes."""
+
+    minimum: str
+    maximum: str
+    factor: str = "1"
+    offset: str = "0"
+    unit: str = ""
+    signed: bool = False
+    start_value: int = 0
+    float_kind: int = 0
+    """1 for a float of 32 bits, 2 for one of 64, 0 for an integer."""
+
+
 class Signal(NamedTuple):
-    """An SG_ line with its comment, values and attributes. `mux` is empty, `M`, or `m` and a selector value."""
+    """An SG_ line with its comment, values and attributes.
+
+    `mux` is empty, `M`, or `m` and a selector value; `bits` are in the data, least significant bit first.
+    """
 
     name: str
     mux: str
-    start: int
-    width: int
-    big_endian: bool
-    signed: bool
-    factor: str
-    offset: str
-    minimum: str
-    maximum: str
-    unit: str
+    bits: tuple[int, ...]
+    order: Order
     comment: str
-    values: tuple[tuple[int, str], ...]
-    start_value: int
-    float_kind: int
-    """1 for a float of 32 bits, 2 for one of 64, 0 for an integer."""
+    numbers: Numbers
+    values: tuple[tuple[int, str], ...] = ()
+
+    @property
+    def start(self) -> int:
+        return self.bits[-1] if self.big_endian else self.bits[0]
+
+    @property
+    def big_endian(self) -> bool:
+        return self.order is Order.BIG
 
 
 class Message(NamedTuple):
@@ -48,6 +66,10 @@ class Message(NamedTuple):
     receivers: tuple[str, ...]
     comment: str
     signals: tuple[Signal, ...]
+    send_type: str = ""
+    """When the frame is sent; empty if that is not stated, or not the same for all messages of the id."""
+    cycle_ms: int = 0
+    """The period in whole milliseconds; 0 without one."""
 
     @property
     def extended(self) -> bool:
@@ -82,6 +104,7 @@ class File(NamedTuple):
     comment: str
     nodes: tuple[str, ...]
     messages: tuple[Message, ...]
+    frame_format: FrameFormat
 
     @property
     def name(self) -> str:

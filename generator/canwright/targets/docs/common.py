@@ -3,22 +3,86 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 from ...compare import Change, compare
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.golden_frames import GoldenFrames
-from ...model.layout import Field, Layout, Variant
+from ...model.golden_frames import GoldenFrame, GoldenFrames, Value
+from ...model.layout import Layout, Variant
 from ...model.message import Command, Direction, Message
 from ...model.metadata import Mode
 from ...templating.markup import code, markdown
 from ..base import WorkedExchange
 from ..examples import Examples
 from ..registry import own_targets, targets
-from .examples import Worked, worked
+from .links import explorer_link
 from .picture import Drawing, Drawings
-from .tables import Cells, code_of, field_cells, index, key_cells
+from .tables import code_of, index
+
+
+class Worked(NamedTuple):
+    """A golden frame and its meaning in Markdown, without a language: `means % labels` is the meaning."""
+
+    golden: GoldenFrame
+    frame: str
+    given: str
+    means: str
+
+    def origin(self, labels: Mapping[str, str], sources: Mapping[str, str], language: str) -> str:
+        """The source in a language, in Markdown; `sources` are texts in that language, by name."""
+        remarks = [labels["section"].format(self.golden.manual)] if self.golden.manual else []
+        remarks += filter(None, [self.golden.note.get(language)])
+        source = markdown(sources[self.golden.source].rstrip(".。"))
+        return source + (labels["remark"].format(markdown(labels["and"].join(remarks))) if remarks else "")
+
+
+def worked(edition: str, frame: GoldenFrame, message: Message) -> Worked:
+    """A golden frame of a message with its meaning."""
+    units = {f.name: f" {f.type.unit.symbol}" for f in message.layout.fields if f.type.unit}
+    return Worked(
+        frame,
+        f"[`{formatting.sent(frame)}`]({explorer_link(edition, frame, message)})",
+        ", ".join(code(f"{name} = {value}") for name, value in formatting.parameter_values(frame.parameters).items()),
+        "<br>".join(_meanings(frame, units)) or "%(none)s",
+    )
+
+
+def sources(golden: GoldenFrames, language: str) -> Mapping[str, str]:
+    """Texts of the sources in one language, by name; a plain text is for all languages."""
+    return {
+        name: source if isinstance(source, str) else source.get(language, "") for name, source in golden.sources.items()
+    }
+
+
+def _meanings(frame: GoldenFrame, units: Mapping[str, str]) -> Iterator[str]:
+    """The node and each field with its value; labels are inserted later by `%`."""
+    if frame.node is not None:
+        yield code(f"node = {frame.node}")
+    for name, raw in frame.raw.items():
+        value = frame.values.get(name)
+        if value is None:
+            yield code(f"{name}: raw {_list(raw)}")
+        elif value == "none":
+            yield f"{code(f'{name}: raw {_list(raw)}')}, %(raw_only)s"
+        else:
+            shown = _value(value, units.get(name, "")).replace("%", "%%") or "%(none)s"
+            yield code(f"{name} = {shown}") + _raw(raw, value)
+
+
+def _raw(raw: int | list[int], value: Value) -> str:
+    return "" if raw == value else f" ({code(f'raw {_list(raw)}')})"
+
+
+def _value(value: Value, unit: str) -> str:
+    if isinstance(value, list):
+        return ", ".join(_value(v, "") for v in value) + unit
+    return formatting.decimal(value) + unit if isinstance(value, Fraction) else value
+
+
+def _list(raw: int | list[int]) -> str:
+    return ", ".join(map(str, raw)) if isinstance(raw, list) else str(raw)
 
 
 class Drawn(NamedTuple):
@@ -33,11 +97,6 @@ class Side(NamedTuple):
     """One direction of a command that has a message; texts are Markdown."""
 
     message: Message
-    keys: Sequence[Cells]
-    fields: Sequence[tuple[Field, Sequence[Cells]]]
-    id: str
-    nodes: str
-    """The range of nodes; empty if the id is fixed."""
     is_rest: bool
     """Whether the message has no selector while other messages on its ids have one."""
     is_repeated: bool
@@ -92,8 +151,6 @@ class Common:
         self._drawings = Drawings()
         self._examples = Examples(edition, golden)
         self._modes: Mapping[str | None, Mode] = {mode.name: mode for mode in edition.bus.modes}
-        self._fields: dict[Layout, Sequence[tuple[Field, Sequence[Cells]]]] = {}
-        """Rows by layout: many messages share one."""
         self._since: dict[Edition, Sequence[Change]] = {}
         self.sheets = list(self._sheets())
 
@@ -148,21 +205,14 @@ class Common:
         if message is None:
             return None
         layout = message.layout
-        if layout not in self._fields:
-            self._fields[layout] = [(field, field_cells(field)) for field in layout.fields]
         drawn = list(self._drawn(command, message))
         request = command.request if direction is Direction.REPLY else None
         is_repeated = request is not None and (
             command.is_echoed
             or (layout is request.layout and (message.keys, message.accepted_codes) == (request.keys, ()))
         )
-        nodes = message.id.nodes
         return Side(
             message,
-            tuple(map(key_cells, message.keys)),
-            self._fields[layout],
-            code(formatting.id_rule(message.id)),
-            code(f"{nodes[0]}..{nodes[-1]}") if nodes is not None else "",
             not message.keys and self._has_selector_beside(message),
             is_repeated,
             not message.remote and any(picture.drawing.has_free_bits for picture in drawn),

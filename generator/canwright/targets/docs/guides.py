@@ -80,9 +80,10 @@ def _is_rejected(decoder: Decoder, frame: Any) -> bool:
 
 
 class Length(NamedTuple):
-    """Frames of one length: the kind of id, the number of data bytes, and the bits on the bus."""
+    """Frames of one length: the kind of id and of frame, the number of data bytes, and the bits on the bus."""
 
     extended: bool
+    is_fd: bool
     data_bytes: int
     least: int
     most: int
@@ -90,8 +91,10 @@ class Length(NamedTuple):
 
 def lengths(editions: Sequence[Edition]) -> Sequence[Length]:
     """The lengths of the frames of some editions."""
-    messages = [message for edition in editions for message in edition.all_messages()]
-    distinct = {Length(m.id.extended, 0 if m.remote else m.dlc, *message_bits(m)) for m in messages}
+    messages = [(message, edition.bus.frame_format) for edition in editions for message in edition.all_messages()]
+    distinct = {
+        Length(m.id.extended, form.is_fd, 0 if m.remote else m.dlc, *message_bits(m, form)) for m, form in messages
+    }
     return sorted(distinct)
 
 
@@ -112,13 +115,23 @@ def _load(edition: Edition, language: str) -> Mapping[str, Any]:
         "rates": rates or [1000, 500, 250, 125],
         "replyMs": None if within is None else float(within),
         "nodes": edition.bus.max_nodes or 1,
+        "cyclic": [
+            {
+                "name": message.name,
+                "everyMs": float(message.sending.every_ms),
+                "perNode": message.id.nodes is not None or message.node_bits is not None,
+                "bits": message_bits(message, edition.bus.frame_format),
+            }
+            for message in edition.all_messages()
+            if message.sending is not None and message.sending.every_ms is not None
+        ],
         "commands": [
             {
                 "name": command.spec_name,
                 "title": command.spec_title[language],
                 "perNode": command.request is None or command.request.id.nodes is not None,
-                "request": message_bits(command.request) if command.request else None,
-                "reply": message_bits(command.reply) if command.reply else None,
+                "request": message_bits(command.request, edition.bus.frame_format) if command.request else None,
+                "reply": message_bits(command.reply, edition.bus.frame_format) if command.reply else None,
                 "replies": (len(command.from_each) or 1) if command.reply else 0,
             }
             for command in listed

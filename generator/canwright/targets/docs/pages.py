@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ...model import formatting
 from ...model.deprecation import Deprecation
@@ -12,19 +12,9 @@ from ...model.metadata import Effect, Erratum, Level, State
 from ...model.types import ImpliedTitle
 from ...templating.markup import code, markdown
 from . import tables
-from .common import Common, Drawn, Form, Sheet, Side
-from .examples import Example, sources
+from .common import Common, Drawn, Form, Side, Worked, sources
 from .links import COMMANDS, pages_of
-from .overview import overview
 from .tables import Labels, Row
-
-
-class Picture(NamedTuple):
-    """A picture file and the parameter values it is valid for."""
-
-    file: str
-    alt: str
-    only: str
 
 
 class Half(NamedTuple):
@@ -36,15 +26,10 @@ class Half(NamedTuple):
     facts: Sequence[tuple[str, str]]
     columns: Sequence[str]
     rows: Sequence[tuple[str, ...]]
-    pictures: Sequence[Picture]
-    examples: Sequence[Example]
-
-
-class FormView(NamedTuple):
-    """A form of a command with its directions."""
-
-    form: Form
-    halves: Sequence[Half]
+    pictures: Sequence[tuple[Drawn, str]]
+    """Each with its alternative text."""
+    examples: Sequence[tuple[Worked, str]]
+    """Each with its source."""
 
 
 class Admonition(NamedTuple):
@@ -67,19 +52,12 @@ class Pages:
         self._sources = sources(common.golden, language) if common.golden else {}
         self._field_rows: dict[tuple[object, ...], Sequence[Row]] = {}
 
-    def overview(self) -> Mapping[str, Any]:
-        """The first page of the edition."""
-        return overview(self._common.edition, self._labels, self._language)
-
-    def forms(self, sheet: Sheet) -> Sequence[FormView]:
-        """The forms of a command."""
-        return [
-            FormView(form, [self._half(form.command, direction, side) for direction, side in form.sides])
-            for form in sheet.forms
-        ]
+    def halves(self, form: Form) -> Sequence[Half]:
+        """The directions of a form."""
+        return [self._half(form.command, direction, side) for direction, side in form.sides]
 
     def admonitions(
-        self, effects: Sequence[Effect], forms: Sequence[FormView], command: Command | None = None
+        self, effects: Sequence[Effect], forms: Sequence[Form], command: Command | None = None
     ) -> Sequence[Admonition]:
         """Blocks with these effects of these forms, the worst first; with what else is to be known of a command."""
         texts: dict[str, list[str]] = {kind: [] for kind in _KINDS.values()}
@@ -95,9 +73,9 @@ class Pages:
         texts["NOTE"] += [markdown(note[self._language]) for note in command.notes] if command else []
         return [Admonition(kind, listed) for kind, listed in texts.items() if listed]
 
-    def _effect(self, effect: Effect, forms: Sequence[FormView]) -> str:
+    def _effect(self, effect: Effect, forms: Sequence[Form]) -> str:
         """An effect of these forms, with the values of their requests without it."""
-        values = (value for form in forms for value in form.form.command.exemptions(effect))
+        values = (value for form in forms for value in form.command.exemptions(effect))
         texts = dict.fromkeys(f"{code(field.name)} = {code(member.name)}" for field, member in values)
         listed = self._labels["listed"].join(texts)
         return self.description(effect) + (self._labels["effect_except"].format(listed) if listed else "")
@@ -106,7 +84,7 @@ class Pages:
         """One direction of a command; `side` is its content for every language."""
         labels = self._labels
         title = labels[direction.value]
-        facts = list(tables.facts(side.message, side.id, side.nodes, labels)) if side else []
+        facts = list(tables.facts(side.message, labels)) if side else []
         if side and side.is_rest:
             facts.append((labels["selector_of"], labels["rest"]))
         if direction is Direction.REPLY:
@@ -121,7 +99,7 @@ class Pages:
         if layout.manual not in ("", command.manual, command.entry.manual if command.entry else ""):
             facts.append((labels["manual"], markdown(layout.manual)))
         about = self.description(layout) if layout.shared else markdown(layout.about[self._language])
-        rows = [*tables.key_rows(side.keys, side.message, command, labels), *self._rows_of_fields(command, side)]
+        rows = [*tables.key_rows(side.message, command, labels), *self._rows_of_fields(command, side)]
         columns = zip(Row._fields, zip(*rows, strict=True), strict=False) if not side.is_repeated else ()
         kept = [(name, cells) for name, cells in columns if any(cells)]
         return Half(
@@ -131,8 +109,8 @@ class Pages:
             facts,
             [labels[name] for name, _ in kept],
             list(zip(*(cells for _, cells in kept), strict=True)),
-            [self._picture(command, title, drawn) for drawn in side.drawn],
-            [worked.example(labels, self._sources, self._language) for worked in side.examples],
+            [(drawn, self._alternative(command, title, drawn)) for drawn in side.drawn],
+            [(worked, worked.origin(labels, self._sources, self._language)) for worked in side.examples],
         )
 
     def _rows_of_fields(self, command: Command, side: Side) -> Sequence[Row]:
@@ -141,20 +119,36 @@ class Pages:
         manual = command.entry.manual if command.entry else ""
         key = (layout, side.message.has_low_bits_of_node, command.manual, manual, *command.only.items())
         if key not in self._field_rows:
-            rows = tables.field_rows(side.fields, side.message, command, self._labels, self._language)
+            rows = tables.field_rows(side.message, command, self._labels, self._language)
             self._field_rows[key] = tuple(rows)
         return self._field_rows[key]
 
-    def _picture(self, command: Command, side: str, drawn: Drawn) -> Picture:
+    def _alternative(self, command: Command, side: str, drawn: Drawn) -> str:
+        """The alternative text of a picture."""
         parts = [markdown(command.name), side, *([markdown(drawn.only)] if drawn.only else [])]
-        alt = f"{self._labels['picture']} {self._labels['comma'].join(parts)}"
-        return Picture(drawn.file, alt, code(drawn.only))
+        return f"{self._labels['picture']} {self._labels['comma'].join(parts)}"
 
     def reply_ids(self, address: Address) -> Sequence[str]:
         """The ids of the replies to requests on an address, which can be those of another address."""
         commands = [command for command in self._common.edition.commands if command.address == address.name]
         rules = [command.reply.id for command in commands if command.reply] if commands else [address.reply]
         return list(dict.fromkeys(code(formatting.id_rule(rule)) for rule in rules))
+
+    def nodes_of(self, address: Address) -> str:
+        """The nodes of an address; of a fixed id, those that reply one by one to its requests."""
+        nodes = address.request.nodes or self._replying_nodes(address)
+        return code(formatting.numbers(nodes)) if nodes else ""
+
+    def _replying_nodes(self, address: Address) -> Sequence[int]:
+        commands = (command for command in self._common.edition.commands if command.address == address.name)
+        return sorted({node for command in commands for node in command.from_each})
+
+    def formats_of(self, address: Address) -> str:
+        """The kinds of frames on an address: width of the id and number of data bytes."""
+        messages = [message for message in self._common.edition.all_messages() if message.address == address.name]
+        lengths = formatting.numbers(sorted({0 if message.remote else message.dlc for message in messages}))
+        width = 29 if address.request.extended else 11
+        return self._labels["frame_formats"].format(width, lengths) if messages else ""
 
     def commands_with(self, effect: Effect) -> str:
         """Links to the commands that have an effect, from a page of the edition."""
@@ -184,10 +178,6 @@ class Pages:
             if absent:
                 yield state, absent
 
-    def types(self) -> Mapping[str, Any]:
-        """The page of types."""
-        return {"named_types": [t for t in self._common.edition.types if t.path[0] == "types"], "tables": tables}
-
     def description(self, thing: tables.Titled) -> str:
         """Title and description of an object, in Markdown."""
         return tables.description(thing, self._labels, self._language)
@@ -205,10 +195,6 @@ class Pages:
         if any(isinstance(titles[value], ImpliedTitle) for value in values):
             return code(formatting.condition({name: tuple(values)}))
         return self._labels["listed"].join(markdown(titles[value][self._language]) for value in values)
-
-    def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
-        """The parameter values that an object is limited to."""
-        return code(formatting.condition(only))
 
     def erratum_links(self, erratum: Erratum) -> Mapping[str, str]:
         """Names and pages of the commands that an erratum affects."""

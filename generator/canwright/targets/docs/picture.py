@@ -154,6 +154,16 @@ def _id_parts(message: Message, variant: Variant) -> tuple[_Byte, ...]:
 def _keys(message: Message, parts: int) -> Iterator[_Run]:
     for key in message.keys:
         yield from _places(key.space, key.segments, f"0x{key.value:02X}", "k", parts)
+    rule = message.id
+    if parts and rule.parameter is not None:
+        last = (1 << 29 if rule.extended else 1 << 11) - 1
+        low = (rule.parameter_step & -rule.parameter_step).bit_length() - 1
+        above = [bit for bit in range(low, last.bit_length()) if message.id_mask >> bit & 1]
+        free = range(low, min(above, default=last.bit_length()))
+        of_node = _node(rule, rule.nodes) if rule.nodes is not None else None
+        own = [bit for bit in free if of_node is None or not of_node.low <= bit < of_node.low + of_node.width]
+        ends = [bit for i, bit in enumerate(own) if bit == own[0] + i]
+        yield from _places(Space.ID, [Segment(0, ends[0], len(ends), 0)] if ends else [], rule.parameter, "k", parts)
     if parts and message.id.nodes is not None:
         yield from _places(Space.ID, [_node(message.id, message.id.nodes)], "node", "k", parts)
 

@@ -3,35 +3,40 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, IdRule, Message
+from ...model.metadata import Mode
 from ...model.types import Type
 from ...templating import resources
 from ...templating.data_files import read_data
 from ...templating.markup import script_text
 from .links import COMMANDS, command_page
+from .questions import question_records
 from .tables import index
 
 FILE = "site.json"
 
 Record = dict[str, Any]
 """An item that a search finds: `kind`, `name`, `pages` in the folder of the edition, with or without a section, and what
-is known of its code, title, description and units. Texts are by language and not escaped."""
+is known of its code, title, description, units, name in the manual (`printed`) and further `words`. Texts are by language and not
+escaped."""
 
 
-def site_data(listed: Sequence[tuple[str, Edition]]) -> str:
+def site_data(listed: Sequence[tuple[str, Edition]], labels: Mapping[Edition, str]) -> str:
     """The file, as JSON with a line for each record; `listed` are editions with their folders, in the order of menus."""
-    lines = ",\n".join(_edition(folder, edition) for folder, edition in listed)
-    return f'{{"synonyms": {_json(_synonyms())},\n"editions": [\n{lines}\n]}}\n'
+    asked = ",\n".join(map(_json, question_records(edition for _, edition in listed)))
+    lines = ",\n".join(_edition(folder, edition, labels[edition]) for folder, edition in listed)
+    stops = [word for group in read_data(resources.TEMPLATES / "docs" / "stop_words.yaml") for word in group]
+    return f'{{"synonyms": {_json(_synonyms())},\n"stops": {_json(stops)},\n"questions": [\n{asked}\n],\n"editions": [\n{lines}\n]}}\n'
 
 
-def _edition(folder: str, edition: Edition) -> str:
-    about = {"folder": folder, "family": edition.family, "name": edition.name, "languages": list(edition.languages)}
+def _edition(folder: str, edition: Edition, label: str) -> str:
+    about = {"folder": folder, "family": edition.family, "name": label, "languages": list(edition.languages)}
     records = ",\n".join(_json({name: v for name, v in record.items() if v}) for record in _records(edition))
     return f'{_json(about)[:-1]}, "records": [\n{records}\n]}}'
 
@@ -72,8 +77,20 @@ def _records(edition: Edition) -> Iterator[Record]:
                 "name": item.name,
                 "title": dict(item.title),
                 "about": dict(item.about),
+                "words": _rates(item) if isinstance(item, Mode) else [],
                 "pages": pages,
             }
+
+
+def _rates(mode: Mode) -> list[str]:
+    """The bit rates of a mode as people write them: 500k, 500 kbps, 1M."""
+    return [
+        text
+        for rate in mode.bit_rates_kbps
+        for number, prefix in ((rate, "k"), (rate // 1000, "M") if rate % 1000 == 0 else (0, ""))
+        if number
+        for text in (f"{number} {prefix}", f"{number} {prefix}bps", f"{number} {prefix}bit/s")
+    ]
 
 
 def page_of(command: Command) -> str:
@@ -88,6 +105,7 @@ def _commands(edition: Edition) -> Iterator[Record]:
         yield {
             "kind": "command",
             "name": name,
+            "printed": first.manual_name,
             "code": ", ".join(dict.fromkeys(code for form in forms for code in _codes(form))),
             "title": dict(first.spec_title),
             "about": dict(first.about),
@@ -126,6 +144,8 @@ def _ids(edition: Edition) -> Iterator[Record]:
     for address in edition.addresses:
         for direction in Direction:
             rule = address.rule(direction)
+            if rule.parameter is not None:
+                continue  # the node of an id depends on the device
             nodes = rule.nodes if rule.nodes is not None else range(1)
             numbers = {"base": rule.base, "step": rule.node_step, "first": nodes.start, "last": nodes.stop - 1}
             item = {"kind": "id", "name": formatting.id_rule(rule), "title": dict(address.title), "ids": numbers}
@@ -141,12 +161,26 @@ def _fields(edition: Edition) -> Iterator[Record]:
             message = command.message(direction)
             for field in message.layout.fields if message is not None else ():
                 unit = field.type.unit
-                key = (field.name, *field.title.items(), unit.name if unit else "")
+                key = (field.name, field.manual_name, *field.title.items(), unit.name if unit else "")
                 by_key.setdefault(key, (field, {}))[1][page_of(command)] = None
     for field, pages in by_key.values():
-        unit = field.type.unit
-        units = [unit.symbol, unit.name, *unit.title.values()] if unit else []
-        yield {"kind": "field", "name": field.name, "title": dict(field.title), "units": units, "pages": list(pages)}
+        yield {
+            "kind": "field",
+            "name": field.name,
+            "printed": field.manual_name,
+            "title": dict(field.title),
+            **_quantity(field.type),
+            "pages": list(pages),
+        }
+
+
+def _quantity(type_: Type) -> Record:
+    """The unit of a type in each spelling, and its resolution."""
+    unit = type_.unit
+    return {
+        "units": [unit.symbol, unit.name, *unit.title.values()] if unit else [],
+        "words": [text for _, text in formatting.scale(type_) if unit],
+    }
 
 
 def _types(edition: Edition) -> Iterator[Record]:
@@ -160,7 +194,7 @@ def _types(edition: Edition) -> Iterator[Record]:
         pages = [f"types#types.{type_.name}"] if is_named else list(dict.fromkeys(of_type.get(type_, ())))
         if is_named:
             titles = {"title": dict(type_.title), "about": dict(type_.about)}
-            yield {"kind": "type", "name": type_.name, **titles, "pages": pages}
-        for member in (*type_.enum, *type_.flags):
+            yield {"kind": "type", "name": type_.name, **titles, **_quantity(type_), "pages": pages}
+        for member in (*type_.enum, *type_.flags, *type_.no_values):
             titles = {"title": dict(member.title), "about": dict(member.about)}
             yield {"kind": "value", "name": member.name, **titles, "pages": pages}

@@ -10,13 +10,12 @@ from typing import NamedTuple, Protocol
 from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
-from ...model.layout import Field, FixedRole, Layout, NodeRole, ReservedRole, Space
+from ...model.layout import ChecksumRole, CounterRole, Field, Layout, NodeRole, ReservedRole, Space
 from ...model.message import (
     Command,
     Direction,
     EchoReply,
     IdRule,
-    Key,
     KeyRole,
     Message,
     OtherReply,
@@ -24,6 +23,7 @@ from ...model.message import (
     SharedReply,
 )
 from ...model.types import Assignment, Encoding, Text, Type
+from ...semantics.bits import placed
 from ...templating.markup import code, markdown
 from ..availability import is_available, values_of
 from .links import command_link
@@ -67,62 +67,37 @@ def index(message: Message | None) -> str:
     return " ".join(f"0x{key.value:02X}" for key in message.keys if key.role is KeyRole.INDEX) if message else ""
 
 
-class Cells(NamedTuple):
-    """The first cells of a row, in Markdown; they are the same in every language."""
-
-    place: str
-    field: str
-    raw: str
-
-
-def key_cells(key: Key) -> Cells:
-    """The cells of a key."""
-    place = formatting.key_place(key)
-    return Cells(code(place.position), "", code(place.raw))
-
-
-def field_cells(field: Field) -> list[Cells]:
-    """The cells of a field; an array has one row for each element."""
-    type_ = field.type
-    link = f"[%s](../types.md#types.{type_.name})" if type_.path[0] == "types" else "%s"
-    return [
-        Cells(code(place.position), link % code(place.name), code(place.raw))
-        for place in formatting.field_places(field)
-    ]
-
-
-def key_rows(cells: Sequence[Cells], message: Message, command: Command, labels: Labels) -> Iterator[Row]:
+def key_rows(message: Message, command: Command, labels: Labels) -> Iterator[Row]:
     """The rows of the keys of a frame."""
-    for i, (key, start) in enumerate(zip(message.keys, cells, strict=True)):
+    for i, key in enumerate(message.keys):
+        place = formatting.key_place(key)
         note = labels[_KEY_LABELS[key.role] if command.entry or key.role is not KeyRole.INDEX else "selector"]
         if i == 0 and message.accepted_codes:
             accepted = ", ".join(code(f"0x{value:02X}") for value in message.accepted_codes)
             note += f"{labels['and']}{labels['accepted']} {accepted}"
-        yield Row(start.place, "", f"{start.raw}<br>{code(formatting.constant(key.value))}", "", "", "", note)
+        raw = f"{code(place.raw)}<br>{code(formatting.constant(key.value))}"
+        yield Row(code(place.position), "", raw, "", "", "", note)
 
 
-def field_rows(
-    fields: Sequence[tuple[Field, Sequence[Cells]]], message: Message, command: Command, labels: Labels, language: str
-) -> Iterator[Row]:
-    """The rows of the fields that a command has, in the order of the spec."""
+def field_rows(message: Message, command: Command, labels: Labels, language: str) -> Iterator[Row]:
+    """The rows of the fields that a command has, in the order of the spec; an array has one for each element."""
     layout, holds = message.layout, labels["holds_low_bits" if message.has_low_bits_of_node else "holds_node"]
-    for field, places in fields:
+    for field in layout.fields:
         if is_available(layout, field, command):
             resolution, raw, values = _numbers(field, layout, command, labels)
             what = (
                 description(field, labels, language)
                 + (f" ({deprecation(field.deprecated, labels)})" if field.deprecated else "")
                 + (f"{labels['and']}{holds}" if isinstance(field.role, NodeRole) else "")
-                + _section(field, layout, command, labels)
+                + _computed(field, labels)
+                + _in_manual(field, layout, command, labels)
                 + _members(field.type, labels)
             )
-            for cells in places:
-                formats = "<br>".join(filter(None, (cells.raw, raw)))
-                yield Row(cells.place, cells.field, formats, resolution, values, _only(layout, field), what)
-
-
-def _only(layout: Layout, field: Field) -> str:
-    return code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
+            link = f"[%s](../types.md#types.{field.type.name})" if field.type.path[0] == "types" else "%s"
+            only = code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
+            for place in formatting.field_places(field):
+                formats = "<br>".join(filter(None, (code(place.raw), raw)))
+                yield Row(code(place.position), link % code(place.name), formats, resolution, values, only, what)
 
 
 def description(thing: Titled, labels: Labels, language: str) -> str:
@@ -137,8 +112,23 @@ def deprecation(deprecated: Deprecation, labels: Labels) -> str:
     return labels["deprecated"] + labels["colon"] + period.format(since=deprecated.since, until=deprecated.until)
 
 
+def _computed(field: Field, labels: Labels) -> str:
+    """How the sender computes a counter or a checksum; empty for another field."""
+    role = field.role
+    if isinstance(role, CounterRole):
+        return f"{labels['stop']}{labels['counter'].format(first=role.first, last=role.last)}"
+    return (
+        f"{labels['stop']}{labels['checksum']} {code(formatting.checksum(role))}"
+        if isinstance(role, ChecksumRole)
+        else ""
+    )
+
+
 def _members(type_: Type, labels: Labels) -> str:
     """The names of values or bits if there are few: `0` `on` · `16` `off`."""
+    if type_.no_values:
+        named = " · ".join(f"{code(formatting.raws(n.raws))} {code(n.name)}" for n in type_.no_values[:MAX_MEMBERS])
+        return f"<br>{labels['no_value']}{labels['colon']}{named}"
     members = type_.enum or type_.flags
     if not members or len(members) > MAX_MEMBERS:
         return ""
@@ -146,19 +136,23 @@ def _members(type_: Type, labels: Labels) -> str:
     return f"<br>{labels['bits'] if type_.flags else ''}{listed}"
 
 
-def _section(field: Field, layout: Layout, command: Command, labels: Labels) -> str:
-    """The section of the manual of a field if it differs from that of its layout and command."""
+def _in_manual(field: Field, layout: Layout, command: Command, labels: Labels) -> str:
+    """The name of a field in the manual, and the section if it differs from that of its layout and command."""
     known = ("", layout.manual, command.manual, command.entry.manual if command.entry else "")
-    return "" if field.manual in known else f" ({labels['manual']} {markdown(field.manual)})"
+    cited = formatting.cited("" if field.manual in known else field.manual, field.manual_name)
+    return f" ({labels['manual']} {markdown(cited)})" if cited else ""
 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
-    if isinstance(field.role, FixedRole):
+    fixed = formatting.fixed(field.role)
+    if fixed:
         return (
             "",
-            code(formatting.constant(field.role.raw)),
+            code(fixed),
             labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"],
         )
+    if isinstance(field.role, ChecksumRole):
+        return "", "", ""
     among = values_of(field.type.linear.parameter or "", layout, field, command)
     return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
 
@@ -206,31 +200,38 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
 
 def _id_with_code(message: Message) -> IdRule | None:
     """The id on the bus if it contains a key; None if it contains no key, or a field with a variable value."""
-    placed = [(key.segments[0].low, key.value) for key in message.keys if key.space is Space.ID]
+    keys = [placed(key.segments, key.value) for key in message.keys if key.space is Space.ID]
     fields = [field for field in message.layout.fields if field.space is Space.ID]
-    if not placed or any(field.role.is_value for field in fields):
+    if not keys or any(field.role.sent_raw is None for field in fields):
         return None
-    placed += [(field.elements[0].segments[0].low, field.role.sent_raw or 0) for field in fields]
-    return replace(message.id, base=message.id.base | sum(value << low for low, value in placed))
+    fixed = (placed(field.elements[0].segments, field.role.sent_raw or 0) for field in fields)
+    return replace(message.id, base=message.id.base | sum(keys) + sum(fixed))
 
 
-def facts(message: Message, id_: str, nodes: str, labels: Labels) -> Iterator[tuple[str, str]]:
+def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:
     """Id, nodes and frame of a message."""
-    yield labels["id"], id_
+    nodes = message.id.nodes
+    yield labels["id"], code(formatting.id_rule(message.id))
     whole = _id_with_code(message)
     if whole:
         yield labels["id_with_code"], code(formatting.id_rule(whole))
-    if nodes:
-        yield labels["nodes"], nodes
+    if nodes is not None:
+        yield labels["nodes"], code(f"{nodes[0]}..{nodes[-1]}")
     kind = labels["extended" if message.id.extended else "standard"]
     frame = labels["remote_frame" if message.remote else "data_frame"]
     yield labels["frame"], labels["comma"].join((kind, frame, f"`{message.dlc}` {labels['data_bytes']}"))
+    if message.sending is not None:
+        words = (labels[f"sending_{name}"] for name in formatting.SendingWords._fields)
+        yield labels["sent"], formatting.sending(message.sending, formatting.SendingWords(*words))
+    if message.sequence is not None:
+        first, last = message.sequence.numbers[0], message.sequence.numbers[-1]
+        yield labels["frames"], labels["frame_numbers"].format(code(message.sequence.field), code(f"{first}..{last}"))
 
 
 def reply_form(edition: Edition, command: Command, labels: Labels, commands: str) -> str:
     """The form of the reply with its shared layout or the linked command; `commands` is the folder of the link."""
     form = labels[_form_label(command)]
-    for reply in command.replies:
+    for reply in command.replies[:1]:
         if isinstance(reply, OtherReply):
             return f"{form} {_link(edition, reply, commands)}"
         if isinstance(reply, SharedReply):
@@ -271,7 +272,7 @@ def _sharers(edition: Edition, layout: Layout, command: Command, labels: Labels)
 def reply_facts(edition: Edition, command: Command, labels: Labels) -> Iterator[tuple[str, str]]:
     """Form and senders of the reply."""
     form = labels[f"means_{_form_label(command)}"]
-    for reply in command.replies:
+    for reply in command.replies[:1]:
         if isinstance(reply, OtherReply):
             form = form.format(_link(edition, reply, ""))
         elif isinstance(reply, SharedReply):
@@ -279,3 +280,8 @@ def reply_facts(edition: Edition, command: Command, labels: Labels) -> Iterator[
     yield labels["form"], form
     if command.from_each:
         yield labels["from_each"], code(", ".join(map(str, command.from_each)))
+    links_to = {"further_replies": command.further_replies, "alternative_replies": command.alternative_replies}
+    for label, replies in links_to.items():
+        links = [_link(edition, reply, "") for reply in replies if isinstance(reply, OtherReply)]
+        if links:
+            yield labels[label], labels["comma"].join(links)

@@ -1,4 +1,4 @@
-"""The pages of an edition as one HTML file."""
+"""The pages of an edition as one HTML file, without programs."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from ...templating.data_files import template_texts
 from ...templating.environment import environment
 from ...templating.markup import xml
-from .labels import labels
 
 _FIRST, _LAST = ("index", "states"), ("types", "parameters", "bus", "errata", "changes")
 _SWITCH = re.compile(r"<!-- Not on the site, which has a switch. -->\n.*\n")
@@ -25,24 +25,27 @@ class Section(NamedTuple):
     html: str
 
 
-def document(pages: Mapping[str, str], folder: str, language: str, title: str) -> str:
+def document(pages: Mapping[str, str], folder: str, language: str, title: str, labels: Mapping[str, str]) -> str:
     """The pages in a folder as one HTML file."""
-    texts = labels()[language]
+    program = re.compile(
+        rf"^## {re.escape(template_texts('docs/labels.yaml')[language]['program'])}\n.*?(?=^## |^---\n|\Z)", re.M | re.S
+    )
+    pages = {path: program.sub("", text) if path.endswith(".md") else text for path, text in pages.items()}
     template = environment("handover", {"xml": xml}).get_template("document.html.j2")
-    return template.render(lang=language, title=title, labels=texts, sections=_sections(pages, folder, texts))
+    return template.render(lang=language, title=title, labels=labels, sections=_sections(pages, folder, labels))
 
 
-def _sections(pages: Mapping[str, str], folder: str, texts: Mapping[str, str]) -> Sequence[Section]:
+def _sections(pages: Mapping[str, str], folder: str, labels: Mapping[str, str]) -> Sequence[Section]:
     """The pages of an edition: the overview, the commands in its order, and the rest."""
     overview = pages[f"{folder}/index.md"]
     commands = dict.fromkeys(re.findall(r"\]\((commands/\w+)\.md", overview))
     names = [name for name in (*_FIRST, *commands, *_LAST) if f"{folder}/{name}.md" in pages]
     paths = {f"{folder}/{name}.md": name.replace("/", "-") for name in names}
-    return [_section(path, anchor, pages, paths, texts) for path, anchor in paths.items()]
+    return [_section(path, anchor, pages, paths, labels) for path, anchor in paths.items()]
 
 
 def _section(
-    path: str, anchor: str, pages: Mapping[str, str], anchors: Mapping[str, str], texts: Mapping[str, str]
+    path: str, anchor: str, pages: Mapping[str, str], anchors: Mapping[str, str], labels: Mapping[str, str]
 ) -> Section:
     from markdown_it import MarkdownIt
 
@@ -67,7 +70,7 @@ def _section(
     html = re.sub(
         r"<blockquote>\n<p>\[!(\w+)\]\s*(</p>)?",
         lambda match: (
-            f'<blockquote class="{match[1].lower()}">\n<p><b>{texts[match[1].lower()]}</b></p>\n'
+            f'<blockquote class="{match[1].lower()}">\n<p><b>{labels[match[1].lower()]}</b></p>\n'
             + ("" if match[2] else "<p>")
         ),
         html,

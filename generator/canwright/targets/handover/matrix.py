@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from types import MappingProxyType
 from typing import NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.layout import ConstantRole, Field, FixedRole, Layout, NodeRole, ReservedRole
+from ...model.layout import ChecksumRole, Field, FieldRole, FixedRole, Layout
 from ...model.message import Command, Direction, EchoReply, Key, KeyRole, Message, OtherReply
-from ...model.types import Bound, Encoding, Linear, Member, Range, Type
+from ...model.types import Bound, Encoding, Linear, Member, NoValue, Range, Type
 from ..availability import is_available, values_of
-from .labels import labels
 
 Cell = str | Fraction
 """A text, or an exact number; both can be in one column, for a bound that depends on a parameter."""
@@ -50,8 +50,12 @@ class Row(NamedTuple):
     values: Cell
     only: Cell
     manual: Cell
+    manual_name: Cell
     edition: Cell
     date: Cell
+
+
+NO_CONDITION: Mapping[str, tuple[str, ...]] = MappingProxyType({})
 
 
 class Numbers(NamedTuple):
@@ -62,28 +66,97 @@ class Numbers(NamedTuple):
     limits: Range | None
 
 
-def rows(edition: Edition, language: str) -> Iterator[Row]:
-    """The rows of an edition, with texts in a language of the labels."""
+def rows(edition: Edition, language: str, labels: Mapping[str, str]) -> Iterator[Row]:
+    """The rows of an edition, with texts in a language, and its labels."""
     for command in edition.commands:
         for direction in Direction:
             message = command.message(direction)
             if message is not None:
-                yield from _Rows(edition, command, direction, message, language).all()
+                yield from rows_of(edition, command, message, language, labels)
+
+
+def rows_of(
+    edition: Edition, command: Command, message: Message, language: str, labels: Mapping[str, str]
+) -> Iterator[Row]:
+    """The rows of one direction of a command."""
+    yield from _Rows(edition, command, message, language, labels).all()
+
+
+def _sending(message: Message, labels: Mapping[str, str]) -> Iterator[str]:
+    """When the message is sent, and the numbers of its frames, if these are stated."""
+    if message.sending is not None:
+        words = (labels[f"sending_{name}"] for name in formatting.SendingWords._fields)
+        yield formatting.sending(message.sending, formatting.SendingWords(*words))
+    if message.sequence is not None:
+        numbers = formatting.ReplyWords(*(labels[f"replies_{name}"] for name in formatting.ReplyWords._fields))
+        yield formatting.frame_numbers(message.sequence, numbers)
+
+
+class Shown:
+    """Facts of an edition as cells, in a language and with its labels."""
+
+    def __init__(self, edition: Edition, language: str, labels: Mapping[str, str]) -> None:
+        self.edition = edition
+        self.language = language
+        self.labels = labels
+        self.words = formatting.PlaceWords(*(labels[f"place_{name}"] for name in formatting.PlaceWords._fields))
+
+    def list(self, texts: Iterable[str]) -> str:
+        """The texts that are not empty in one cell."""
+        return self.labels["semicolon"].join(filter(None, texts))
+
+    def numbers(self, type_: Type, numbers: Numbers) -> Mapping[str, Cell]:
+        """The cells of the numbers; a type without a range has the limits of its raw format."""
+        linear, limits = numbers.linear, numbers.limits
+        is_float = type_.encoding is Encoding.FLOAT
+        cells: dict[str, Cell] = {"unit": type_.unit.symbol if type_.unit else ""}
+        if limits is None and not is_float and type_.joined is None:
+            limits = Range(*(Bound(Fraction(raw)) for raw in type_.raw_limits))
+        if limits and not is_float:
+            cells |= {"raw_minimum": _bound(limits.low), "raw_maximum": _bound(limits.high)}
+        if type_.joined is not None:
+            return cells
+        if linear is None:
+            return {**cells, "printed": self.labels["not_given"]}
+        if limits:
+            values = limits if is_float else formatting.in_unit(limits, linear)
+            cells |= {"minimum": _bound(values.low), "maximum": _bound(values.high)}
+        step = linear.scale if linear.times is None else formatting.step(linear)
+        offset = linear.offset if linear.times is None else formatting.offset(linear)
+        is_printed = isinstance(step, Fraction) and formatting.step(linear) != formatting.exact(step)
+        return {
+            **cells,
+            "resolution": step,
+            "offset": offset,
+            "printed": f"× {formatting.step(linear)}" if is_printed else "",
+        }
+
+    def section(self, manual: str) -> str:
+        """The section of the manual. A spreadsheet would read `2.10` as a number."""
+        return self.labels["section"].format(manual) if manual[:1].isdigit() else manual
+
+    def condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
+        """`Model: A, B`, by the titles of the parameters."""
+        shown = ((self.edition.parameter(name).title[self.language], values) for name, values in only.items())
+        listed = (self.labels["condition"].format(title, self.labels["comma"].join(values)) for title, values in shown)
+        return self.list(listed)
 
 
 class _Rows:
     """The rows of one direction of a command."""
 
     def __init__(
-        self, edition: Edition, command: Command, direction: Direction, message: Message, language: str
+        self, edition: Edition, command: Command, message: Message, language: str, labels: Mapping[str, str]
     ) -> None:
         self._edition = edition
         self._command = command
         self._message = message
         self._language = language
-        self._labels = labels()[language]
-        self._words = formatting.PlaceWords(*(self._labels[f"place_{name}"] for name in formatting.PlaceWords._fields))
+        self._labels = labels
+        self._shown = Shown(edition, language, labels)
         length = self._labels["remote"] if message.remote else self._labels["bytes"].format(message.dlc)
+        length += ", CAN FD" if edition.bus.frame_format.is_fd else ""
+        direction = message.direction
         answering = command.from_each if direction is Direction.REPLY else ()
         nodes = [node for node in message.id.nodes or () if not answering or node in answering]
         self._start = Row(
@@ -97,10 +170,14 @@ class _Rows:
             id=formatting.id_rule(message.id),
             nodes=formatting.numbers(nodes),
             frame=self._labels["semicolon"].join(
-                (self._labels["extended" if message.id.extended else "standard"], length)
+                (
+                    self._labels["extended" if message.id.extended else "standard"],
+                    length,
+                    *_sending(message, self._labels),
+                )
             ),
-            only=self._condition(command.only),
-            manual=self._section(command.manual),
+            only=self._shown.condition(command.only),
+            manual=self._shown.section(command.manual),
             edition=edition.name,
             date=edition.date,
         )
@@ -122,7 +199,7 @@ class _Rows:
             meaning.append(
                 self._labels["accepted"].format(self._labels["comma"].join(map(formatting.constant, accepted)))
             )
-        place = formatting.key_place(key, self._words)
+        place = formatting.key_place(key, self._shown.words)
         return self._start._replace(
             position=place.position,
             bits=Fraction(key.width),
@@ -133,68 +210,32 @@ class _Rows:
 
     def _of_field(self, layout: Layout, field: Field) -> Iterator[Row]:
         type_ = field.type
-        meaning = [field.title[self._language], *self._of_role(field)]
+        meaning = [field.title[self._language], self._labels[field.role.key] if field.role.key else ""]
         start = self._start._replace(
             bits=Fraction(type_.width),
             meaning=self._labels["semicolon"].join(filter(None, meaning)),
-            fixed=_fixed(field.role.raw) if isinstance(field.role, FixedRole) else "",
+            fixed=_sent(field.role),
             values=self._labels["semicolon"].join(
-                self._member(type_, member) for member in (*type_.enum, *type_.flags)
+                self._member(type_, member) for member in (*type_.enum, *type_.flags, *type_.no_values)
             ),
-            manual=self._section(field.manual or self._command.manual),
+            manual=self._shown.section(field.manual or self._command.manual),
+            manual_name=field.manual_name,
         )
-        for place in formatting.field_places(field, self._words):
+        for place in formatting.field_places(field, self._shown.words):
             for numbers in _numbers(self._edition, layout, field, self._command):
                 yield start._replace(
                     position=place.position,
                     field=place.name,
                     raw=place.raw,
-                    only=self._condition(numbers.only),
-                    **(self._of_numbers(type_, numbers) if field.role.is_value and type_.is_number else {}),
+                    only=self._shown.condition(numbers.only),
+                    **(self._shown.numbers(type_, numbers) if field.role.is_value and type_.is_number else {}),
                 )
 
-    def _of_role(self, field: Field) -> Iterator[str]:
-        roles = {ConstantRole: "constant", ReservedRole: "reserved", NodeRole: "node"}
-        label = roles.get(type(field.role))
-        if label:
-            yield self._labels[label]
-
-    def _of_numbers(self, type_: Type, numbers: Numbers) -> Mapping[str, Cell]:
-        linear, limits = numbers.linear, numbers.limits
-        is_float = type_.encoding is Encoding.FLOAT
-        cells: dict[str, Cell] = {"unit": type_.unit.symbol if type_.unit else ""}
-        if limits and not is_float:
-            cells |= {"raw_minimum": _bound(limits.low), "raw_maximum": _bound(limits.high)}
-        if linear is None:
-            return {**cells, "resolution": self._labels["not_given"]}
-        if limits:
-            values = limits if is_float else formatting.in_unit(limits, linear)
-            cells |= {"minimum": _bound(values.low), "maximum": _bound(values.high)}
-        step = linear.scale if linear.times is None else formatting.step(linear)
-        offset = linear.offset if linear.times is None else formatting.offset(linear)
-        is_printed = isinstance(step, Fraction) and formatting.step(linear) != formatting.exact(step)
-        return {
-            **cells,
-            "resolution": step,
-            "offset": offset,
-            "printed": f"× {formatting.step(linear)}" if is_printed else "",
-        }
-
     def _member(self, type_: Type, member: Member) -> str:
-        value = self._labels["bit"].format(member.value, 1 << member.value) if type_.flags else str(member.value)
+        value = formatting.raws(member.raws) if isinstance(member, NoValue) else str(member.value)
+        value = self._labels["bit"].format(member.value, 1 << member.value) if type_.flags else value
         title = member.title.get(self._language, "")
         return self._labels["member"].format(value, member.name, title) if title else f"{value} = {member.name}"
-
-    def _section(self, manual: str) -> str:
-        """The section of the manual. A spreadsheet would read `2.10` as a number."""
-        return self._labels["section"].format(manual) if manual[:1].isdigit() else manual
-
-    def _condition(self, only: Mapping[str, tuple[str, ...]]) -> str:
-        """`Model: A, B`, by the titles of the parameters."""
-        texts = self._labels
-        shown = ((self._edition.parameter(name).title[self._language], values) for name, values in only.items())
-        listed = (texts["condition"].format(title, texts["comma"].join(values)) for title, values in shown)
-        return texts["semicolon"].join(listed)
 
 
 _ROLES = {KeyRole.CODE: "selector", KeyRole.INDEX: "index", KeyRole.CONSTANT: "constant"}
@@ -205,12 +246,21 @@ def _fixed(raw: int) -> Cell:
     return formatting.constant(raw) if raw >= 0 else Fraction(raw)
 
 
+def _sent(role: FieldRole) -> Cell:
+    """What is sent in a field that users do not give; a parameter by its name."""
+    if isinstance(role, ChecksumRole):
+        return formatting.checksum(role)
+    return _fixed(role.raw) if isinstance(role, FixedRole) else formatting.fixed(role)
+
+
 def _answer(command: Command, direction: Direction, texts: Mapping[str, str]) -> str:
     """The form of a reply, or that a request has none."""
     if direction is Direction.REQUEST:
         return "" if command.replies else texts["no_reply"]
     forms = [texts["echo"] for reply in command.replies if isinstance(reply, EchoReply)]
-    forms += [texts["other"].format(reply.of) for reply in command.replies if isinstance(reply, OtherReply)]
+    forms += [texts["other"].format(reply.of) for reply in command.replies[:1] if isinstance(reply, OtherReply)]
+    words = formatting.ReplyWords(*(texts[f"replies_{name}"] for name in formatting.ReplyWords._fields))
+    forms += formatting.further_replies(command, words)
     if command.from_each:
         forms.append(texts["from_each"].format(formatting.numbers(command.from_each)))
     return texts["semicolon"].join(forms)
@@ -221,6 +271,11 @@ def _numbers(edition: Edition, layout: Layout, field: Field, command: Command) -
     type_ = field.type
     limited = dict.fromkeys([*command.only, *([layout.parameter] if field.only and layout.parameter else [])])
     only = {name: values_of(name, layout, field, command) for name in limited}
+    yield from numbers_of(edition, type_, only)
+
+
+def numbers_of(edition: Edition, type_: Type, only: Mapping[str, tuple[str, ...]] = NO_CONDITION) -> Iterator[Numbers]:
+    """The numbers of a type, once for each combination of parameter values that makes a difference."""
     names = type_.parameters
     choices = [only.get(name) or tuple(value.name for value in edition.parameter(name).values) for name in names]
     groups: dict[tuple[Linear | None, Range | None], list[tuple[str, ...]]] = {}

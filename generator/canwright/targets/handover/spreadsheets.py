@@ -7,6 +7,7 @@ import io
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...model import formatting
 from .matrix import Cell, Row
@@ -17,6 +18,14 @@ _CREATED = datetime(2000, 1, 1)
 """A fixed date, so that equal rows make an equal file."""
 _EXACT = 10**15
 """Excel keeps 15 digits of a number."""
+
+
+class Sheet(NamedTuple):
+    """A sheet of an Excel file; each row has a cell for each heading."""
+
+    name: str
+    headings: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
 
 
 def csv_text(rows: Sequence[Row], headings: Mapping[str, str]) -> bytes:
@@ -40,8 +49,8 @@ def _harmless(cell: str) -> str:
     return f"'{cell}" if cell.startswith(_FORMULA) else cell
 
 
-def excel(rows: Sequence[Row], headings: Mapping[str, str], title: str, sheet_name: str) -> bytes:
-    """An Excel file with the title above the rows, a filter and a fixed heading; equal rows make an equal file.
+def excel(sheets: Sequence[Sheet], title: str) -> bytes:
+    """An Excel file; each sheet has the title above the rows, a filter and fixed headings. Equal rows make an equal file.
 
     Raises ImportError.
     """
@@ -50,29 +59,31 @@ def excel(rows: Sequence[Row], headings: Mapping[str, str], title: str, sheet_na
     stream = io.BytesIO()
     book = xlsxwriter.Workbook(stream, {"in_memory": True})
     book.set_properties({"title": title, "created": _CREATED})
-    sheet = book.add_worksheet(sheet_name[:31])
+    large = book.add_format({"bold": True, "font_size": 14})
     head = book.add_format({"bold": True, "text_wrap": True, "valign": "top"})
     body = book.add_format({"text_wrap": True, "valign": "top"})
-    sheet.write_string(0, 0, title, book.add_format({"bold": True, "font_size": 14}))
-    for column, name in enumerate(Row._fields):
-        sheet.write_string(1, column, headings[name], head)
-        longest = max((len(_shown(row[column])) for row in rows), default=0)
-        sheet.set_column(column, column, min(36, max(6, longest, len(headings[name]))))
-    for at, row in enumerate(rows, 2):
-        for column, cell in enumerate(row):
-            if isinstance(cell, Fraction) and abs(cell) < _EXACT:
-                sheet.write_number(at, column, float(cell), body)
-            else:
-                sheet.write_string(at, column, _shown(cell), body)
-    sheet.freeze_panes(2, 1)
-    sheet.autofilter(1, 0, len(rows) + 1, len(Row._fields) - 1)
-    sheet.set_landscape()
-    sheet.set_paper(9)
-    sheet.fit_to_pages(1, 0)
-    sheet.repeat_rows(0, 1)
+    for content in sheets:
+        sheet = book.add_worksheet(content.name)
+        sheet.write_string(0, 0, title, large)
+        for column, heading in enumerate(content.headings):
+            sheet.write_string(1, column, heading, head)
+            longest = max((len(shown(row[column])) for row in content.rows), default=0)
+            sheet.set_column(column, column, min(36, max(6, longest, len(heading))))
+        for at, row in enumerate(content.rows, 2):
+            for column, cell in enumerate(row):
+                if isinstance(cell, Fraction) and abs(cell) < _EXACT:
+                    sheet.write_number(at, column, float(cell), body)
+                else:
+                    sheet.write_string(at, column, shown(cell), body)
+        sheet.freeze_panes(2, 1)
+        sheet.autofilter(1, 0, len(content.rows) + 1, len(content.headings) - 1)
+        sheet.set_landscape()
+        sheet.set_paper(9)
+        sheet.fit_to_pages(1, 0)
+        sheet.repeat_rows(0, 1)
     book.close()
     return stream.getvalue()
 
 
-def _shown(cell: Cell) -> str:
+def shown(cell: Cell) -> str:
     return _decimal(cell) if isinstance(cell, Fraction) else cell

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame, Value as GoldenValue
-from ...model.message import Direction
 from ...model.types import Parameter
-from ...semantics.decoder import Decoder, Rejection
-from ...semantics.exchange import check_reply
-from ...semantics.frame import CanFrame
-from ..base import EditionInput
+from ..base import EditionInput, WorkedExchange
+from ..examples import readme_exchange
 from ..nested_source import Code, Value
 from . import text
 from .package import import_name
@@ -31,51 +28,31 @@ class Example:
     reply: str
     field: str
     """A field of the reply, as a property."""
-    has_values: bool
-    """Whether the request has fields."""
 
 
 def example(specifications: Sequence[EditionInput]) -> Example | None:
-    """The first command with fields in both directions; with fields in its reply if there is none."""
-    editions = [item.edition for item in specifications]
-    first: Example | None = None
-    for shown in (shown for item in specifications for shown in _examples(item, editions)):
-        if shown.has_values:
-            return shown
-        first = first or shown
-    return first
+    """A command with values."""
+    shown = readme_exchange(specifications, _is_usable)
+    if shown is None or shown[1].request is None or shown[1].reply is None:
+        return None
+    edition, exchange = shown
+    parameters = {name: _written(edition.parameter(name), value) for name, value in exchange.parameters.items()}
+    return Example(
+        module=import_name(edition, [item.edition for item in specifications]),
+        command=text.quoted(exchange.command.name),
+        content=text.printed(_content(shown[1].request)),
+        parameters=text.printed(parameters),
+        reply=text.printed(_frame(shown[1].reply)),
+        field=text.key(next(iter(shown[1].reply.values))),
+    )
 
 
-def _examples(item: EditionInput, editions: Sequence[Edition]) -> Iterator[Example]:
-    frames = item.frames.of_command if item.frames else {}
-    decoder = Decoder(item.edition)
-    for command in item.edition.commands:
-        requests = frames.get((command.name, Direction.REQUEST), ())
-        replies = frames.get((command.name, Direction.REPLY), ())
-        for request, reply in ((q, r) for q in requests for r in replies if _belong(q, r, decoder)):
-            given = {**request.parameters, **reply.parameters}
-            parameters = {name: _written(item.edition.parameter(name), value) for name, value in given.items()}
-            yield Example(
-                module=import_name(item.edition, editions),
-                command=text.quoted(command.name),
-                content=text.printed(_content(request)),
-                parameters=text.printed(parameters),
-                reply=text.printed(_frame(reply)),
-                field=text.key(next(iter(reply.values))),
-                has_values=bool(request.values),
-            )
-            break
-
-
-def _belong(request: GoldenFrame, reply: GoldenFrame, decoder: Decoder) -> bool:
-    """Whether a reply with values answers a request, under parameters that agree, and the request can be encoded."""
-    agree = all(reply.parameters.get(name, value) == value for name, value in request.parameters.items())
-    if not agree or not reply.values or reply.remote or request.decode_only:
+def _is_usable(edition: Edition, exchange: WorkedExchange) -> bool:
+    """Whether the request can be encoded from values, and the reply has some."""
+    request, reply = exchange.request, exchange.reply
+    if request is None or reply is None or not reply.values or reply.remote:
         return False
-    if set(request.values) != set(request.raw) or "none" in request.values.values():
-        return False
-    frames = (CanFrame(golden.id, golden.data, golden.extended, golden.remote) for golden in (request, reply))
-    return not isinstance(check_reply(decoder, *frames), Rejection)
+    return request.values.keys() == request.raw.keys() and "none" not in request.values.values()
 
 
 def _content(request: GoldenFrame) -> Value:

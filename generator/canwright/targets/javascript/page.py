@@ -3,20 +3,45 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 
+from ...diagnostics.unicode_safety import visible
 from ...model import formatting
+from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrames
 from ...model.layout import MAX_DATA_BYTES
-from ...templating.data_files import read_data
+from ...templating.data_files import template_texts
 from ...templating.environment import environment
-from ...templating.resources import TEMPLATES
-from ..base import Output
+from ..base import CodeNames, EditionInput, ItemNames, Output, header
 from ..nested_source import Code, Value
+from ..registry import own_targets
+from ..tables import Positions
 from . import text
-from .bindings import bindings
-from .edition_source import EditionSpec
 from .package import RUNTIME
+from .tables import JavaScriptTables
+from .titles import titles
+
+
+class EditionSpec:
+    """The sources of one edition; each is printed once."""
+
+    def __init__(self, specification: EditionInput) -> None:
+        self.edition: Edition = specification.edition
+        self.frames: GoldenFrames | None = specification.frames
+        self.header = visible(header(self.edition))
+
+    @cached_property
+    def tables(self) -> str:
+        """The tables that the runtime interprets."""
+        return text.printed(JavaScriptTables(self.edition).view())
+
+    @cached_property
+    def texts(self) -> str:
+        """The titles in all languages."""
+        return text.printed(titles(self.edition))
+
 
 FOLDER = "explorer"
 _SOURCES = Path(__file__).parent / "explorer"
@@ -35,7 +60,7 @@ def explorer(sources: Sequence[EditionSpec]) -> Iterator[Output]:
     yield Output(f"{FOLDER}/index.html", page)
     yield Output(f"{FOLDER}/explorer.css", f"/* {_NOTE} */\n{(_SOURCES / 'explorer.css').read_text('utf-8')}")
     yield Output(f"{FOLDER}/codec.js", f"// {_NOTE}\n{_classic_codec()}")
-    labels = read_data(TEMPLATES / "javascript/labels.yaml")
+    labels = template_texts("javascript/labels.yaml")
     yield Output(f"{FOLDER}/labels.js", f"// {_NOTE}\n\ncanwright.labels = {text.printed(labels)};\n")
     for script in _SCRIPTS:
         yield Output(f"{FOLDER}/{script}", f"// {_NOTE}\n{(_SOURCES / script).read_text('utf-8')}")
@@ -47,7 +72,13 @@ def _parts(source: EditionSpec) -> str:
     """The modules of an edition as properties of an object, and the names in other languages."""
     modules = {"tables": source.tables, "texts": source.texts}
     indented: dict[str, Value] = {name: Code(module.replace("\n", "\n  ")) for name, module in modules.items()}
-    return text.printed({**indented, "bindings": bindings(source.edition)})
+    return text.printed({**indented, "bindings": bindings(source.edition), "pages": _pages(source.edition) or None})
+
+
+def _pages(edition: Edition) -> dict[str, Value]:
+    """Where the documents describe the entries of tables; every other command has a page of its name."""
+    entries = [command for command in edition.commands if command.entry]
+    return {c.name: f"{c.spec_name}.html#entries.{c.entry.name}" for c in entries if c.entry}
 
 
 def _classic_codec() -> str:
@@ -56,3 +87,30 @@ def _classic_codec() -> str:
     plain = (re.sub(r"^import .*;\n|^export \{.*\};\n|^export ", "", source, flags=re.MULTILINE) for source in sources)
     names = f"CodecError, createEdition, rational, MAX_DATA_BYTES: {MAX_DATA_BYTES}, editions: []"
     return f'"use strict";\n\nconst canwright = (() => {{\n{"".join(plain)}\nreturn {{ {names} }};\n}})();\n'
+
+
+def bindings(edition: Edition) -> Mapping[str, Value]:
+    """The names by language, each by the name in the spec; a field is listed where its name differs."""
+    every = filter(None, (target.code_names(edition) for target in own_targets()))
+    return {names.language: _names(edition, names) for names in every}
+
+
+def _names(edition: Edition, names: CodeNames) -> Value:
+    numbers = Positions(edition).types
+    messages: dict[str, Value] = {}
+    for message, name in names.messages.items():
+        needs_parameters = message in names.needs_parameters
+        messages[f"{message.direction.value} {message.command}"] = {"name": name, "needsParameters": needs_parameters}
+    return {
+        "source": names.source,
+        "parametersType": names.parameters_type,
+        "frame": names.frame or None,
+        "messages": messages,
+        "fields": {name: names.fields[name] for name in sorted(names.fields) if names.fields[name] != name},
+        "parameters": {parameter.name: _item(item) for parameter, item in names.parameters.items()},
+        "types": {str(number): _item(names.types[t]) for t, number in numbers.items() if t in names.types} or None,
+    }
+
+
+def _item(item: ItemNames) -> Value:
+    return {"name": item.name, "type": item.type or None, "members": item.members or None}

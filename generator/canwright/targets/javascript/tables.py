@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...model.message import Message
 from ...model.types import Bound, Linear, Parameter, Type
 from ...semantics.valid_raws import FiniteFloats, RawInterval, ValidRaws, valid_raws, width_limits
 from ..nested_source import Table, Value
@@ -33,7 +34,26 @@ class JavaScriptTables(EditionTables):
     def type(self, type_: Type) -> dict[str, Value]:
         valid = valid_raws(type_)
         is_limited = type_.is_number and any(case != width_limits(type_) for _, case in valid.distinct())
-        return {**super().type(type_), "range": self.by_parameter(valid, _range) if is_limited else None}
+        no_values: list[Value] = [
+            [self.integer(n.raws[0], type_.width), self.integer(n.raws[-1], type_.width), n.name]
+            for n in type_.no_values
+        ]
+        return {
+            **super().type(type_),
+            "range": self.by_parameter(valid, _range) if is_limited else None,
+            "noValues": no_values or None,
+        }
+
+    def message(self, message: Message) -> dict[str, Value]:
+        sending = message.sending
+        if sending is None:
+            return super().message(message)
+        times = {"everyMs": sending.every_ms, "timeoutMs": sending.timeout_ms}
+        return {
+            **super().message(message),
+            "sent": [occasion.value for occasion in sending.occasions] or None,
+            **{name: None if time is None else text.double(time) for name, time in times.items()},
+        }
 
     def linear(self, linear: Linear) -> Value:
         factor, addend, divisor = linear.as_quotient
@@ -51,6 +71,7 @@ def _parameter(parameter: Parameter) -> Table:
     if parameter.is_choice:
         return {"values": [value.name for value in parameter.values]}
     return {
+        "whole": parameter.whole or None,
         "minimum": None if parameter.minimum is None else text.rational(parameter.minimum),
         "maximum": None if parameter.maximum is None else text.rational(parameter.maximum),
     }

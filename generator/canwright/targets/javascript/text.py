@@ -8,7 +8,6 @@ import re
 from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
-from ...model.types import Text
 from ...templating.markup import script_text
 from ..nested_source import Code, NestedSource, Value
 
@@ -28,11 +27,6 @@ def quoted(text: str) -> str:
 def comment(text: str) -> str:
     """A text on one line for a comment: it cannot end the comment, and starts no tag of TSDoc."""
     return visible(text).replace("*/", "*\\/").replace("@", "\\@")
-
-
-def english(text: Text) -> str:
-    """The English text, or the first there is."""
-    return text.get("en") or next(iter(text.values()), "")
 
 
 def integer(raw: int, width: int) -> Code:

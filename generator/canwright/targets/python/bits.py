@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...model.layout import Element, Field, Segment, Space
+from ...model.layout import Element, Field, Segment, Space, is_one_run
 from ...model.message import BitRun
 from ...model.types import Encoding, Order
 
@@ -27,11 +27,18 @@ class RawPosition(NamedTuple):
 
     @property
     def whole_bytes(self) -> bool:
-        return self.space is Space.DATA and all(s.width == 8 for s in self.segments)
+        return self.is_one_run and self.space is Space.DATA and all(s.width == 8 for s in self.segments)
+
+    @property
+    def is_one_run(self) -> bool:
+        return is_one_run(self.segments, self.order)
 
     def shift(self, dlc: int) -> int:
         """The position of the least significant bit, in the data as one integer of this byte order."""
-        lowest = self.segments[0]
+        return self.shift_of(self.segments[0], dlc)
+
+    def shift_of(self, lowest: Segment, dlc: int) -> int:
+        """The position of the least significant bit of a segment."""
         if self.space is Space.ID or self.order is Order.LITTLE:
             return lowest.byte * 8 + lowest.low
         return (dlc - 1 - lowest.byte) * 8 + lowest.low
@@ -80,12 +87,21 @@ def read(p: RawPosition, dlc: int) -> str:
         part = "data" if count == dlc else f"data[{first}:{first + count}]"
         signed = ", signed=True" if p.signed else ""
         return f'int.from_bytes({part}, "{p.order.value}"{signed})'
+    if not p.is_one_run:
+        return _signed(" | ".join(_read_segment(s) for s in p.segments), p)
     if len(p.segments) == 1:
         word, low = f"data[{p.segments[0].byte}]", p.segments[0].low
     else:
         word, low = f'int.from_bytes(data, "{p.order.value}")', p.shift(dlc)
     shifted = f"{word} >> {low} & {mask}" if low else f"{word} & {mask}"
     return _signed(shifted, p)
+
+
+def _read_segment(s: Segment) -> str:
+    """The bits of a segment at their place in the raw integer."""
+    shifted = f"data[{s.byte}] >> {s.low}" if s.low else f"data[{s.byte}]"
+    bits = shifted if s.low + s.width == 8 else f"{shifted} & 0x{(1 << s.width) - 1:X}"
+    return f"({bits}) << {s.raw_low}" if s.raw_low else f"({bits})" if bits != f"data[{s.byte}]" else bits
 
 
 def data_byte(key: BitRun) -> int | None:
@@ -120,6 +136,24 @@ def _signed(expression: str, p: RawPosition) -> str:
 
 def write(p: RawPosition, dlc: int) -> str:
     """The raw integer shifted to its position, in the data as one integer of its byte order."""
+    return " | ".join(terms(p, dlc))
+
+
+def terms(p: RawPosition, dlc: int) -> list[str]:
+    """The terms of the same, which `|` combines."""
+    if not p.is_one_run:
+        return [_write_segment(p, s, dlc) for s in p.segments]
     mask = f"0x{(1 << p.width) - 1:X}"
     shift = p.shift(dlc)
-    return f"({p.target} & {mask}) << {shift}" if shift else f"{p.target} & {mask}"
+    return [f"({p.target} & {mask}) << {shift}" if shift else f"{p.target} & {mask}"]
+
+
+def _write_segment(p: RawPosition, s: Segment, dlc: int) -> str:
+    """The bits of a segment at their position in the data."""
+    bits = (
+        f"{p.target} >> {s.raw_low} & 0x{(1 << s.width) - 1:X}"
+        if s.raw_low
+        else f"{p.target} & 0x{(1 << s.width) - 1:X}"
+    )
+    shift = p.shift_of(s, dlc)
+    return f"({bits}) << {shift}" if shift else f"({bits})"

@@ -2,25 +2,157 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import dataclasses
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
-from ...model.layout import Field, Layout, Variant
+from ...model.joined import JoinedText
+from ...model.layout import ChecksumRole, ConstantRole, CounterRole, Field, FixedRole, Layout, ParameterRole, Variant
+from ...model.message import Message
 from ...model.types import Parameter
-from . import bits, code, text, types
-from .fields import FieldView, constant_checks, field_view, positions, storage, varying
+from . import bits, code, docstrings, text, types
+from .checksums import Checksums
 from .imports import Imports
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReadView:
-    """How the fields of a variant are read."""
+class FieldView:
+    """A field that a user sets and reads."""
 
-    constants: tuple[code.Code, ...]
-    struct: str
-    """The `struct` that reads the data; empty where each field is read separately."""
-    raws: code.Code | None
-    """The statement that stores the raw integers; None where they are exactly those that the `struct` reads."""
+    attribute: str
+    place: int
+    """Its position among the raw integers of the message."""
+    only: str
+    """The set of parameter values under which it exists; empty for a field that always exists."""
+    header: code.Code
+    """The first line of the property of its value."""
+    raw_python: str
+    """The type of its raw integer, or integers."""
+    given: str
+    """The type of its keyword."""
+    value: code.Code
+    """The statement that returns the value; of `raw` for an optional field."""
+    to_raw: code.Code
+    """Expression of the raw integer, of the keyword."""
+    type: code.Code
+    """The item of `TYPES`."""
+    doc: docstrings.Docstring
+
+
+def varying(fields: Iterable[Field]) -> list[Field]:
+    """The fields that a message stores: those whose value is not fixed."""
+    return [field for field in fields if field.role.is_value]
+
+
+def field_view(
+    field: Field,
+    place: int,
+    only: str,
+    type_: types.TypeView,
+    manual_of_layout: str,
+    nodes: Sequence[int],
+    imports: Imports,
+) -> FieldView:
+    """A field whose value is not fixed; `type_` is the view of its type, `nodes` are those of the elements of arrays."""
+    attribute, use = text.attribute(field.name), imports.use
+    name = text.literal(attribute)
+    raw = "raw" if only else f"self._raws[{place}]"
+    python, raw_python, given = type_.python, "int", f"{type_.enum} | int" if type_.enum else use("Real")
+    given += " | str | None" if field.type.no_values else ""
+    type_item = f"{name}: {type_.constant}"
+    value: code.Code
+    if field.type.joined is not None:
+        joined = field.type.joined
+        value = code.call(f"return self.TYPES[{name}].value", (raw, "self._parameters", name))
+        is_text = isinstance(joined, JoinedText)
+        arguments = [type_.constant, str(joined.count)]
+        if isinstance(joined, JoinedText):
+            arguments += [text.literal(joined.codec), str(joined.padding)]
+        type_item = f"{name}: {use('TextType' if is_text else 'DigitsType')}({', '.join(arguments)})"
+        raw_python, given = "tuple[int, ...]", "str" if is_text else given
+    elif field.is_array:
+        inline = types.inline_value(field.type, "one") if not type_.enum else None
+        of_one = inline or code.call(f"{type_.constant}.value", ("one", "self._parameters", name))
+        value = code.Parts("return tuple", (of_one, f"for one in {raw}"))
+        type_item = f"{name}: {use('ArrayType')}({type_.constant}, {len(field.elements)})"
+        python, raw_python, given = f"tuple[{python}, ...]", "tuple[int, ...]", f"{use('Iterable')}[{given}]"
+    else:
+        inline = types.inline_value(field.type, raw) if not type_.enum else None
+        value = (
+            f"return {inline}"
+            if inline
+            else code.call(f"return {type_.constant}.value", (raw, "self._parameters", name))
+        )
+    of_type = f"self.TYPES[{name}]" if field.is_array else type_.constant
+    return FieldView(
+        attribute=attribute,
+        place=place,
+        only=only,
+        header=code.Items(f"def {attribute}(", ("self",), f") -> {python}:"),
+        raw_python=raw_python,
+        given=given,
+        value=value,
+        to_raw=code.call(f"{of_type}.raw", (attribute, "self._parameters", name)),
+        type=type_item,
+        doc=docstrings.of_field(field, type_.meaning, manual_of_layout, nodes),
+    )
+
+
+def constant_checks(fields: Iterable[Field], dlc: int, imports: Imports) -> Iterator[code.Code]:
+    """The statements that check the constants."""
+    for field in fields:
+        if isinstance(field.role, ConstantRole):
+            for element in field.elements:
+                read = bits.read(bits.place("", field, element), dlc)
+                yield code.call(imports.use("constant"), (read, str(field.role.required_raw), text.literal(field.name)))
+
+
+def whole(field: Field, parameters: str, imports: Imports) -> str:
+    """The expression of the raw integer of a constant that is a parameter."""
+    assert isinstance(field.role, ParameterRole)
+    name = text.literal(text.attribute(field.role.parameter))
+    return f"{imports.use('whole')}({parameters}, {name}, {text.literal(field.name)})"
+
+
+def parameter_checks(fields: Iterable[Field], dlc: int, imports: Imports) -> Iterator[code.Code]:
+    """The statements that check the constants that are parameters."""
+    for field in fields:
+        if isinstance(field.role, ParameterRole):
+            for element in field.elements:
+                read = bits.read(bits.place("", field, element), dlc)
+                required = whole(field, "parameters", imports)
+                yield code.call(imports.use("constant"), (read, required, text.literal(field.name)))
+
+
+def storage(layout: Layout) -> dict[Field, int]:
+    """The place of each field among the raw integers of a message; fields that never exist together share places."""
+    places: dict[Field, int] = {}
+    for field in varying(layout.fields):
+        beside = (neighbour for variant in layout.variants if field in variant.fields for neighbour in variant.fields)
+        places[field] = 1 + max((places[neighbour] for neighbour in beside if neighbour in places), default=-1)
+    return places
+
+
+def positions(
+    fields: Iterable[Field], stored: Mapping[Field, int], imports: Imports
+) -> list[tuple[Field, bits.RawPosition]]:
+    """Where each element of the fields except the checksum is on the wire.
+
+    Its target is its raw integer, at the place where it is `stored`, or that of a fixed field.
+    """
+    listed = []
+    for field in (field for field in fields if not isinstance(field.role, ChecksumRole)):
+        for i, element in enumerate(field.elements):
+            if isinstance(field.role, FixedRole):
+                target = f"0x{field.role.raw & (1 << field.type.width) - 1:X}"
+                listed.append((field, bits.place(target, field, element)._replace(signed=False)))
+            elif isinstance(field.role, ParameterRole):
+                target = whole(field, "self._parameters", imports)
+                listed.append((field, bits.place(target, field, element)._replace(signed=False)))
+            else:
+                target = f"self._raws[{stored[field]}]" + (f"[{i}]" if field.is_array else "")
+                listed.append((field, bits.place(target, field, element)))
+    return listed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,19 +166,23 @@ class BodyView:
     """The fields that always exist."""
     types: code.Code
     """The type of each field by name."""
+    counters: code.Code
+    """The counter of each field that is one, by name."""
     parameter: str
     """The parameter that decides on the variant; empty where there is one variant only."""
     variants: tuple[code.Code, ...]
     """The names of the fields of each variant."""
     variant_of: tuple[tuple[str, int], ...]
     """Each value of that parameter, with the index of its variant."""
-    constants: tuple[code.Code, ...]
-    """The checks of the constants of all variants."""
-    reads: tuple[ReadView, ...]
-    """How each variant is read; one item where all are read in the same way."""
+    checks: tuple[code.Code, ...]
+    """The checks of the constants of all variants, and of the checksum."""
+    reads: tuple[tuple[code.Code, ...], ...]
+    """The statements that read each variant; one item where all are read in the same way."""
     to_raws: code.Code
     """The statement of the constructor that stores the raw integers."""
     has_node: bool
+    needs_id: bool
+    """Whether the constructor rejects a message whose id contains an unknown parameter."""
     depends: code.Code | None
     """The names of the parameters on which the fields depend; None without any."""
     is_always_valid: bool
@@ -60,13 +196,19 @@ class ClassBodies:
     types: Mapping[str, types.TypeView]
     parameters: Mapping[str, Parameter]
     imports: Imports
-    sets: dict[tuple[str, ...], str] = field(default_factory=dict)
+    checksums: Checksums
+    sets: dict[tuple[str, ...], str] = dataclasses.field(default_factory=dict)
     """The sets of parameter values that the bodies use, each with its name."""
+    unpacked: dict[str, str] = dataclasses.field(default_factory=dict)
+    """The formats of `struct` that read data, each with the name of its function."""
+    packed: dict[str, str] = dataclasses.field(default_factory=dict)
+    """Those that write data."""
 
-    def body(self, layout: Layout, dlc: int, has_node: bool, nodes: Sequence[int]) -> BodyView:
-        """The body for the fields of a layout, in frames of that length; `nodes` are those of elements of arrays."""
+    def body(self, message: Message, nodes: Sequence[int]) -> BodyView:
+        """The body for the fields of a message and those with the same layout; `nodes` are those of elements of arrays."""
+        layout, dlc = message.layout, message.dlc
         stored = storage(layout)
-        varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(layout)]
+        varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(message)]
         fields = tuple(
             field_view(
                 field=field_,
@@ -83,7 +225,7 @@ class ClassBodies:
         to_raws = code.tuple_of((view.to_raw for view in fields), "self._raws = ")
         if varies:
             to_raws = code.call("self._raws = self._raws_of", (f"{view.attribute}={view.attribute}" for view in fields))
-        reads = tuple(self._read(variant, stored, dlc) for variant in layout.variants)
+        reads = tuple(tuple(self._read(variant, stored, dlc)) for variant in layout.variants)
         return BodyView(
             fields=fields,
             raws_python=code.Items("_raws: tuple[", tuple(raws[place] for place in sorted(raws)) or ("()",), "]"),
@@ -91,6 +233,7 @@ class ClassBodies:
                 (text.literal(view.attribute) for view in fields if not view.only), "__match_args__ = "
             ),
             types=code.dict_of((view.type for view in fields), "TYPES = "),
+            counters=code.dict_of(self._counters(stored), "COUNTERS = "),
             parameter=text.attribute(layout.parameter or "") if varies else "",
             variants=tuple(_names(variant, stored) for variant in layout.variants),
             variant_of=tuple(
@@ -98,13 +241,25 @@ class ClassBodies:
                 for i, variant in enumerate(layout.variants)
                 for key in variant_values(layout, variant, self.parameters)
             ),
-            constants=tuple(constant_checks((f for f in layout.fields if not f.only), dlc, self.imports)),
+            checks=(
+                *constant_checks((f for f in layout.fields if not f.only), dlc, self.imports),
+                *self.checksums.check(message),
+            ),
             reads=reads[:1] if len(set(reads)) == 1 else reads,
             to_raws=to_raws,
-            has_node=has_node,
+            has_node=message.id.nodes is not None,
+            needs_id=message.id.parameter is not None,
             depends=code.tuple_of(depends, "DEPENDS = ") if depends else None,
             is_always_valid=all(field_.type.accepts_every_raw for field_ in stored),
         )
+
+    def _counters(self, fields: Iterable[Field]) -> Iterator[code.Code]:
+        """The items of `COUNTERS`."""
+        for field_ in fields:
+            role = field_.role
+            if isinstance(role, CounterRole):
+                made = f"{self.imports.use('Counter')}({role.first}, {role.last})"
+                yield f"{text.literal(text.attribute(field_.name))}: {made}"
 
     def _set(self, layout: Layout, field_: Field) -> str:
         """The name of the set of parameter values under which a field exists."""
@@ -112,10 +267,13 @@ class ClassBodies:
         values = tuple(types.parameter_key(parameter, value) for value in field_.only)
         return self.sets.setdefault(values, f"_ONLY_{len(self.sets) + 1}")
 
-    def _read(self, variant: Variant, stored: Mapping[Field, int], dlc: int) -> ReadView:
-        own = positions(varying(variant.fields), stored)
+    def _read(self, variant: Variant, stored: Mapping[Field, int], dlc: int) -> Iterator[code.Code]:
+        """The statements that check the constants of a variant alone, and store the raw integers."""
+        yield from constant_checks((f for f in variant.fields if f.only), dlc, self.imports)
+        yield from parameter_checks(variant.fields, dlc, self.imports)
+        own = positions(varying(variant.fields), stored, self.imports)
         ordered = sorted((position for _, position in own), key=lambda position: position.first_byte)
-        pattern = bits.struct_format(ordered, dlc) or ""
+        pattern = bits.struct_format(ordered, dlc)
         reads: dict[int, list[str]] = {}
         for field_, position in own:
             read = f"found[{ordered.index(position)}]" if pattern else bits.read(position, dlc)
@@ -126,11 +284,11 @@ class ClassBodies:
             for place in range(max(stored.values(), default=-1) + 1)
         ]
         is_whole = pattern and raws == [f"found[{i}]" for i in range(len(ordered))]
-        return ReadView(
-            constants=tuple(constant_checks((f for f in variant.fields if f.only), dlc, self.imports)),
-            struct=pattern,
-            raws=None if is_whole else code.tuple_of(raws, "self._raws = "),
-        )
+        if pattern:
+            unpack = self.unpacked.setdefault(pattern, f"_UNPACK_{len(self.unpacked) + 1}")
+            yield f"{'self._raws' if is_whole else 'found'} = {unpack}(data)"
+        if not is_whole:
+            yield code.tuple_of(raws, "self._raws = ")
 
 
 def _names(variant: Variant, stored: Mapping[Field, int]) -> code.Code:
@@ -146,11 +304,12 @@ def variant_values(layout: Layout, variant: Variant, parameters: Mapping[str, Pa
     return tuple(types.parameter_key(parameters[layout.parameter], value) for value in variant.values)
 
 
-def parameters_of(layout: Layout) -> tuple[str, ...]:
-    """The parameters on which fields, values or ranges of a layout depend."""
-    return tuple(dict.fromkeys((*layout.parameters, *(name for f in layout.fields for name in f.type.numbers))))
+def parameters_of(message: Message) -> tuple[str, ...]:
+    """The parameters on which id, fields, values or ranges of a message depend."""
+    numbers = (name for f in message.layout.fields for name in f.type.numbers)
+    return tuple(dict.fromkeys((*message.layout.parameters, *numbers, *message.parameters)))
 
 
-def depends_on_parameters(layout: Layout) -> bool:
-    """Whether fields, values or ranges of a layout depend on parameters."""
-    return bool(parameters_of(layout))
+def depends_on_parameters(message: Message) -> bool:
+    """Whether id, fields, values or ranges of a message depend on parameters."""
+    return bool(parameters_of(message))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from ...model import formatting
 from ...model.deprecation import Deprecation
@@ -42,7 +42,9 @@ def of_message(command: Command, message: Message) -> Docstring:
     title = f"{english(command.title)}{code}, {message.direction.value}."
     if message.direction is Direction.REPLY:
         echo = "The request, sent back." if command.is_echoed else ""
-        return (title, deprecation(command.deprecated), _joined(echo, _manual(command.manual)))
+        numbers = sentence(formatting.frame_numbers(message.sequence).capitalize()) if message.sequence else ""
+        facts = _joined(echo, _sending(message), numbers, _in_manual(command))
+        return (title, deprecation(command.deprecated), facts)
     only = (f"Only {name} {', '.join(values)}." for name, values in command.only.items())
     effects = _joined(
         *(sentence(formatting.effect(english(effect.title), command, effect)) for effect in command.effects)
@@ -50,8 +52,8 @@ def of_message(command: Command, message: Message) -> Docstring:
     return (
         title,
         deprecation(command.deprecated),
-        _joined(english(command.about), *only, _manual(command.manual)),
-        _reply_time(command),
+        _joined(english(command.about), *only, _in_manual(command)),
+        _joined(_reply_time(command), _sending(message), *map(sentence, _replies(command))),
         "" if command.implemented else "Not implemented according to the manual.",
         f"Effects: {effects}" if effects else "",
         _joined(*(english(note) for note in command.notes)),
@@ -61,6 +63,17 @@ def of_message(command: Command, message: Message) -> Docstring:
 def _reply_time(command: Command) -> str:
     within = command.reply_within_ms
     return "" if within is None else f"Maximum time from request to reply: {formatting.exact(within)} ms."
+
+
+def _replies(command: Command) -> Iterator[str]:
+    """The replies, if there are several."""
+    further = [*formatting.further_replies(command)]
+    if further and command.reply is not None:
+        yield ", ".join((f"The reply is that of {command.reply.command}", *further))
+
+
+def _sending(message: Message) -> str:
+    return f"Timing: {formatting.sending(message.sending)}." if message.sending else ""
 
 
 def of_field(field: Field, of_type: str, manual_of_layout: str, nodes: Sequence[int]) -> Docstring:
@@ -76,7 +89,7 @@ def of_field(field: Field, of_type: str, manual_of_layout: str, nodes: Sequence[
             of_type,
             sentence(english(field.about) or english(field.type.about)),
             f"Exists under {', '.join(field.only)} only." if field.only else "",
-            _manual(field.manual) if field.manual != manual_of_layout else "",
+            _manual("" if field.manual == manual_of_layout else field.manual, field.manual_name),
         ),
     )
 
@@ -97,6 +110,8 @@ def of_type(type_: Type) -> str:
     limits = formatting.ranges(type_)
     if limits:
         parts.append(("from " if type_.encoding is Encoding.FLOAT else "raw ") + _alternatives(limits))
+    if type_.no_values:
+        parts.append("None: " + ", ".join(f"{n.name} (raw {formatting.raws(n.raws)})" for n in type_.no_values))
     joined = "; ".join(parts)
     return sentence(plain(joined[:1].upper() + joined[1:]))
 
@@ -115,8 +130,14 @@ def _alternatives(cases: Sequence[tuple[str, str]]) -> str:
     return ", ".join(f"{what} ({values})" if values else what for values, what in cases)
 
 
-def _manual(section: str) -> str:
-    return f"Manual {plain(section)}." if section else ""
+def _in_manual(command: Command) -> str:
+    return _manual(command.manual, command.manual_name)
+
+
+def _manual(section: str, name: str = "") -> str:
+    if not section:
+        return f"In the manual: {plain(name)}." if name else ""
+    return f"Manual {plain(formatting.cited(section, name))}."
 
 
 def _joined(*sentences: str) -> str:

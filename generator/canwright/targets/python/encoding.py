@@ -2,87 +2,88 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ...model.layout import Space, Variant
 from ...model.message import Message
 from ...model.types import Order
+from ...semantics.bits import placed
+from ...semantics.plan import message_plan
 from . import bits, code, text
-from .fields import positions, storage
+from .class_bodies import ClassBodies, positions, storage
 from .imports import Imports
 
 
 @dataclass(frozen=True, kw_only=True)
-class EncodeCaseView:
-    """The statements that return the data bytes, by the `struct` that writes them or without one."""
-
-    struct: str
-    items: tuple[str, ...]
-    """What the `struct` writes."""
-    statements: tuple[code.Code, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
 class EncodeView:
-    """How a message writes its data bytes: one case where all variants of its layout are written in the same way."""
+    """The statements that return the data bytes: one case where all variants of a layout are written in the same way."""
 
     parameter: str
-    cases: tuple[EncodeCaseView, ...]
+    cases: tuple[tuple[code.Code, ...], ...]
 
 
-def encode_view(message: Message, imports: Imports, selector: str = "") -> EncodeView:
+def encode_view(message: Message, bodies: ClassBodies, selector: str = "") -> EncodeView:
     """How a message writes its bytes; `selector` is the expression of the selector's value, if it is not constant."""
     layout = message.layout
-    cases = tuple(_case(message, variant, selector, imports) for variant in layout.variants)
+    cases = tuple(tuple(_case(message, variant, bodies, selector)) for variant in layout.variants)
     return EncodeView(
         parameter=text.attribute(layout.parameter or ""), cases=cases[:1] if len(set(cases)) == 1 else cases
     )
 
 
-def _case(message: Message, variant: Variant, selector: str, imports: Imports) -> EncodeCaseView:
-    """One `pack`, or else an integer of each byte order."""
+def _case(message: Message, variant: Variant, bodies: ClassBodies, selector: str) -> Iterator[code.Code]:
+    """One `pack`, or else an integer of each byte order; then the checksum."""
+    has_checksum = message_plan(message).checksum is not None
+    result = "data = " if has_checksum else "return "
     keys = [bits.key_place(k)._replace(target=selector or f"0x{k.value:02X}") for k in message.keys]
-    fields = positions(variant.fields, storage(message.layout))
+    fields = positions(variant.fields, storage(message.layout), bodies.imports)
     in_data = [p for p in (*keys, *(p for _, p in fields)) if p.space is Space.DATA]
     ordered = sorted(in_data, key=lambda p: p.first_byte)
     pattern = bits.struct_format(ordered, message.dlc)
     if pattern is not None:
-        return EncodeCaseView(struct=pattern, items=tuple(p.target for p in ordered), statements=())
-    if not in_data:
-        data = 'b""' if message.remote else f"bytes({message.dlc})"
-        return EncodeCaseView(struct="", items=(), statements=(f"return {data}",))
+        pack = bodies.packed.setdefault(pattern, f"_PACK_{len(bodies.packed) + 1}")
+        yield code.call(f"{result}{pack}", (p.target for p in ordered))
+    elif in_data:
+        yield from _integers(in_data, message.dlc, bodies.imports, result)
+    else:
+        yield f'{result}b""' if message.remote else f"{result}bytes({message.dlc})"
+    if has_checksum:
+        yield from bodies.checksums.insert(message)
+
+
+def _integers(in_data: Sequence[bits.RawPosition], dlc: int, imports: Imports, result: str) -> Iterator[code.Code]:
     wide = {p.order for p in in_data if len(p.segments) > 1}
     order = Order.BIG if wide == {Order.BIG} else Order.LITTLE
     sides: dict[Order, list[str]] = {Order.LITTLE: [], Order.BIG: []}
     for p in in_data:
         # bits within one byte are the same in both orders
         own = p if len(p.segments) > 1 else p._replace(order=order)
-        sides[own.order].append(bits.write(own, message.dlc))
-    statements: list[code.Code] = [code.any_of(side.value, terms) for side, terms in sides.items() if terms]
+        sides[own.order] += bits.terms(own, dlc)
+    yield from (code.any_of(side.value, terms) for side, terms in sides.items() if terms)
     if len(wide) > 1:
-        statements.append(f"return {imports.use('merge')}(little, big, {message.dlc})")
+        yield f"{result}{imports.use('merge')}(little, big, {dlc})"
     else:
-        statements.append(f'return int.to_bytes({order.value}, {message.dlc}, "{order.value}")')
-    return EncodeCaseView(struct="", items=(), statements=tuple(statements))
+        yield f'{result}int.to_bytes({order.value}, {dlc}, "{order.value}")'
 
 
 def constant_data(message: Message) -> str:
     """The expression of the data bytes of a message without fields."""
-    data = bytearray(message.dlc)
-    for key in message.keys:
-        for s in key.segments if key.space is Space.DATA else ():
-            data[s.byte] |= (key.value >> s.raw_low & (1 << s.width) - 1) << s.low
+    data = _placed_keys(message, Space.DATA).to_bytes(message.dlc, "little")
     return f'bytes.fromhex("{data.hex(" ").upper()}")'
 
 
 def fixed_id(message: Message) -> int:
     """The CAN id without the node and the fields."""
-    keys = (k for k in message.keys if k.space is Space.ID)
-    return message.id.base + sum(k.value << k.segments[0].low for k in keys)
+    return message.id.base + _placed_keys(message, Space.ID)
 
 
-def id_terms(message: Message) -> code.Code | None:
+def _placed_keys(message: Message, space: Space) -> int:
+    return sum(placed(key.segments, key.value) for key in message.keys if key.space is space)
+
+
+def id_terms(message: Message, imports: Imports) -> code.Code | None:
     """The assignment of the bits of the CAN id that fields fill; None for a message without fields in its id."""
-    fields = positions(message.layout.fields, storage(message.layout))
-    in_id = [bits.write(position, message.dlc) for _, position in fields if position.space is Space.ID]
+    fields = positions(message.layout.fields, storage(message.layout), imports)
+    in_id = [term for _, p in fields if p.space is Space.ID for term in bits.terms(p, message.dlc)]
     return code.any_of("filled", in_id) if in_id else None

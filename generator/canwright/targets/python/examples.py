@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import functools
-import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -16,8 +15,9 @@ from ...model.message import Message
 from ...model.types import Assignment, Parameter
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.encoder import Encoder
+from ...semantics.frame import CanFrame, node_of
 from ..base import EditionInput, WorkedExchange
-from ..examples import Examples
+from ..examples import readme_exchange
 from . import code, text, types
 from .class_bodies import depends_on_parameters
 from .imports import Imports
@@ -31,26 +31,13 @@ class Argument(NamedTuple):
     enum: str
 
 
-class SentView(NamedTuple):
-    """A request: the call that makes it, the format of its id, and its frame."""
+class CommandExample(NamedTuple):
+    """The program of a command: its import statement, and its statements as far as it has them."""
 
-    call: code.Items
-    format: str
-    text: str
-
-
-class ReceivedView(NamedTuple):
-    """A reply: the call that decodes it."""
-
-    call: code.Items
-    text: str
-
-
-class CommandExampleView(NamedTuple):
     imports: str
     known: code.Items | None
-    request: SentView | None
-    reply: ReceivedView | None
+    request: code.Items | None
+    reply: code.Items | None
 
 
 @functools.lru_cache(maxsize=4)
@@ -58,19 +45,22 @@ def _types(edition: Edition) -> Mapping[str, types.TypeView]:
     return types.type_views(edition, Imports())
 
 
-def command_example(edition: Edition, worked: WorkedExchange) -> CommandExampleView:
-    """The example with these golden frames."""
-    command = worked.command
+def command_example(edition: Edition, worked: WorkedExchange) -> CommandExample:
+    """The program with these golden frames."""
+    command, frame = worked.command, worked.reply
     known, names = _known(edition, worked.parameters)
     request = reply = None
     if command.request and worked.request:
         request = _sent(edition, command.request, worked.request, names, bool(known))
-    if command.reply and worked.reply:
+    if command.reply and frame:
         function = "decode_answer" if worked.is_answered else "decode_reply"
         names.add(function)
-        reply = _received(function, worked.reply, ["request"] * worked.is_answered, ["known"] * bool(known))
+        data = f'bytes.fromhex("{frame.data.hex(" ").upper()}")'
+        given = [*["request"] * worked.is_answered, f"0x{frame.id:X}", data, *["known"] * bool(known)]
+        marks = ["extended=True"] * frame.extended + ["remote=True"] * frame.remote
+        reply = code.call(function, [*given, *marks], "reply = ")
     imports = _imports(f"{edition.family}.{edition.identifier}", names)
-    return CommandExampleView(imports, code.call("Parameters", known, "known = ") if known else None, request, reply)
+    return CommandExample(imports, code.call("Parameters", known, "known = ") if known else None, request, reply)
 
 
 def _imports(package: str, names: set[str]) -> str:
@@ -82,7 +72,8 @@ def _imports(package: str, names: set[str]) -> str:
     return f"from {package} import (\n{lines})"
 
 
-def _sent(edition: Edition, message: Message, frame: GoldenFrame, names: set[str], is_known: bool) -> SentView:
+def _sent(edition: Edition, message: Message, frame: GoldenFrame, names: set[str], is_known: bool) -> code.Items:
+    """The call that makes a request; adds the `names` that it needs."""
     class_ = text.class_name(message.name)
     names.add(class_)
     values = arguments(message, frame, _types(edition))
@@ -91,15 +82,7 @@ def _sent(edition: Edition, message: Message, frame: GoldenFrame, names: set[str
         function = f"{class_}.from_raw"
         listed = [f"{text.attribute(n)}={tuple(raw) if isinstance(raw, list) else raw}" for n, raw in frame.raw.items()]
     names |= {value.enum for value in values or () if value.enum}
-    call = code.call(function, _keywords(message, frame, listed, is_known), "request = ")
-    return SentView(call, "08X" if frame.extended else "03X", formatting.sent(frame))
-
-
-def _received(function: str, frame: GoldenFrame, request: list[str], known: list[str]) -> ReceivedView:
-    marks = ["extended=True"] * frame.extended + ["remote=True"] * frame.remote
-    data = f'bytes.fromhex("{frame.data.hex(" ").upper()}")'
-    call = code.call(function, [*request, f"0x{frame.id:X}", data, *known, *marks], "reply = ")
-    return ReceivedView(call, formatting.sent(frame))
+    return code.call(function, _keywords(message, frame, listed, is_known), "request = ")
 
 
 def _known(edition: Edition, given: Assignment) -> tuple[list[str], set[str]]:
@@ -113,34 +96,28 @@ def _known(edition: Edition, given: Assignment) -> tuple[list[str], set[str]]:
 def _keywords(message: Message, frame: GoldenFrame, values: Sequence[str], is_known: bool) -> list[str]:
     """The arguments that make a message: node, values, and parameters if it depends on them."""
     node = [f"node={frame.node}"] if message.id.nodes is not None else []
-    known = ["parameters=known"] if is_known and depends_on_parameters(message.layout) else []
+    known = ["parameters=known"] if is_known and depends_on_parameters(message) else []
     return [*node, *values, *known]
 
 
 class Example(NamedTuple):
     """A request and a frame that answers it; `known` are the arguments of `Parameters`."""
 
-    family: str
-    edition: str
-    names: tuple[str, ...]
+    edition: Edition
+    frame: GoldenFrame
+    """The reply."""
+    names: Sequence[str]
     known: str
     request: str
     node: int
-    """The node of both; 1 if their ids have none."""
+    """The node of both, in their ids or their data; 1 without one."""
     values: str
     """The arguments of the request without node and parameters."""
     arguments: str
+    of_node: str
+    """The arguments of `Node.make`: those without the node."""
     reply: str
-    reply_id: str
-    extended: bool
-    data: str
     field: str
-    parameters: str
-    """The last argument of calls that decode a frame; empty where no parameter is needed."""
-    reply_within_ms: str
-    """Empty where the specification gives no time."""
-    is_full: bool
-    """Whether the request has values too."""
     shares_ids: bool
     """Whether requests and replies of the edition have the same ids."""
     probe: str
@@ -148,59 +125,48 @@ class Example(NamedTuple):
 
 
 def example(specifications: Sequence[EditionInput]) -> Example | None:
-    """The first command with values in both directions; where there is none, the first with values in its reply."""
-    first: Example | None = None
-    for shown in (shown for item in specifications for shown in _examples(item)):
-        if shown.is_full:
-            return shown
-        first = first or shown
-    return first
+    """The example of README.md: a command with a reply of its own, and with values."""
+    shown = readme_exchange(specifications, _is_usable)
+    return _example(*shown) if shown else None
 
 
-def _examples(specification: EditionInput) -> Iterator[Example]:
-    """One example for each command with a reply of its own and a golden exchange with values."""
-    examples = Examples(*specification)
-    for command in specification.edition.commands:
-        if command.reply is not None and command.reply.command == command.name:
-            made = (_example(specification.edition, exchange) for exchange in examples.answered(command))
-            yield from itertools.islice(filter(None, made), 1)
-
-
-def _example(edition: Edition, exchange: WorkedExchange) -> Example | None:
+def _is_usable(edition: Edition, exchange: WorkedExchange) -> bool:
     command, request, reply = exchange.command, exchange.request, exchange.reply
-    asked, answer = command.request, command.reply
-    if asked is None or answer is None or request is None or reply is None:
-        return None
-    sent = arguments(asked, request, _types(edition))
-    fields = [field for field in answer.layout.fields if field.name in reply.values]
-    if sent is None or not fields or reply.remote or request.node != reply.node:
-        return None
+    if command.request is None or command.reply is None or request is None or reply is None:
+        return False
+    has_own_values = command.reply.command == command.name and reply.values and not reply.remote
+    has_same_node = request.node == reply.node
+    return bool(has_own_values and has_same_node and arguments(command.request, request, _types(edition)) is not None)
+
+
+def _example(edition: Edition, exchange: WorkedExchange) -> Example:
+    request, reply = exchange.request, exchange.reply
+    asked, answer = exchange.command.request, exchange.command.reply
+    assert asked and answer and request and reply
+    sent = arguments(asked, request, _types(edition)) or []
     known, names = _known(edition, exchange.parameters)
     values = [f"{argument.keyword}={argument.value}" for argument in sent]
     classes = text.class_name(asked.name), text.class_name(answer.name)
     names |= {*classes, "CodecError", "REPLY_WITHIN_MS", "decode_answer", "decode_reply"}
     names |= {argument.enum for argument in sent if argument.enum}
-    node = 1 if request.node is None else request.node
+    node = node_of(asked, CanFrame(request.id, request.data), exchange.parameters)
+    node = 1 if node is None else node
+    own = asked.node_bits and text.attribute(asked.node_bits.name)
     shares_ids = any(c.request and c.reply and c.request.id == c.reply.id for c in edition.commands)
     probe = _probe(edition, node, exchange.parameters) if shares_ids else None
     names |= {text.class_name(probe.name)} if probe else set()
     return Example(
-        family=edition.family,
-        edition=edition.identifier,
-        names=tuple(sorted(names)),
+        edition=edition,
+        frame=reply,
+        names=sorted(names),
         known=", ".join(known),
         request=classes[0],
         node=node,
         values=", ".join(values),
         arguments=", ".join(_keywords(asked, request, values, bool(known))),
+        of_node=", ".join(f"{a.keyword}={a.value}" for a in sent if a.keyword != own),
         reply=classes[1],
-        reply_id=f"0x{reply.id:X}",
-        extended=reply.extended,
-        data=reply.data.hex(" ").upper(),
-        field=text.attribute(fields[0].name),
-        parameters=", known" if known else "",
-        reply_within_ms="" if edition.bus.reply_within_ms is None else str(float(edition.bus.reply_within_ms)),
-        is_full=bool(asked.layout.fields),
+        field=text.attribute(next(field.name for field in answer.layout.fields if field.name in reply.values)),
         shares_ids=shares_ids,
         probe=f"{text.class_name(probe.name)}({f'node={node}' if probe.id.nodes is not None else ''})" if probe else "",
     )

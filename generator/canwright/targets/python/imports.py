@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 
 PUBLIC = ("CodecError", "FieldAbsent", "Message", "Refusal", "Reply", "Request")
 """What a program needs besides the classes of an edition; every module exports it."""
@@ -10,8 +10,23 @@ PUBLIC = ("CodecError", "FieldAbsent", "Message", "Refusal", "Reply", "Request")
 _RUNTIME = {
     "_codec": (
         *PUBLIC,
-        *("ArrayType", "Bound", "EnumType", "FlagsType", "Float", "Integer", "NodeParameters", "Number", "Real"),
-        *("ToAll", "ToNode", "check_choice", "check_number", "constant", "merge", "missing", "new"),
+        *(
+            "ArrayType",
+            "Bound",
+            "Counter",
+            "DigitsType",
+            "EnumType",
+            "FlagsType",
+            "Float",
+            "Integer",
+            "NodeParameters",
+            "Number",
+            "Real",
+        ),
+        "OptionalNumber",
+        "TextType",
+        *("ToAll", "ToNode", "check_choice", "check_number", "checksum", "constant", "crc_of", "join"),
+        *("merge", "missing", "new", "sum_of", "whole", "xor_of"),
     ),
     "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),
 }
@@ -25,13 +40,14 @@ _STANDARD_LIBRARY = {
 }
 _TYPE_CHECKING = {"typing_extensions": ("Self",)}
 
-NAMES = frozenset(
-    name for group in (_RUNTIME, _STANDARD_LIBRARY, _TYPE_CHECKING) for names in group.values() for name in names
-)
-"""Every name that a generated module may import."""
+_GROUPS: dict[str, Mapping[str, tuple[str, ...]]] = {
+    "runtime": _RUNTIME,
+    "standard library": _STANDARD_LIBRARY,
+    "type checking": _TYPE_CHECKING,
+}
 
-Modules = Iterator[tuple[str, list[str]]]
-"""Modules with the names to import from each, sorted; constants first."""
+NAMES = frozenset(name for group in _GROUPS.values() for names in group.values() for name in names)
+"""Every name that a generated module may import."""
 
 
 class Imports:
@@ -43,26 +59,15 @@ class Imports:
     def use(self, name: str) -> str:
         """The name itself, which the module now imports. Raises KeyError for a name that is in no list above."""
         if name not in NAMES:
-            raise KeyError(name)
+            raise KeyError(f"{name} is in no list of {__name__}")
         self._used.add(name)
         if name in _TYPE_CHECKING["typing_extensions"]:
             self._used.add("TYPE_CHECKING")
         return name
 
-    def runtime(self) -> Modules:
-        """The imports from the runtime, by module."""
-        return self._of(_RUNTIME.items())
-
-    def standard_library(self) -> Modules:
-        """The imports from the standard library, by module."""
-        return self._of(_STANDARD_LIBRARY.items())
-
-    def type_checking(self) -> list[tuple[str, list[str]]]:
-        """The imports that only a type checker needs, by module."""
-        return list(self._of(_TYPE_CHECKING.items()))
-
-    def _of(self, modules: Iterable[tuple[str, tuple[str, ...]]]) -> Modules:
-        for module, names in modules:
+    def modules(self, group: str) -> Iterator[tuple[str, list[str]]]:
+        """The modules of a group with the used names of each, sorted; constants first."""
+        for module, names in _GROUPS[group].items():
             used = sorted(self._used.intersection(names), key=lambda name: (not name.isupper(), name))
             if used:
                 yield module, used

@@ -6,15 +6,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
+from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import NodeRole, Space
 from ...model.message import Command, Direction, Message
 from ...model.types import Parameter
 from . import code, docstrings, encoding, text, types
-from .class_bodies import BodyView, ClassBodies
+from .class_bodies import BodyView, ClassBodies, storage
 from .encoding import EncodeView
-from .fields import storage
-from .runtime import _codec as codec
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,42 +31,33 @@ class LayoutView:
 class MessageView:
     """The class of a message; `body` is None when a base class has its fields."""
 
+    message: Message
     name: str
     header: code.Code
     """The first line of the class."""
     doc: docstrings.Docstring
-    command: str
-    direction: str
-    dlc: int | None
-    """None where it is that of the base class."""
-    extended: bool
-    remote: bool
-    nodes: tuple[int, int] | None
-    node_field: str
-    """The field with the node or its low bits; empty without such a field."""
-    node_mask: int
-    """The bits of the node in that field; 0 where it has all of them."""
     node_place: int | None
     """The place of the node among the raw integers; None where it is not there."""
     body: BodyView | None
-    id: str
-    step: int
-    selector: str
+    id: int
+    """The id without the node and the fields."""
     data: str
     """Expression of the bytes of a frame without fields; empty for one with fields."""
     id_terms: code.Code | None
     """The assignment of the bits that fields fill in the id; None without any."""
     encode: EncodeView | None
+    sent: code.Code
+    """The assignment of the occasions on which it is sent."""
     metadata: tuple[code.Code, ...]
     """Assignments of class attributes."""
 
 
-Group = tuple[str, int, bool]
+Group = tuple[str, int, bool, str | None]
 
 
 def _group(message: Message) -> Group:
     """Messages of one group have one base class."""
-    return message.layout.name, message.dlc, message.id.nodes is not None
+    return message.layout.name, message.dlc, message.id.nodes is not None, message.id.parameter
 
 
 def _shared(messages: Iterable[Message]) -> dict[Group, list[Message]]:
@@ -76,6 +66,11 @@ def _shared(messages: Iterable[Message]) -> dict[Group, list[Message]]:
     for message in messages:
         groups.setdefault(_group(message), []).append(message)
     return {group: same for group, same in groups.items() if same[0].layout.fields and len(same) > 1}
+
+
+def _has_body(message: Message) -> bool:
+    """Whether the class has a constructor of its own: for fields, or for a parameter in the id."""
+    return bool(message.layout.fields) or message.id.parameter is not None
 
 
 def base_classes(edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
@@ -129,53 +124,45 @@ class MessageViews:
         )
 
     def _message(self, command: Command, message: Message) -> MessageView:
-        group, nodes = _group(message), message.id.nodes
-        holder = message.node_bits
-        name, has_fields = text.class_name(message.name), bool(message.layout.fields)
+        group, name, has_body = _group(message), text.class_name(message.name), _has_body(message)
         has_metadata = message.direction is Direction.REQUEST or command.request is None
+        occasions = message.sending.occasions if message.sending else ()
         return MessageView(
+            message=message,
             name=name,
             header=code.call(f"class {name}", self._base_classes(command, message)),
             doc=docstrings.of_message(command, message),
-            command=command.name,
-            direction=message.direction.value,
-            dlc=None if message.dlc == codec.Message.DLC else message.dlc,
-            extended=message.id.extended,
-            remote=message.remote,
-            nodes=(nodes[0], nodes[-1]) if nodes is not None else None,
-            node_field=text.attribute(holder.name) if holder else "",
-            node_mask=(1 << holder.width) - 1 if holder and message.has_low_bits_of_node else 0,
             node_place=_place(message) if message.node_in_data else None,
-            body=self._body(message, command.from_each) if has_fields and group not in self._bases else None,
-            id=f"0x{encoding.fixed_id(message):X}",
-            step=message.id.node_step,
-            selector=f"0x{message.keys[0].value:02X}" if message.keys else "",
-            data="" if has_fields else encoding.constant_data(message),
-            id_terms=encoding.id_terms(message),
-            encode=self._encode(message) if has_fields and group not in self._encoding_bases else None,
+            body=self._body(message, command.from_each) if has_body and group not in self._bases else None,
+            id=encoding.fixed_id(message),
+            data="" if has_body else encoding.constant_data(message),
+            id_terms=encoding.id_terms(message, self._bodies.imports),
+            encode=self._encode(message) if has_body and group not in self._encoding_bases else None,
+            sent=code.tuple_of((text.literal(o.value) for o in occasions), "SENT = "),
             metadata=tuple(_class_attributes(command, self._bodies.parameters)) if has_metadata else (),
         )
 
     def _base_classes(self, command: Command, message: Message) -> tuple[str, ...]:
         if message.direction is Direction.REQUEST:
-            role = f'Request["{text.class_name(command.reply.name) if command.reply else "Message"}"]'
+            names = [text.class_name(reply.message.name) for reply in command.replies]
+            role = f'Request["{" | ".join(dict.fromkeys(names)) or "Message"}"]'
         else:
             role = "Reply"
-        if not message.layout.fields:
+        if not _has_body(message):
             return self._bodies.imports.use("ToNode" if message.id.nodes is not None else "ToAll"), role
         base = self._bases.get(_group(message))
         return (base, role) if base else (role,)
 
     def _body(self, message: Message, nodes: Sequence[int]) -> BodyView:
-        return self._bodies.body(message.layout, message.dlc, message.id.nodes is not None, nodes)
+        return self._bodies.body(message, nodes)
 
     def _encode(self, message: Message, selector: str = "") -> EncodeView:
-        return encoding.encode_view(message, self._bodies.imports, selector)
+        return encoding.encode_view(message, self._bodies, selector)
 
 
 def _class_attributes(command: Command, parameters: Mapping[str, Parameter]) -> Iterator[code.Code]:
     """Assignments of metadata for tools; what a command does not have is left to the base class."""
-    yield f"TITLE = {text.literal(command.title.get('en') or next(iter(command.title.values())))}"
+    yield f"TITLE = {text.literal(formatting.english(command.title))}"
     if command.manual:
         yield f"MANUAL = {text.literal(command.manual)}"
     if command.effects:

@@ -7,12 +7,13 @@ from collections.abc import Iterable
 from ...model.edition import Edition
 from ...model.message import Direction
 from ..base import header
-from . import code, docstrings, routes
+from . import code, docstrings, routes, text
+from .checksums import Checksums
 from .class_bodies import ClassBodies
 from .imports import PUBLIC, Imports
 from .messages import MessageViews
-from .parameters import choice_view, parameter_view
-from .types import type_views
+from .runtime._codec import Message
+from .types import parameter_view, type_views
 
 SHARED = ("_codec.py", "_dispatch.py", "nodes.py", "python_can.py")
 """The modules of the runtime that are copied into the package of each family."""
@@ -23,7 +24,7 @@ CONSTANTS = (
 )
 FUNCTIONS = (
     *("check_reply", "decode_answer", "decode_reply", "decode_request"),
-    *("has_node_in_data", "ids_of", "node_of"),
+    *("has_node_in_data", "ids_of", "node_bits_of", "node_of"),
 )
 
 
@@ -33,20 +34,17 @@ def module_view(edition: Edition) -> dict[str, object]:
     readers = routes.Readers(imports)
     types = type_views(edition, imports)
     parameters = {parameter.name: parameter for parameter in edition.parameters}
-    class_bodies = ClassBodies(types=types, parameters=parameters, imports=imports)
+    checksums = Checksums(imports)
+    class_bodies = ClassBodies(types=types, parameters=parameters, imports=imports, checksums=checksums)
     classes = MessageViews(edition, class_bodies)
-    bodies = [*(v.body for v in classes.layouts), *(m.body for m in classes.messages if m.body)]
-    encodes = [*(v.encode for v in classes.layouts if v.encode), *(m.encode for m in classes.messages if m.encode)]
-    unpacked = _distinct(case.struct for body in bodies for case in body.reads)
-    packed = _distinct(case.struct for encode in encodes for case in encode.cases)
-    choices = [choice_view(p) for p in edition.parameters if p.is_choice and not p.is_numeric]
-    enums = [view for view in types.values() if view.enum]
+    choices = [parameter for parameter in edition.parameters if parameter.is_choice and not parameter.is_numeric]
+    enums = [type_ for type_ in edition.types if not type_.is_number]
     names = (
-        *(choice.name for choice in choices),
-        *(view.enum for view in enums),
+        *(text.class_name(name) for name in (*(c.name for c in choices), *(e.name for e in enums))),
         *(layout.name for layout in classes.layouts),
         *(message.name for message in classes.messages),
     )
+    helpers = [imports.use("join")] if any(m.sequence for m in edition.all_messages()) else []
     return {
         "header": header(edition),
         "doc": docstrings.of_edition(edition),
@@ -55,19 +53,19 @@ def module_view(edition: Edition) -> dict[str, object]:
         "hash": edition.hash,
         "imports": imports,
         "use": imports.use,
-        "public": _public(names),
+        "public": _public((*names, *helpers)),
         "choices": choices,
         "parameters": [parameter_view(parameter, imports) for parameter in edition.parameters],
         "enums": enums,
         "types": list(types.values()),
         "sets": [code.Items(f"{name} = {{", values, "}") for values, name in class_bodies.sets.items()],
-        "unpacked": unpacked,
-        "packed": packed,
-        "unpack": lambda pattern: f"_UNPACK_{unpacked.index(pattern) + 1}",
-        "pack": lambda pattern: f"_PACK_{packed.index(pattern) + 1}",
-        "call": code.call,
+        "unpacked": class_bodies.unpacked,
+        "packed": class_bodies.packed,
+        "checksums": checksums.functions,
         "layouts": classes.layouts,
         "messages": classes.messages,
+        "default_length": Message.DLC,
+        "frame_format": edition.bus.frame_format,
         "request_routes": list(routes.route_views(edition, Direction.REQUEST, readers)),
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
@@ -78,11 +76,6 @@ def module_view(edition: Edition) -> dict[str, object]:
         "reply_classes": routes.decoded_classes(edition, Direction.REPLY),
         "readers": readers,
     }
-
-
-def _distinct(patterns: Iterable[str]) -> list[str]:
-    """The patterns of `struct`, each once."""
-    return [pattern for pattern in dict.fromkeys(patterns) if pattern]
 
 
 def _public(names: Iterable[str]) -> list[str]:

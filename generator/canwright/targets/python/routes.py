@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Union
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple, Union
 
 from ...model.edition import Edition
-from ...model.message import BitRun, Direction, Message
+from ...model.message import MAX_NODE_BITS, BitRun, Direction, IdRule, Message
 from ...semantics import dispatch
-from ...semantics.exchange import exchange_plans
+from ...semantics.exchange import ExchangePlan, exchange_plans
 from ...semantics.plan import message_plan, only_by_request
 from . import bits, text
 from .imports import Imports
 
 
-@dataclass(frozen=True, kw_only=True)
-class DispatchCaseView:
-    """The values that lead to one node."""
-
-    values: tuple[str, ...]
-    then: NodeView
-
-
-@dataclass(frozen=True, kw_only=True)
-class SelectView:
-    """A decision: the function that reads the values of the cases."""
+class SelectView(NamedTuple):
+    """A decision: the function that reads the subject, and each value with the decision that it leads to."""
 
     read: str
-    cases: tuple[DispatchCaseView, ...]
+    cases: Sequence[tuple[str, NodeView]]
     otherwise: NodeView
 
 
@@ -36,32 +26,22 @@ NodeView = Union[str, SelectView]  # noqa: UP007 - `NodeView` in `SelectView` is
 """A decision, or the expression of a message class or a refusal."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class RouteView:
-    """The messages that share one rule from node to CAN id; `nodes` is None for a fixed id."""
+class RouteView(NamedTuple):
+    """A route with its first decision."""
 
-    base: int
-    step: int
-    nodes: range | None
+    route: dispatch.Route
     then: NodeView
-    mask: int
-    extended: bool
-    remote: bool
-    answers: tuple[str, ...]
-    """Classes of replies that can have a code which belongs to another message unless their request is known."""
+    answers: Sequence[Message]
+    """The replies that can have a code which belongs to another message unless their request is known."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class AnswerView:
-    """The reply to a request: expressions of the arguments of `Answer`."""
+class AnswerView(NamedTuple):
+    """A reply to a request, and the `further` ones."""
 
-    request: str
-    reply: str
-    selectors: tuple[tuple[str, str], ...]
+    plan: ExchangePlan
+    further: Sequence[AnswerView]
+    selectors: Sequence[tuple[str, str]]
     """Names of readers with the accepted values."""
-    nodes: str
-    """Empty where the node of the request replies."""
-    echo: bool
     request_node: str
     reply_node: str
     unused: int
@@ -97,16 +77,7 @@ def route_views(edition: Edition, direction: Direction, readers: Readers) -> Ite
     explained = only_by_request(edition) if direction is Direction.REPLY else ()
     for route in dispatch.dispatch_plan(edition, direction).routes:
         shortest = min(message_plan(message).length for message in route.messages)
-        yield RouteView(
-            base=route.rule.base,
-            step=route.rule.node_step,
-            nodes=route.rule.nodes,
-            then=_node(route.then, shortest, readers),
-            mask=route.mask,
-            extended=route.rule.extended,
-            remote=route.remote,
-            answers=tuple(text.class_name(m.name) for m in route.messages if m in explained),
-        )
+        yield RouteView(route, _node(route.then, shortest, readers), [m for m in route.messages if m in explained])
 
 
 def _node(node: dispatch.DispatchNode, shortest: int, readers: Readers) -> NodeView:
@@ -115,15 +86,12 @@ def _node(node: dispatch.DispatchNode, shortest: int, readers: Readers) -> NodeV
     if isinstance(node, dispatch.Reject):
         return f"Refusal.{node.reason.name}"
     form = _FORMS[type(node.subject)]
-    cases = (
-        DispatchCaseView(values=tuple(form.format(v) for v in case.values), then=_node(case.then, shortest, readers))
-        for case in node.cases
-    )
-    return SelectView(
-        read=readers.of(node.subject, shortest),
-        otherwise=_node(node.otherwise, shortest, readers),
-        cases=tuple(cases),
-    )
+    read, otherwise = readers.of(node.subject, shortest), _node(node.otherwise, shortest, readers)
+    cases: list[tuple[str, NodeView]] = []
+    for case in node.cases:
+        then = _node(case.then, shortest, readers)
+        cases += [(form.format(value), then) for value in case.values]
+    return SelectView(read, cases, otherwise)
 
 
 _FORMS = {dispatch.Length: "{}", dispatch.MaskedId: "0x{:X}", BitRun: "0x{:02X}"}
@@ -139,34 +107,32 @@ def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
     """The answers of every command with a request and a reply."""
     routes = dispatch.dispatch_plan(edition, Direction.REPLY).routes
     masks = {(route.rule, route.remote): route.mask for route in routes}
-    for plan in exchange_plans(edition).values():
-        reply = plan.reply
-        if reply is None:
-            continue
-        length = message_plan(reply).length
-        yield AnswerView(
-            request=text.class_name(plan.request.name),
-            reply=text.class_name(reply.name),
-            selectors=tuple((readers.of(k.key, length), _hexadecimal(*k.values)) for k in message_plan(reply).keys),
-            nodes=text.tuple_of(map(str, plan.nodes)) if plan.nodes else "",
-            echo=plan.is_echo,
-            request_node=_node_field(plan.request, plan.asked, readers),
-            reply_node=_node_field(reply, plan.reported, readers),
-            unused=masks[reply.id, reply.remote] & ~reply.id_mask,
-        )
+    for plans in exchange_plans(edition).values():
+        answers = [_answer(plan, masks, readers) for plan in plans]
+        if answers:
+            yield answers[0]._replace(further=answers[1:])
+
+
+def _answer(plan: ExchangePlan, masks: Mapping[tuple[IdRule, bool], int], readers: Readers) -> AnswerView:
+    keys, length = message_plan(plan.reply).keys, message_plan(plan.reply).length
+    return AnswerView(
+        plan,
+        (),
+        [(readers.of(k.key, length), text.tuple_of(f"0x{v:02X}" for v in k.values)) for k in keys],
+        _node_field(plan.request, plan.asked, readers),
+        _node_field(plan.reply, plan.reported, readers),
+        masks[plan.reply.id, plan.reply.remote] & ~plan.reply.id_mask,
+    )
 
 
 def node_readers(edition: Edition, readers: Readers) -> Iterator[tuple[str, str]]:
-    """Each message with its node in the data, and the function that reads it."""
+    """Each message with its node, or the low bits of it, in the data only, and the function that reads it."""
     for message in edition.all_messages():
-        if message.node_in_data is not None:
-            yield text.class_name(message.name), readers.of(message.node_in_data, message_plan(message).length)
+        bits = message.node_bits if message.id.nodes is None else None
+        if bits is not None and bits.width <= MAX_NODE_BITS:
+            yield text.class_name(message.name), readers.of(bits, message_plan(message).length)
 
 
 def _node_field(message: Message, run: BitRun | None, readers: Readers) -> str:
     """The function that reads the node of a message, with the mask of its bits; empty without such bits."""
     return f"({readers.of(run, message_plan(message).length)}, 0x{(1 << run.width) - 1:X})" if run is not None else ""
-
-
-def _hexadecimal(*values: int) -> str:
-    return text.tuple_of(f"0x{value:02X}" for value in values)

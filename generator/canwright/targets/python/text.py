@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import functools
 import keyword
+import textwrap
 from collections.abc import Sequence
 
 from ..python_source import (
@@ -16,6 +17,7 @@ from ..python_source import (
 )
 from .runtime._codec import Message
 
+_WIDTH = 110
 _RESERVED = {*keyword.kwlist, *dir(builtins)}
 """What a class of a module must not be named."""
 _MEMBERS = {name for name in dir(Message) if not name.startswith("_")} | {"mro"}
@@ -43,25 +45,19 @@ def attribute(name: str) -> str:
     return name + "_" if keyword.iskeyword(name) or name in _MEMBERS or name in _IN_CLASS_BODIES else name
 
 
-def wrap(text: str, indent: int, width: int = 110) -> list[str]:
+def _wrap(text: str, indent: int) -> list[str]:
     """Lines of a paragraph, for a docstring at an indent."""
-    lines: list[str] = []
-    for word in text.split():
-        if lines and len(lines[-1]) + 1 + len(word) <= width - indent:
-            lines[-1] += " " + word
-        else:
-            lines.append(word)
-    return lines
+    return textwrap.wrap(text, _WIDTH - indent, break_long_words=False, break_on_hyphens=False)
 
 
 def docstring(paragraphs: Sequence[str], indent: int) -> str:
     """A docstring of a summary line and paragraphs, which are safe to print; empty ones are left out."""
     kept = [paragraph for paragraph in paragraphs if paragraph]
     margin = " " * indent
-    summary = wrap(kept[0], indent)
+    summary = _wrap(kept[0], indent)
     if len(kept) == len(summary) == 1:
         return f'{margin}"""{summary[0]}"""'
     lines = [f'{margin}"""' + f"\n{margin}".join(summary)]
     for paragraph in kept[1:]:
-        lines += ["", *(margin + line for line in wrap(paragraph, indent))]
+        lines += ["", *(margin + line for line in _wrap(paragraph, indent))]
     return "\n".join([*lines, f'{margin}"""'])

@@ -1,4 +1,4 @@
-"""Types as declarations of a generated module: numbers, floats, enums, flags."""
+"""Types and parameters as declarations of a generated module."""
 
 from __future__ import annotations
 
@@ -7,18 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ...model.edition import Edition
-from ...model.types import Bound, Encoding, Linear, Parameter, Range, Type
+from ...model.joined import JoinedText
+from ...model.types import Bound, Encoding, Linear, Parameter, Range, Type, factors
 from . import code, docstrings, text
 from .imports import Imports
-
-
-@dataclass(frozen=True, kw_only=True)
-class MemberView:
-    """One member of an enum or of flags."""
-
-    name: str
-    value: str
-    doc: docstrings.Docstring
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,9 +23,6 @@ class TypeView:
     """The statement that makes that object."""
     enum: str
     """The name of the class; empty for a number."""
-    is_flags: bool
-    members: tuple[MemberView, ...]
-    doc: docstrings.Docstring
     meaning: str
     """Unit, resolution and range in a sentence."""
     python: str
@@ -58,14 +47,6 @@ def type_views(edition: Edition, imports: Imports) -> dict[str, TypeView]:
 
 def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> TypeView:
     enum = text.class_name(type_.name) if type_.enum or type_.flags else ""
-    members = (
-        MemberView(
-            name=text.member_name(m.name),
-            value=f"0x{1 << m.value:X}" if type_.flags else str(m.value),
-            doc=(text.english(m.title), docstrings.deprecation(m.deprecated)),
-        )
-        for m in (*type_.enum, *type_.flags)
-    )
     constant = f"_{enum}" if enum else text.member_name(type_.name)
     if type_.flags:
         mask = f"0x{sum(1 << m.value for m in type_.flags):X}"
@@ -75,22 +56,29 @@ def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) ->
     else:
         kind = imports.use("Float" if type_.encoding is Encoding.FLOAT else "Integer" if type_.is_plain else "Number")
         declaration = code.call(kind, _arguments(type_, parameters, imports), f"{constant} = ")
+        if type_.no_values:
+            names = (f"{text.literal(n.name)}: ({n.raws[0]}, {n.raws[-1]})" for n in type_.no_values)
+            of_numbers = code.call(kind, _arguments(type_, parameters, imports))
+            declaration = code.call(imports.use("OptionalNumber"), (of_numbers, code.dict_of(names)), f"{constant} = ")
     return TypeView(
         constant=constant,
         declaration=declaration,
         enum=enum,
-        is_flags=bool(type_.flags),
-        members=tuple(members),
-        doc=(text.english(type_.title),),
         meaning=docstrings.of_type(type_),
-        python=f"{enum} | int" if type_.enum else enum or ("int" if type_.is_plain else "float"),
+        python=f"{enum} | int" if type_.enum else enum or _python(type_),
     )
+
+
+def _python(type_: Type) -> str:
+    if isinstance(type_.joined, JoinedText):
+        return "str"
+    return ("int" if type_.is_plain else "float") + (" | None" if type_.no_values else "")
 
 
 def _arguments(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> list[code.Code]:
     """The arguments of a `Number` or `Float`."""
     is_float = type_.encoding is Encoding.FLOAT
-    arguments: list[code.Code] = [str(type_.width)] if is_float else [str(limit) for limit in type_.raw_limits]
+    arguments: list[code.Code] = [str(type_.width)] if is_float else [str(limit) for limit in type_.number_limits]
     if type_.unit:
         arguments.append(text.literal(type_.unit.name))
     linear, span = type_.linear, type_.raw_range
@@ -123,11 +111,17 @@ def _times(type_: Type, parameters: Mapping[str, Parameter]) -> list[code.Code]:
     linear = type_.linear
     if linear.parameter is None:
         times = linear.constant.times if linear.constant else None
-        return [f"times={text.literal(text.attribute(times))}"] if times else []
+        return [f"times={text.literal(_factor(times))}"] if times else []
     by = parameters[linear.parameter]
     cases = [(name, case.times) for name, case in linear.cases.items() if case is not None and case.times is not None]
-    items = (f"{parameter_key(by, name)}: {text.literal(text.attribute(times))}" for name, times in cases)
+    items = (f"{parameter_key(by, name)}: {text.literal(_factor(times))}" for name, times in cases)
     return [code.dict_of(items, "times=")] if cases else []
+
+
+def _factor(times: str) -> str:
+    """A factor with the attributes of its parameters."""
+    above, below = (tuple(map(text.attribute, names)) for names in factors(times))
+    return "*".join(above) + "".join(f"/{name}" for name in below)
 
 
 def _limits(span: Range | None, imports: Imports, before: str) -> code.Code:
@@ -153,7 +147,8 @@ def exact(number: Fraction, imports: Imports) -> str:
 def inline_value(type_: Type, raw: str) -> str | None:
     """The value as an expression of the raw integer, rounded once; None where the scale is not constant."""
     linear = type_.linear.constant
-    if type_.linear.parameter is not None or linear is None or linear.times or type_.encoding is Encoding.FLOAT:
+    varies = type_.linear.parameter is not None or linear is None or linear.times
+    if varies or linear is None or type_.encoding is Encoding.FLOAT or type_.no_values:
         return None
     if linear.is_identity:
         return raw
@@ -163,3 +158,35 @@ def inline_value(type_: Type, raw: str) -> str | None:
         dividend = f"{dividend} {'+' if addend > 0 else '-'} {abs(addend)}"
         return f"float({dividend})" if divisor == 1 else f"({dividend}) / {divisor}"
     return f"{dividend} / {divisor}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParameterView:
+    """A field of `Parameters`."""
+
+    name: str
+    declaration: code.Code
+    check: code.Code
+    """The statement that checks its value."""
+    doc: docstrings.Docstring
+
+
+def parameter_view(parameter: Parameter, imports: Imports) -> ParameterView:
+    """The field of a parameter."""
+    name, use = text.attribute(parameter.name), imports.use
+    values = [parameter_key(parameter, value.name) for value in parameter.values]
+    given = [f"self.{name}", text.literal(name)]
+    if parameter.is_choice:
+        declaration: code.Code = f"{name}: {text.class_name(parameter.name)} | None = None"
+        if parameter.is_numeric:
+            declaration = code.Items(f"{name}: {use('Literal')}[", tuple(values), "] | None = None")
+        check = code.call(use("check_choice"), (*given, *values))
+    else:
+        declaration = f"{name}: {use('Real')} | None = None"
+        limits = (_limit(parameter.minimum, imports), _limit(parameter.maximum, imports))
+        check = code.call(use("check_number"), (*given, *limits, *["is_whole=True"] * parameter.whole))
+    return ParameterView(name=name, declaration=declaration, check=check, doc=docstrings.of_parameter(parameter))
+
+
+def _limit(limit: Fraction | None, imports: Imports) -> str:
+    return "None" if limit is None else exact(limit, imports)

@@ -2,82 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 from ...diagnostics.unicode_safety import visible
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.types import Parameter
+from ...model.joined import JoinedText
+from ...model.layout import ChecksumRole, Field
+from ...model.types import Encoding, Parameter, Type
 from ..base import header
-from ..nested_source import Table
+from ..nested_source import Table, Value
 from . import text
-from .filters import Filters, filters
 from .tables import LuaTables
 
 OWN_PREFERENCES = frozenset(("edition", "nodes", "marks", "sent", "window"))
 """Preferences of every dissector."""
 
 
-@dataclass(frozen=True)
-class FamilyView:
-    """A dissector, of the editions of one family."""
-
-    editions: Sequence[Edition]
-
-    @property
-    def name(self) -> str:
-        return self.editions[0].family
-
-    @property
-    def title(self) -> str:
-        return text.english(self.editions[0].title)
-
-    @property
-    def headers(self) -> Sequence[str]:
-        return [visible(header(edition)) for edition in self.editions]
-
-    @property
-    def tables(self) -> Sequence[Table]:
-        """The tables of each edition."""
-        return [LuaTables(edition).view() for edition in self.editions]
-
-    @cached_property
-    def filters(self) -> Filters:
-        return filters(self.editions)
-
-    @property
-    def parameters(self) -> Sequence[Table]:
-        """The preferences of parameters."""
-        by_name: dict[str, list[tuple[Edition, Parameter]]] = {}
-        for edition in self.editions:
-            for parameter in edition.parameters:
-                by_name.setdefault(parameter.name, []).append((edition, parameter))
-        return tuple(map(_parameter, by_name.values()))
-
-    @property
-    def nodes(self) -> str:
-        """The settings of a node in the preference `nodes`: the last edition with a value of each of its parameters."""
-        edition = self.editions[-1]
-        return " ".join([edition.name, *(f"{p.name}={_typical(p)}" for p in edition.parameters)])
-
-    @property
-    def command(self) -> str:
-        """A command with a request."""
-        return next((command.name for command in self.editions[0].commands if command.request), "")
-
-    @property
-    def field(self) -> str:
-        """The filter of a field; empty without fields."""
-        return next(iter(self.filters.names.values()), "")
-
-    @property
-    def options(self) -> str:
-        """The options of tshark that set an edition and all parameters."""
-        edition = self.editions[0]
-        settings = [("edition", edition.name), *((preference(p.name), _typical(p)) for p in edition.parameters)]
-        return " ".join(f"-o {self.name}.{option}:{value}" for option, value in settings)
+def family_view(editions: Sequence[Edition]) -> Mapping[str, object]:
+    """Variables of the dissector and of the README: the editions of one family."""
+    first, last = editions[0], editions[-1]
+    by_name: dict[str, list[tuple[Edition, Parameter]]] = {}
+    for edition in editions:
+        for parameter in edition.parameters:
+            by_name.setdefault(parameter.name, []).append((edition, parameter))
+    settings = [("edition", first.name), *((preference(p.name), _typical(p)) for p in first.parameters)]
+    filters_ = filters(editions)
+    return {
+        "editions": editions,
+        "name": first.family,
+        "title": text.english(first.title),
+        "headers": [visible(header(edition)) for edition in editions],
+        "tables": [LuaTables(edition).view() for edition in editions],
+        "fields": filters_.fields,
+        "parameters": [_parameter(same) for same in by_name.values()],
+        # settings of a node in the preference `nodes`: the last edition with a value of each of its parameters
+        "nodes": " ".join([last.name, *(f"{p.name}={_typical(p)}" for p in last.parameters)]),
+        "command": next((command.name for command in first.commands if command.request), ""),
+        "field": next(iter(filters_.names.values()), ""),
+        "options": " ".join(f"-o {first.family}.{option}:{value}" for option, value in settings),
+    }
 
 
 def preference(name: str) -> str:
@@ -106,5 +71,72 @@ def _parameter(same: Sequence[tuple[Edition, Parameter]]) -> Table:
         "values": list(values) or None,
         "minimum": text.number(max(minimum)) if minimum and not values else None,
         "maximum": text.number(min(maximum)) if maximum and not values else None,
+        "whole": True if any(p.whole for _, p in same) else None,
         "positive": True if any(e.is_factor(p) for e, p in same) else None,
     }
+
+
+OWN_NAMES = frozenset(
+    ("edition", "command", "direction", "rule", "node", "request_in", "reply_in", "latency", "rejected", "expert")
+)
+"""Names that the dissector uses itself."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filters:
+    """The names of fields in filters, by their names in the spec, and the fields as Lua tables."""
+
+    names: dict[str, str]
+    fields: tuple[Table, ...]
+
+
+def filters(editions: Iterable[Edition]) -> Filters:
+    """The fields of the editions of one family."""
+    by_name: dict[str, list[Field]] = {}
+    for edition in editions:
+        for layout in dict.fromkeys(message.layout for message in edition.all_messages()):
+            for field in layout.fields:
+                if field.role.is_value or isinstance(field.role, ChecksumRole):
+                    by_name.setdefault(field.name, []).append(field)
+    names = {name: f"{name}_" if name in OWN_NAMES else name for name in by_name}
+    return Filters(names=names, fields=tuple(_field(names[name], same) for name, same in by_name.items()))
+
+
+def flag_filter(name: str) -> str:
+    """The last part of the filter of a flag; `raw` is that of raw integers."""
+    return f"{name}_" if name == "raw" else name
+
+
+def _field(name: str, same: Sequence[Field]) -> Table:
+    types = list(dict.fromkeys(field.type for field in same))
+    is_text = any(isinstance(type_.joined, JoinedText) for type_ in types)
+    is_raw = all((type_.is_plain and not type_.no_values) or type_.enum or type_.flags for type_ in types)
+    are_alike = len({bool(type_.is_number) for type_ in types}) == 1
+    kind = _integer(types) if is_raw and are_alike else None
+    labels = dict.fromkeys(text.english(field.title) for field in same if field.title)
+    flags = {m.name: m for type_ in types for m in type_.flags}
+    return {
+        "name": name,
+        "field": same[0].name,
+        "label": next(iter(labels), "") or formatting.spoken(same[0].name),
+        "kind": "string" if is_text else kind or "double",
+        "raw": None if kind or is_text else _integer(types) or "uint64",
+        "members": _members(types) if kind and not is_text else None,
+        "flags": [{"name": n, "filter": flag_filter(n), "label": text.english(m.title) or n} for n, m in flags.items()],
+    }
+
+
+def _integer(types: Sequence[Type]) -> str | None:
+    """The smallest integer type of Wireshark for the raw integers of some types; None if none has all of them."""
+    signed = any(type_.encoding is Encoding.SIGNED for type_ in types)
+    width = max(type_.width + (signed and type_.encoding is not Encoding.SIGNED) for type_ in types)
+    if width > 64:
+        return None
+    return ("int" if signed else "uint") + ("32" if width <= 32 else "64")
+
+
+def _members(types: Sequence[Type]) -> Value:
+    """The names of the values, if they are the same in all types and a number of Lua has each of them."""
+    first = {member.value: member.name for member in types[0].enum}
+    same = all({member.value: member.name for member in type_.enum} == first for type_ in types)
+    return first if first and same and max(map(abs, first)) < text.EXACT else None

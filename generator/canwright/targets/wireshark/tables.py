@@ -35,7 +35,13 @@ class LuaTables(EditionTables):
 
     def type(self, type_: Type) -> dict[str, Value]:
         flags: list[Value] = [[m.value, m.name, text.english(m.title) or m.name] for m in type_.flags]
-        return {**super().type(type_), "flags": flags or None, "limits": _limits(type_)}
+        no_values: list[Value] = [[*_halves(n.raws[0]), *_halves(n.raws[-1]), n.name] for n in type_.no_values]
+        return {
+            **super().type(type_),
+            "flags": flags or None,
+            "limits": _limits(type_),
+            "no_values": no_values or None,
+        }
 
     def linear(self, linear: Linear) -> Value:
         factor, addend, divisor = map(text.number, linear.as_quotient)
@@ -53,11 +59,12 @@ class LuaTables(EditionTables):
         return {**super().field(field), "label": text.english(field.title) or formatting.spoken(field.name)}
 
     def message(self, message: Message) -> dict[str, Value]:
-        return {**super().message(message), "reserved": list(_reserved(message))}
+        sending = formatting.sending(message.sending) if message.sending else None
+        return {**super().message(message), "reserved": list(_reserved(message)), "sending": sending}
 
-    def answer(self, exchange: ExchangePlan, reply: Message) -> dict[str, Value]:
+    def answer(self, exchange: ExchangePlan) -> dict[str, Value]:
         return {
-            **super().answer(exchange, reply),
+            **super().answer(exchange),
             "distinct": exchange.has_distinct_request or None,
             "reply_within": _nanoseconds(exchange.command.reply_within_ms),
         }
@@ -67,9 +74,14 @@ def _nanoseconds(milliseconds: Fraction | None) -> Value:
     return None if milliseconds is None else text.number(milliseconds * 1_000_000)
 
 
+def _halves(raw: int) -> tuple[int, int]:
+    """A raw integer as its higher bits, with the sign, and its lower 32 bits."""
+    return raw >> 32, raw & 0xFFFFFFFF
+
+
 def _limits(type_: Type) -> Value:
     """The smallest and the largest valid raw integer under any parameters; None if all of its width can be valid."""
-    low, high = type_.raw_limits
+    low, high = type_.number_limits
     known = [valid for _, valid in valid_raws(type_).distinct() if isinstance(valid, RawInterval)]
     if not known or any(valid.low_bound or valid.high_bound for valid in known):
         return None

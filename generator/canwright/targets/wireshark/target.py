@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Assignment
+from ...templating.environment import environment
 from ..base import EditionInput, Output, Target
-from ..options import Options
-from . import generate
-from .family import preference
-from .filters import filters
+from ..options import NO_OPTIONS, Options
+from . import text
+from .family import family_view, filters, preference
+
+RUNTIME = Path(__file__).parent / "runtime"
+"""The code that is the same for every protocol."""
 
 
 class WiresharkTarget(Target):
@@ -20,9 +24,19 @@ class WiresharkTarget(Target):
     title = "Wireshark"
 
     def generate(
-        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options
+        self, specifications: Sequence[EditionInput], set_parameters: Assignment, options: Options = NO_OPTIONS
     ) -> Iterator[Output]:
-        return generate(specifications, set_parameters)
+        """A dissector for each family, and a README.md with instructions."""
+        env = environment("wireshark", {"lua": text.printed, "quoted": text.quoted})
+        editions: dict[str, list[Edition]] = {}
+        for item in specifications:
+            editions.setdefault(item.edition.family, []).append(item.edition)
+        families = [family_view(members) for members in editions.values()]
+        runtime = {file.stem: file.read_text("utf-8") for file in sorted(RUNTIME.glob("*.lua"))}
+        for family in families:
+            dissector = env.get_template("dissector.lua.j2")
+            yield Output(f"{family['name']}.lua", dissector.render(family=family, runtime=runtime))
+        yield Output("README.md", env.get_template("README.md.j2").render(families=families))
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """The names of fields in filters, and of preferences."""

@@ -6,6 +6,7 @@ import re
 from fractions import Fraction
 
 from ...diagnostics.unicode_safety import visible
+from ...model import formatting
 from ...model.types import Text
 from ..nested_source import Code, NestedSource
 
@@ -32,7 +33,7 @@ def _byte(byte: int) -> str:
 
 def english(text: Text) -> str:
     """The English text on one line, or the first there is."""
-    return visible(text.get("en") or next(iter(text.values()), ""))
+    return visible(formatting.english(text))
 
 
 def number(value: Fraction | int) -> Code:

@@ -19,7 +19,7 @@
 #endif
 
 /** The version of this file. Headers that need another version do not compile. */
-#define CANWRIGHT_H_VERSION 5
+#define CANWRIGHT_H_VERSION 6
 
 /** Marks a function whose result must be used; define it before, also as empty, to replace it. */
 #ifndef CANWRIGHT_CHECKED
@@ -56,7 +56,7 @@
 #define CANWRIGHT_ALIGNED
 #endif
 
-/** The most data bytes of a frame. */
+/** The most data bytes of a frame of classic CAN. */
 #define CANWRIGHT_MAX_DATA 8u
 
 /** Set in an id of 29 bits. */
@@ -117,7 +117,11 @@ typedef enum {
     /** The reply does not belong to the request. */
     CANWRIGHT_NOT_ANSWER,
     /** A node with these parameters does not have this command, or this field. */
-    CANWRIGHT_NOT_AVAILABLE
+    CANWRIGHT_NOT_AVAILABLE,
+    /** The checksum is not that of the frame. */
+    CANWRIGHT_WRONG_CHECKSUM,
+    /** The raw integer means that there is no value, such as "not available"; `*_no_value` has its name. */
+    CANWRIGHT_NO_VALUE
 } canwright_status_t;
 
 /** A number as a quotient, exact without floating point: 6 is {6, 1}. A denominator of 0 means unknown. */
@@ -156,6 +160,10 @@ static inline const char *canwright_status_name(canwright_status_t status)
         return "not_answer";
     case CANWRIGHT_NOT_AVAILABLE:
         return "not_available";
+    case CANWRIGHT_WRONG_CHECKSUM:
+        return "wrong_checksum";
+    case CANWRIGHT_NO_VALUE:
+        return "no_value";
     default:
         return "?";
     }
@@ -165,6 +173,7 @@ static inline const char *canwright_status_name(canwright_status_t status)
 CANWRIGHT_NONNULL
 static inline void canwright_clear(canwright_frame_t *frame)
 {
+    /* One by one: a loop may become a call of memset. */
     frame->reserved[0] = 0u;
     frame->reserved[1] = 0u;
     frame->reserved[2] = 0u;
@@ -176,14 +185,6 @@ static inline void canwright_clear(canwright_frame_t *frame)
     frame->data[5] = 0u;
     frame->data[6] = 0u;
     frame->data[7] = 0u;
-#if CANWRIGHT_MAX_DATA > 8u /* One by one above: a loop may become a call of memset. */
-    {
-        uint8_t i;
-        for (i = 8u; i < CANWRIGHT_MAX_DATA; i++) {
-            frame->data[i] = 0u;
-        }
-    }
-#endif
 }
 
 /** True for a frame that a filter accepts. */
@@ -209,13 +210,26 @@ static inline bool canwright_same_data(const canwright_frame_t *one, const canwr
     return true;
 }
 
+/* The two alternatives are the same bits, so that compilers leave the comparison out. */
+
+/** The signed number in 8 bits. */
+static inline int8_t canwright_signed8(uint8_t raw)
+{
+    return (raw <= 0x7Fu) ? (int8_t)raw : (int8_t)((int32_t)raw - 0x100);
+}
+
+/** The signed number in 16 bits. */
+static inline int16_t canwright_signed16(uint16_t raw)
+{
+    return (raw <= 0x7FFFu) ? (int16_t)raw : (int16_t)((int32_t)raw - 0x10000);
+}
+
 /** The signed number in the lowest `width` bits, 1 to 32; the bits above them are 0. */
 static inline int32_t canwright_signed32(uint32_t raw, unsigned width)
 {
     const uint32_t sign = UINT32_C(1) << (width - 1u);
     const uint32_t above = raw ^ sign;
-    const int64_t number = (int64_t)above - (int64_t)sign;
-    return (int32_t)number;
+    return (int32_t)((int64_t)above - (int64_t)sign); /* In one expression, GCC computes it with 32 bits. */
 }
 
 /** The signed number in the lowest `width` bits, 33 to 64; the bits above them are 0. */
@@ -228,6 +242,14 @@ static inline int64_t canwright_signed64(uint64_t raw, unsigned width)
         return (raw < sign) ? (int64_t)raw : (-(int64_t)below - 1);
     }
     return (int64_t)above - (int64_t)sign;
+}
+
+/** The signed number of 64 bits in two words, which takes fewer instructions than shifts of 64 bits. */
+static inline int64_t canwright_signed_words(uint32_t high, uint32_t low)
+{
+    const uint64_t raw = ((uint64_t)high << 32) | low;
+    const uint64_t below = UINT64_MAX - raw;
+    return (raw <= (uint64_t)INT64_MAX) ? (int64_t)raw : (-(int64_t)below - 1);
 }
 
 /**
@@ -246,6 +268,79 @@ static inline int32_t canwright_divide32(int32_t dividend, int32_t divisor)
 static inline int64_t canwright_divide64(int64_t dividend, int64_t divisor)
 {
     return ((dividend < 0) ? (dividend - (divisor / 2)) : (dividend + (divisor / 2))) / divisor;
+}
+
+/** Whether a parameter that ids or constants contain is a whole number from `lowest` to `highest`. */
+CANWRIGHT_CHECKED CANWRIGHT_NONNULL
+static inline canwright_status_t canwright_check_whole(const canwright_ratio_t *number, int32_t lowest, int32_t highest)
+{
+    int32_t whole;
+    if (number->denominator == 0u) {
+        return CANWRIGHT_MISSING_PARAMETER;
+    }
+    if ((number->numerator < 0) || (((uint32_t)number->numerator % number->denominator) != 0u)) {
+        return CANWRIGHT_OUT_OF_RANGE;
+    }
+    whole = (int32_t)((uint32_t)number->numerator / number->denominator);
+    return ((whole >= lowest) && (whole <= highest)) ? CANWRIGHT_OK : CANWRIGHT_OUT_OF_RANGE;
+}
+
+/** The value of such a parameter. */
+CANWRIGHT_NONNULL
+static inline uint32_t canwright_whole(const canwright_ratio_t *number)
+{
+    return (uint32_t)number->numerator / number->denominator;
+}
+
+/** The largest number that divides both; `second` if `first` is 0. */
+static inline uint64_t canwright_common_divisor(uint64_t first, uint64_t second)
+{
+    while (first != 0u) {
+        const uint64_t rest = second % first;
+        second = first;
+        first = rest;
+    }
+    return second;
+}
+
+/**
+ * `first * second / divisor` of parameters, each of which may be NULL. The denominator is 0 if one is unknown, and the
+ * numerator is 0 if one is not above 0, or if the result does not fit.
+ */
+static inline canwright_ratio_t canwright_factor(
+    const canwright_ratio_t *first, const canwright_ratio_t *second, const canwright_ratio_t *divisor)
+{
+    const canwright_ratio_t *const parameters[3] = {first, second, divisor};
+    canwright_ratio_t result = {1, 1u};
+    unsigned i;
+    for (i = 0u; i < 3u; i++) {
+        if ((parameters[i] != NULL) && (parameters[i]->denominator == 0u)) {
+            result.denominator = 0u;
+            return result;
+        }
+    }
+    for (i = 0u; i < 3u; i++) {
+        uint64_t above;
+        uint64_t below;
+        uint64_t common;
+        if (parameters[i] == NULL) {
+            continue;
+        }
+        if ((parameters[i]->numerator <= 0) || (result.numerator <= 0)) {
+            result.numerator = 0;
+            return result;
+        }
+        above = (i < 2u) ? (uint64_t)parameters[i]->numerator : (uint64_t)parameters[i]->denominator;
+        below = (i < 2u) ? (uint64_t)parameters[i]->denominator : (uint64_t)parameters[i]->numerator;
+        above *= (uint64_t)result.numerator;
+        below *= (uint64_t)result.denominator;
+        common = canwright_common_divisor(above, below);
+        above /= common;
+        below /= common;
+        result.numerator = ((above <= 0x7FFFFFFFu) && (below <= 0xFFFFFFFFu)) ? (int32_t)above : 0;
+        result.denominator = (result.numerator != 0) ? (uint32_t)below : 1u;
+    }
+    return result;
 }
 
 /** The integer nearest to `ratio * dividend / divisor`, ties away from zero; both products must fit in 64 bits. */
@@ -289,6 +384,44 @@ static inline bool canwright_share64(int64_t *nearest, const canwright_ratio_t *
     }
     *nearest = canwright_divide64((share * divisor * denominator) - (addend * numerator), factor * numerator);
     return (*nearest >= lowest) && (*nearest <= highest);
+}
+
+/** The value of a counter after `counter`: `first` after `last`, and after a value outside of both. */
+static inline uint32_t canwright_counter_next(uint32_t counter, uint32_t first, uint32_t last)
+{
+    return ((counter >= first) && (counter < last)) ? (counter + 1u) : first;
+}
+
+/** So many increments lead from `previous` to `counter`; 0 if they are equal, or if one of them is outside of its range. */
+static inline uint32_t canwright_counter_steps(uint32_t previous, uint32_t counter, uint32_t first, uint32_t last)
+{
+    if ((previous < first) || (previous > last) || (counter < first) || (counter > last)) {
+        return 0u;
+    }
+    return (counter >= previous) ? (counter - previous) : ((last - previous) + (counter - first) + 1u);
+}
+
+/** A CRC register of `width` bits, 8 to 32, after one more byte that enters with its highest bit first. */
+static inline uint32_t canwright_crc(uint32_t crc, uint8_t byte, uint32_t poly, unsigned width)
+{
+    const uint32_t top = UINT32_C(1) << (width - 1u);
+    uint32_t next = crc ^ ((uint32_t)byte << (width - 8u));
+    unsigned bit;
+    for (bit = 0u; bit < 8u; bit++) {
+        next = (next << 1) ^ (((next & top) != 0u) ? poly : 0u);
+    }
+    return next & (top | (top - 1u));
+}
+
+/** A CRC register after one more byte that enters with its lowest bit first; so is the polynomial. */
+static inline uint32_t canwright_crc_reflected(uint32_t crc, uint8_t byte, uint32_t poly)
+{
+    uint32_t next = crc ^ byte;
+    unsigned bit;
+    for (bit = 0u; bit < 8u; bit++) {
+        next = (next >> 1) ^ (((next & 1u) != 0u) ? poly : 0u);
+    }
+    return next;
 }
 
 /** True for the bits of a 32-bit IEEE 754 number that is neither infinity nor NaN. */

@@ -438,8 +438,8 @@ CANWRIGHT_CHECKED constexpr auto encode(::std::uint32_t node, const Message &mes
 {
     using rules = typename Message::rules;
     static_assert(rules::has_node, "the id of the message has no node; pass the message only");
-    using done = result<frame, typename rules::field>;
-    frame to{};
+    using done = result<typename rules::frame, typename rules::field>;
+    typename rules::frame to{};
     typename rules::field rejected{};
     status why = CANWRIGHT_UNKNOWN_NODE;
     if constexpr (detail::check_known<rules, typename rules::parameters, rules::encode_needs_parameters, Rest...>()) {
@@ -454,8 +454,8 @@ CANWRIGHT_CHECKED constexpr auto encode(const Message &message, const Rest &...r
 {
     using rules = typename Message::rules;
     static_assert(!rules::has_node, "the message is for a node; pass its number first");
-    using done = result<frame, typename rules::field>;
-    frame to{};
+    using done = result<typename rules::frame, typename rules::field>;
+    typename rules::frame to{};
     typename rules::field rejected{};
     status why = CANWRIGHT_UNKNOWN_NODE;
     if constexpr (detail::check_known<rules, typename rules::parameters, rules::encode_needs_parameters, Rest...>()) {
@@ -466,7 +466,8 @@ CANWRIGHT_CHECKED constexpr auto encode(const Message &message, const Rest &...r
 
 /** Decodes the frame of one message: `decode(message, frame, parameters)`. The result is the node; 0 without one. */
 template <class Message, class... Rest>
-CANWRIGHT_CHECKED constexpr auto decode(Message &message, const frame &from, const Rest &...rest) noexcept
+CANWRIGHT_CHECKED constexpr auto decode(
+    Message &message, const typename Message::rules::frame &from, const Rest &...rest) noexcept
 {
     using rules = typename Message::rules;
     using done = result<::std::uint32_t, typename rules::field>;

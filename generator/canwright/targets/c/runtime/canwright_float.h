@@ -311,17 +311,25 @@ static inline canwright_status_t canwright_unsigned64_from_double(
 static inline double canwright_quotient_unsigned(uint64_t dividend, uint64_t divisor)
 {
     const uint64_t exact = UINT64_C(1) << 53; /* integers up to this one are doubles */
-    uint64_t whole = dividend / divisor;
-    uint64_t rest = dividend % divisor;
+    uint64_t bits = dividend;
+    uint64_t whole = 0u;
+    uint64_t rest = 0u;
     double unit = 1.0;
+    unsigned left = 64u;
     if ((dividend <= exact) && (divisor <= exact)) {
         return (double)dividend / (double)divisor;
     }
-    while (((whole >> 54) == 0u) && ((whole | rest) != 0u)) { /* 55 bits decide, with one that stands for all below them */
-        rest <<= 1;
+    /* Bit by bit: a small processor has no division of 64 bits, and few raw integers are so large. */
+    while ((left != 0u) || (((whole >> 54) == 0u) && (rest != 0u))) { /* 55 bits decide, with one that stands for all below */
+        rest = (rest << 1) | (bits >> 63);
+        bits <<= 1;
         whole = (whole << 1) | ((rest >= divisor) ? 1u : 0u);
         rest -= (rest >= divisor) ? divisor : 0u;
-        unit *= 0.5;
+        if (left != 0u) {
+            left--;
+        } else {
+            unit *= 0.5;
+        }
     }
     whole |= (rest != 0u) ? 1u : 0u;
     return (double)whole * unit;

@@ -182,26 +182,26 @@ static inline void canwright_print_value_bits64(
     canwright_print_value(printer, &term, linear, decimals);
 }
 
-/** Prints a frame that is rejected, and why: `unknown_code: 141 [2] 99 00`. */
+/** Prints a frame that is rejected, at most `most` bytes of it, and why: `unknown_code: 141 [2] 99 00`. */
 CANWRIGHT_NONNULL
 static inline void canwright_print_rejected(
-    canwright_printer_t *printer, canwright_status_t status, const canwright_frame_t *frame)
+    canwright_printer_t *printer, canwright_status_t status, uint32_t id, uint8_t dlc, const uint8_t *data, uint8_t most)
 {
-    const bool is_extended = (frame->id & CANWRIGHT_EXTENDED) != 0u;
+    const bool is_extended = (id & CANWRIGHT_EXTENDED) != 0u;
     unsigned i;
     canwright_print_text(printer, canwright_status_name(status));
     canwright_print_text(printer, ": ");
-    canwright_print_digits(printer, frame->id & 0x1FFFFFFFu, 16u, is_extended ? 8u : 3u);
+    canwright_print_digits(printer, id & 0x1FFFFFFFu, 16u, is_extended ? 8u : 3u);
     canwright_print_text(printer, " [");
-    canwright_print_unsigned(printer, frame->dlc);
+    canwright_print_unsigned(printer, dlc);
     canwright_print_character(printer, ']');
-    if ((frame->id & CANWRIGHT_REMOTE) != 0u) {
+    if ((id & CANWRIGHT_REMOTE) != 0u) {
         canwright_print_text(printer, " remote");
         return;
     }
-    for (i = 0u; (i < frame->dlc) && (i < CANWRIGHT_MAX_DATA); i++) {
+    for (i = 0u; (i < dlc) && (i < most); i++) {
         canwright_print_character(printer, ' ');
-        canwright_print_digits(printer, frame->data[i], 16u, 2u);
+        canwright_print_digits(printer, data[i], 16u, 2u);
     }
 }
 

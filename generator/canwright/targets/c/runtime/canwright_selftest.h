@@ -46,6 +46,42 @@ typedef enum {
     CANWRIGHT_STEP_REPLY
 } canwright_step_t;
 
+/** Set for a frame that no other message has. */
+#define CANWRIGHT_GOLDEN_UNIQUE 1u
+
+/** Set for a frame that an encoder writes exactly so. */
+#define CANWRIGHT_GOLDEN_ENCODED 2u
+
+/** A message that must be rejected. */
+typedef struct {
+    /** The node. */
+    uint32_t node;
+    /** The message. */
+    uint16_t message;
+    /** The raw integers of its fields. */
+    uint16_t raws;
+    /** The field that must be named; 0 for any. */
+    uint16_t field;
+    /** The parameters of the node. */
+    uint8_t parameters;
+    /** The reason, a canwright_status_t. */
+    uint8_t status;
+} canwright_golden_refusal_t;
+
+/** Copies an entry of a table in flash. */
+CANWRIGHT_NONNULL
+static inline void canwright_flash_read(void *entry, const void *table, size_t index, size_t size)
+{
+    const uint8_t *from = (const uint8_t *)table + index * size;
+    uint8_t *to = (uint8_t *)entry;
+    size_t i;
+    for (i = 0u; i < size; i++) {
+        to[i] = CANWRIGHT_FLASH_BYTE(from + i);
+    }
+}
+
+/* From here on, everything contains frames. */
+
 /** The result of a self-test. Cases are numbered from 1, in the order of the comments in its tables. */
 typedef struct {
     /** Number of cases. */
@@ -67,12 +103,6 @@ typedef struct {
     /** The data bytes. */
     uint8_t data[CANWRIGHT_MAX_DATA];
 } canwright_stored_t;
-
-/** Set for a frame that no other message has. */
-#define CANWRIGHT_GOLDEN_UNIQUE 1u
-
-/** Set for a frame that an encoder writes exactly so. */
-#define CANWRIGHT_GOLDEN_ENCODED 2u
 
 /** A golden frame: the numbers are indices of tables. */
 typedef struct {
@@ -106,22 +136,6 @@ typedef struct {
     uint8_t status;
 } canwright_golden_rejection_t;
 
-/** A message that must be rejected. */
-typedef struct {
-    /** The node. */
-    uint32_t node;
-    /** The message. */
-    uint16_t message;
-    /** The raw integers of its fields. */
-    uint16_t raws;
-    /** The field that must be named; 0 for any. */
-    uint16_t field;
-    /** The parameters of the node. */
-    uint8_t parameters;
-    /** The reason, a canwright_status_t. */
-    uint8_t status;
-} canwright_golden_refusal_t;
-
 /** A request and a later frame. */
 typedef struct {
     /** The request. */
@@ -132,21 +146,11 @@ typedef struct {
     uint8_t request_dlc;
     /** Number of data bytes of the later frame. */
     uint8_t reply_dlc;
+    /** The parameters of the node, if the check needs them. */
+    uint8_t parameters;
     /** CANWRIGHT_OK if the frame is a reply, else the reason. */
     uint8_t status;
 } canwright_golden_exchange_t;
-
-/** Copies an entry of a table in flash. */
-CANWRIGHT_NONNULL
-static inline void canwright_flash_read(void *entry, const void *table, size_t index, size_t size)
-{
-    const uint8_t *from = (const uint8_t *)table + index * size;
-    uint8_t *to = (uint8_t *)entry;
-    size_t i;
-    for (i = 0u; i < size; i++) {
-        to[i] = CANWRIGHT_FLASH_BYTE(from + i);
-    }
-}
 
 /** A stored frame as the functions take it. */
 CANWRIGHT_NONNULL

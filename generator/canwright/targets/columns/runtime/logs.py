@@ -1,7 +1,7 @@
-"""Logs in blocks of frames: text of candump (`-l`, `-L`, with or without `-x`) and BLF.
+"""Logs in blocks of frames: text of candump in all of its formats, and BLF.
 
 Memory does not grow with the log. Lines and objects of one form are read together; other lines one by one. What is no
-data frame of classic CAN is counted and skipped.
+frame with a time is counted and skipped.
 """
 
 from __future__ import annotations
@@ -21,12 +21,13 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from ._candump import MAX_SECONDS, SHORT, RecordedFrame, SkippedPart, read_line
 from ._columns import Array, Direction, Frames, Kind
 
 BLOCK = 1 << 21
 """The number of bytes of text that are read at once."""
 MAX_LINE = 4096
-"""The maximum number of bytes of a line that continues in the next block. Longer lines are no data frames."""
+"""The maximum number of bytes of a line that continues in the next block. Longer lines are no frames."""
 
 
 class Mark(IntEnum):
@@ -77,7 +78,7 @@ class Log:
             end = text.rfind(b"\n") + 1
             text, rest = text[:end], text[end:]
             if len(rest) > MAX_LINE:
-                self.skipped["lines of no data frame"] += 1
+                self.skipped[SkippedPart.MALFORMED.value] += 1
                 rest, is_overlong = b"", True
             if text:
                 yield _Text(text, self).frames()
@@ -85,12 +86,7 @@ class Log:
             yield _Text(rest, self).frames()
 
 
-_LINE = re.compile(
-    rb"\((?P<seconds>\d{1,10})\.(?P<fraction>\d{1,9})\) +(?P<bus>[^\s#]+) +(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#"
-    rb"(?P<data>(?:[0-9A-Fa-f]{2}){0,8}|[Rr]\d?)(?: +(?P<mark>[RT]))?\s*"
-)
-_MARKS = {b"R": Mark.RECEIVED, b"T": Mark.SENT, None: Mark.NONE}
-_ERROR_BIT = 0x20000000
+_MARKS = {False: Mark.RECEIVED, True: Mark.SENT, None: Mark.NONE}
 _FORMS = 16
 """So many forms of lines of one length are read together; lines of further forms are read one by one."""
 _INVALID = 0xFFFF
@@ -127,9 +123,11 @@ class _Text:
             id=np.zeros(count, np.uint32),
             kind=np.zeros(count, np.uint8),
             length=np.zeros(count, np.uint8),
-            data=np.zeros(count, "<u8"),
+            data=np.zeros(0, "<u8"),
             direction=np.zeros(count, np.uint8),
         )
+        self._words = np.zeros((count, 1), "<u8")
+        """The data; more columns where a frame has more than 8 bytes."""
         self._valid = np.zeros(count, np.bool_)
 
     def frames(self) -> Frames:
@@ -142,52 +140,57 @@ class _Text:
                 rows = self._read_alike(rows, length)
             for row in rows.tolist():
                 self._read_line(row)
-        return self._found if self._valid.all() else self._found.take(self._valid)
+        found = replace(self._found, data=self._words if self._words.shape[1] > 1 else self._words[:, 0])
+        return found if self._valid.all() else found.take(self._valid)
 
-    def _line(self, row: int) -> bytes:
+    def _room(self, length: int) -> int:
+        """The integers of 64 bits for so many bytes, of which there is one for each frame."""
+        words = max(1, -(-length // 8))
+        if words > self._words.shape[1]:
+            self._words = np.pad(self._words, ((0, 0), (0, words - self._words.shape[1])))
+        return words
+
+    def _line(self, row: int) -> str:
+        """A line with its end."""
         start = int(self._starts[row])
-        return self._text[start : start + int(self._lengths[row])]
+        return self._text[start : start + int(self._lengths[row]) + 1].decode("utf-8", "replace")
 
     def _read_alike(self, rows: Array, length: int) -> Array:
         """Reads the first of some lines of one length, and all with its form and bus; returns the other lines."""
         first = int(rows[0])
-        form = _LINE.fullmatch(self._line(first))
-        if form is None or form["data"][:1] in (b"R", b"r") or len(form["id"]) == 8 or rows.size < 4:
+        line = self._line(first)
+        form, recorded = SHORT.fullmatch(line.rstrip()), read_line(line)
+        if form is None or not isinstance(recorded, RecordedFrame) or not _is_regular(form) or rows.size < 4:
             self._read_line(first)
             return rows[1:]
+        point, end = form["time"].index(".") + form.start("time"), form.end("time")
+        digits = [(form.start("time"), point), (point + 1, end), form.span("id"), form.span("data")]
         lines = self._matrix(rows, length)
-        fixed = np.array(
-            [
-                i
-                for i in range(length)
-                if not any(form.start(g) <= i < form.end(g) for g in ("seconds", "fraction", "id", "data"))
-            ],
-            np.intp,
-        )
-        same = lines[:, fixed] == np.frombuffer(self._line(first), np.uint8)[fixed]
+        fixed = np.setdiff1d(np.arange(length), np.concatenate([np.arange(*span) for span in digits]))
+        same = lines[:, fixed] == np.frombuffer(line.encode(), np.uint8)[fixed]
         others = rows[:0]
         if not same.all():
             alike = same.all(axis=1)
             others, rows, lines = rows[~alike], rows[alike], lines[alike]
-        seconds, valid = _number(lines[:, form.start("seconds") : form.end("seconds")])
-        fraction, valid_fraction = _number(lines[:, form.start("fraction") : form.end("fraction")])
-        valid &= valid_fraction
-        digits = form.end("fraction") - form.start("fraction")
+        columns = [lines[:, start:stop] for start, stop in digits]
+        (seconds, valid), (fraction, valid_fraction) = map(_number, columns[:2])
+        valid &= valid_fraction & (seconds <= MAX_SECONDS)
         padded = np.full((rows.size, 4), ord("0"), np.uint8)
-        padded[:, 1:] = lines[:, form.start("id") : form.end("id")]
+        padded[:, 1:] = columns[2]
         ids = _HEX.take(padded.view("<u2"))
-        data = _HEX.take(np.ascontiguousarray(lines[:, form.start("data") : form.end("data")]).view("<u2"))
+        data = _HEX.take(np.ascontiguousarray(columns[3]).view("<u2"))
         valid &= _valid(ids) & _valid(data)
-        octets = np.zeros((rows.size, 8), np.uint8)
+        words = self._room(data.shape[1])
+        octets = np.zeros((rows.size, 8 * words), np.uint8)
         octets[:, : data.shape[1]] = data
         found = self._found
         at = slice(None) if rows.size == found.id.size else rows
-        found.time[at] = seconds * 1_000_000_000 + fraction * 10 ** (9 - digits)
-        found.bus[at] = self._log.bus(form["bus"].decode("ascii", "replace"))
+        found.time[at] = seconds * 1_000_000_000 + fraction * 10 ** (10 - end + point)
+        found.bus[at] = self._log.bus(recorded.bus)
         found.id[at] = ids[:, 0].astype(np.uint32) << 8 | ids[:, 1]
         found.length[at] = data.shape[1]
-        found.data[at] = octets.view("<u8")[:, 0]
-        found.direction[at] = _MARKS[form["mark"]]
+        self._words[at, :words] = octets.view("<u8")
+        found.direction[at] = _MARKS[recorded.is_sent]
         self._valid[at] = valid
         if not valid.all():
             for row in rows[~valid].tolist():
@@ -202,26 +205,29 @@ class _Text:
         return windows[self._starts[rows]]
 
     def _read_line(self, row: int) -> None:
-        line = self._line(row)
-        form = _LINE.fullmatch(line)
-        if form is None:
-            if line.strip():
-                self._log.skipped["lines of no data frame"] += 1
-            return
-        found, id_ = self._found, int(form["id"], 16)
-        if id_ & _ERROR_BIT:
-            self._log.skipped["error frames"] += 1
-            return
-        is_remote = form["data"][:1] in (b"R", b"r")
-        data = b"" if is_remote else bytes.fromhex(form["data"].decode("ascii"))
-        found.time[row] = int(form["seconds"]) * 1_000_000_000 + int(form["fraction"].ljust(9, b"0"))
-        found.bus[row] = self._log.bus(form["bus"].decode("ascii", "replace"))
-        found.id[row] = id_
-        found.kind[row] = Kind.EXTENDED * (len(form["id"]) == 8) | Kind.REMOTE * is_remote
-        found.length[row] = len(data)
-        found.data[row] = int.from_bytes(data, "little")
-        found.direction[row] = _MARKS[form["mark"]]
-        self._valid[row] = True
+        recorded, found = read_line(self._line(row)), self._found
+        if isinstance(recorded, SkippedPart):
+            self._log.skipped[recorded.value] += 1
+        elif recorded.time is None:
+            self._log.skipped["frames without a time"] += 1
+        else:
+            found.time[row] = recorded.time
+            found.bus[row] = self._log.bus(recorded.bus)
+            found.id[row] = recorded.id
+            found.kind[row] = Kind.EXTENDED * recorded.extended | Kind.REMOTE * recorded.remote
+            found.length[row] = len(recorded.data)
+            words = self._room(len(recorded.data))
+            self._words[row, :words] = np.frombuffer(recorded.data.ljust(8 * words, b"\0"), "<u8")
+            found.direction[row] = _MARKS[recorded.is_sent]
+            self._valid[row] = True
+
+
+def _is_regular(form: re.Match[str]) -> bool:
+    """Whether the digits of a line can be read in columns: ASCII, an 11-bit id, pairs of digits, and seconds with a fraction."""
+    seconds, _, fraction = (form["time"] or "").partition(".")
+    is_time = seconds.isdigit() and len(seconds) <= 10 and fraction.isdigit() and len(fraction) <= 9
+    is_data = len(form["id"]) == 3 and not set(form["data"]) & set(".Rr")
+    return is_time and is_data and form.string.isascii()
 
 
 def _number(digits: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -245,7 +251,9 @@ def _valid(pairs: Array) -> NDArray[np.bool_]:
 _OBJECT = struct.Struct("<4sHHLL")
 """Signature, size of the header, its version, size of the object, its type."""
 _FILE_HEADER = struct.Struct("<4sL32x8H")
-_MESSAGES = (1, 86)
+_LEAST_SIZES = {1: 48, 86: 48, 100: 116, 101: 72}
+"""The sizes of objects with a message by their type: of classic CAN, and two of CAN FD, the last of which ends with its data."""
+_FD_MESSAGE, _FD_MESSAGE_64 = 100, 101
 _CONTAINER = 10
 _TEN_MICROSECONDS = 1
 _RECORD = [
@@ -254,10 +262,24 @@ _RECORD = [
     *(("channel", "<u2"), ("state", "u1"), ("length", "u1"), ("id", "<u4"), ("data", "<u8")),
 ]
 """A CAN message with a header of version 1; one of type 86 has 8 bytes more."""
-_RECORD_SIZE = 48
+_FD_CONTENT = {
+    _FD_MESSAGE: {"channel": ("<u2", 32), "state": ("u1", 34), "length": ("u1", 46), "id": ("<u4", 36)},
+    _FD_MESSAGE_64: {
+        "channel": ("u1", 32),
+        "state": ("u1", 66),
+        "length": ("u1", 34),
+        "id": ("<u4", 36),
+        "fd": ("<u4", 44),
+    },
+}
+"""The format and the position of the parts of a CAN FD message that differ from those of `_RECORD`."""
+_FD_DATA = {_FD_MESSAGE: 52, _FD_MESSAGE_64: 72}
+_MOST_BYTES = 64
 _BYTES = 3 << 20
 """So many bytes of the objects of a BLF log are read at once, or one container more."""
 _EXTENDED, _REMOTE, _SENT = 0x80000000, 0x80, 0x01
+_FD_REMOTE = 0x10
+"""Set in the flags of a remote frame in an object of the type 101."""
 
 
 class _Blf:
@@ -292,20 +314,22 @@ class _Blf:
 
     def _objects(self, objects: bytes) -> Generator[Frames, None, bytes]:
         """The frames of some objects, at most one block; returns the bytes of the last object if it is not complete."""
-        runs: list[Array] = []
+        runs: list[tuple[int, Array]] = []
         position = 0
         while True:
             found = objects.find(b"LOBJ", position, position + 12)
             if found < 0 or found + _OBJECT.size > len(objects):
                 break
-            run, following = self._run(objects, found)
+            kind, run, following = self._run(objects, found)
             if following > len(objects):
                 break
             position = following
             if run is not None:
-                runs.append(run)
-        if runs:
-            yield self._frames(runs[0] if len(runs) == 1 else np.concatenate([run[_USED] for run in runs]))
+                runs.append((kind, run))
+        if any(kind in _FD_CONTENT for kind, _ in runs):
+            yield self._frames(np.concatenate([_wide(run, kind) for kind, run in runs]))
+        elif runs:
+            yield self._frames(runs[0][1] if len(runs) == 1 else np.concatenate([run[_USED] for _, run in runs]))
         return objects[position:]
 
     def _containers(self) -> Iterator[bytes]:
@@ -332,28 +356,30 @@ class _Blf:
             except zlib.error:
                 self._log.skipped["damaged containers"] += 1
 
-    def _run(self, objects: bytes, position: int) -> tuple[Array | None, int]:
-        """The messages from a position on that have the same form, and the position behind them."""
+    def _run(self, objects: bytes, position: int) -> tuple[int, Array | None, int]:
+        """The messages from a position on that have the same form, their type, and the position behind them."""
         _, _, version, size, kind = _OBJECT.unpack_from(objects, position)
         if size < _OBJECT.size:
             raise ValueError("the BLF log has an object without a size")
-        if kind not in _MESSAGES or version != 1 or size < _RECORD_SIZE or size % 4:
+        is_fd = kind in _FD_CONTENT
+        if version != 1 or size < _LEAST_SIZES.get(kind, size + 1) or (size % 4 and not is_fd):
             self._log.skipped[f"objects of type {kind}"] += 1
-            return None, position + size
-        most = (len(objects) - position) // size
+            return kind, None, position + size
+        most = min((len(objects) - position) // size, 1 if size % 4 else len(objects))
         if not most:
-            return None, position + size
-        dtype = _dtype(size)
+            return kind, None, position + size
+        dtype = _fd_dtype(kind, size) if is_fd else _dtype(size)
         records = np.frombuffer(objects, dtype, most, position)
         same = (records["signature"] == b"LOBJ") & (records["type"] == kind)
         same &= (records["size"] == size) & (records["version"] == 1)
         count = most if same.all() else int(np.argmin(same))
-        return records[:count], position + count * size
+        return kind, records[:count], position + count * size
 
     def _frames(self, found: Array) -> Frames:
-        is_valid = found["length"] <= 8
+        is_wide = found["data"].ndim > 1
+        is_valid = found["length"] <= (_MOST_BYTES if is_wide else 8)
         if not is_valid.all():
-            self._log.skipped["messages with more than 8 bytes"] += int(np.count_nonzero(~is_valid))
+            self._log.skipped["messages with too many bytes"] += int(np.count_nonzero(~is_valid))
             found = found[is_valid]
         ten = found["flags"] == _TEN_MICROSECONDS
         time = found["time"].astype(np.int64)
@@ -371,7 +397,7 @@ class _Blf:
             id=(found["id"] & 0x1FFFFFFF).astype(np.uint32),
             kind=(extended * np.uint8(Kind.EXTENDED)) | (remote * np.uint8(Kind.REMOTE)),
             length=lengths,
-            data=found["data"] & _USED_BITS[lengths],
+            data=np.ascontiguousarray(found["data"]) if is_wide else found["data"] & _USED_BITS[lengths],
             direction=np.where(found["state"] & _SENT, np.uint8(Mark.SENT), np.uint8(Mark.RECEIVED)),
         )
 
@@ -389,3 +415,45 @@ def _dtype(size: int) -> np.dtype[Any]:
     layout: Any = {"names": record.names, "formats": formats, "offsets": offsets, "itemsize": size}
     dtype: np.dtype[Any] = np.dtype(layout)
     return dtype
+
+
+_WIDE = np.dtype(
+    [
+        *(("flags", "<u4"), ("time", "<u8"), ("channel", "<u2"), ("state", "u1"), ("length", "u1")),
+        *(("id", "<u4"), ("data", "<u8", _MOST_BYTES // 8)),
+    ]
+)
+"""A message with room for the data of CAN FD."""
+
+
+def _fd_dtype(kind: int, size: int) -> np.dtype[Any]:
+    """A message of CAN FD in an object of any size."""
+    record = np.dtype(_RECORD)
+    assert record.fields is not None
+    start = ("signature", "header", "version", "size", "type", "flags", "client", "object", "time")
+    fields: dict[str, tuple[Any, int]] = {name: (record.fields[name][0], record.fields[name][1]) for name in start}
+    fields |= _FD_CONTENT[kind]
+    fields["data"] = (("u1", (min(size - _FD_DATA[kind], _MOST_BYTES),)), _FD_DATA[kind])
+    formats, offsets = zip(*fields.values(), strict=True)
+    layout: Any = {"names": [*fields], "formats": formats, "offsets": offsets, "itemsize": size}
+    dtype: np.dtype[Any] = np.dtype(layout)
+    return dtype
+
+
+def _wide(found: Array, kind: int) -> Array:
+    """Messages of one type with room for the data of CAN FD; bytes that are not used are 0."""
+    wide = np.zeros(found.size, _WIDE)
+    for name in ("flags", "time", "channel", "state", "id"):
+        wide[name] = found[name]
+    length, data = found["length"], found["data"]
+    if kind == _FD_MESSAGE_64:
+        wide["state"] |= np.where(found["fd"] & _FD_REMOTE, np.uint8(_REMOTE), np.uint8(0))
+    elif kind not in _FD_CONTENT:
+        length = np.where(length <= 8, length, np.uint8(0xFF))
+        data = np.ascontiguousarray(data).view(np.uint8).reshape(-1, 8)
+    wide["length"] = length
+    octets = np.zeros((found.size, _MOST_BYTES), np.uint8)
+    octets[:, : data.shape[1]] = data
+    octets[np.arange(_MOST_BYTES) >= np.where(wide["state"] & _REMOTE, 0, length)[:, None]] = 0
+    wide["data"] = octets.view("<u8")
+    return wide

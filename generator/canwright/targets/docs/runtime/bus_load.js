@@ -4,9 +4,13 @@
 /**
  * The load in percent, the time to send every command once in ms, and the highest rate of that in Hz, with as many stuff
  * bits as there can be. `rows` have a command and a rate; a command is sent once to each node, or once to all of them.
+ * `cyclic` are frames that are sent without a request, each with its period.
  */
-function busLoad(rows, nodes, kbps, replyMs) {
+function busLoad(rows, nodes, kbps, replyMs, cyclic) {
   let load = 0;
+  for (const { bits, everyMs, perNode } of cyclic) {
+    load += ((perNode ? nodes : 1) * bits[1] * 100) / (kbps * everyMs);
+  }
   let cycleMs = 0;
   for (const { command, rateHz } of rows) {
     const times = command.perNode ? nodes : 1;
@@ -37,7 +41,10 @@ function start(data) {
       Math.max(1, Number(field("nodes").value)),
       one.rates[Number(field("bitrate").value)],
       Number(field("reply").value),
+      one.cyclic,
     );
+    field("cyclic").hidden = one.cyclic.length === 0;
+    field("cyclic").lastElementChild.textContent = one.cyclic.map((frame) => frame.name + " · " + frame.everyMs + " ms").join(", ");
     field("load").textContent = found.load.toFixed(1) + " %";
     field("cycle").textContent = found.cycleMs.toFixed(3) + " ms";
     field("maximum").textContent = found.maximumHz.toFixed(0) + " Hz";

@@ -46,7 +46,7 @@ canwright.code = (() => {
       lines.push(`const ${name}_t message = {${fields.join(", ")}};`);
     }
     const rest = [message.nodes ? `${decoded.node}u` : [], fields.length ? "&message" : [], needsParameters ? "&parameters" : []];
-    lines.push("canwright_frame_t frame;", `const canwright_status_t status = ${name}_encode(${["&frame", ...rest.flat()].join(", ")});`);
+    lines.push(`${names.frame} frame;`, `const canwright_status_t status = ${name}_encode(${["&frame", ...rest.flat()].join(", ")});`);
     return lines.join("\n");
   }
 
@@ -62,7 +62,7 @@ canwright.code = (() => {
     const enums = new Map(message.fields.map((field, i) => [field.name, names.types?.[texts.layouts[message.layout][i].type]]));
     const items = message.nodes ? [`node=${decoded.node}`] : []; // otherwise a field contains it
     for (const { name: field, raw, value } of decoded.fields) {
-      const argument = hasValues ? pythonValue(value, enums.get(field), Array.isArray(raw), imports) : pythonNumber(raw);
+      const argument = hasValues ? pythonValue(value, enums.get(field), Array.isArray(raw) && Array.isArray(value), imports) : pythonNumber(raw);
       items.push(`${own(names.fields, field) ?? field}=${argument}`);
     }
     const given = named(parameters, names);
@@ -93,11 +93,11 @@ canwright.code = (() => {
   }
 
   function pythonValue(value, enumeration, isArray, imports) {
-    if (isArray) {
+    if (isArray && Array.isArray(value)) {
       return `[${value.map((element) => pythonValue(element, enumeration, false, imports)).join(", ")}]`;
     }
     if (!enumeration) {
-      return pythonNumber(value);
+      return typeof value === "string" ? JSON.stringify(value) : pythonNumber(value);
     }
     imports.add(enumeration.type);
     const members = [value].flat().map((name) => enumeration.members[name]);

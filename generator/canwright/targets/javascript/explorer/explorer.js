@@ -4,9 +4,11 @@
 (() => {
   const { frames, meaning, code } = canwright;
   const PAGE = 100; // frames of a log that are shown at once
-  const NAMES = ["frame", "edition", "direction", "command", "lang"]; // in the address, beside the parameters
+  const GROUP = 5; // of them, between which the page answers
+  const PART = 2 ** 14; // bytes of a log that are read at once
+  const NAMES = ["frame", "edition", "direction", "command", "compare", "lang"]; // in the address, beside the parameters
   const PREFIX = "parameter."; // of the parameters in the address, so that they can have these names too
-  const state = { frame: "", edition: "", direction: "", command: "", lang: "", parameters: {} };
+  const state = { frame: "", edition: "", direction: "", command: "", compare: "", lang: "", parameters: {} };
   let interpretations = [];
   let chosen = null;
   let field = "";
@@ -120,6 +122,8 @@
     state.edition = meaning.label(edition);
     if (direction) {
       Object.assign(state, { direction, command });
+      Object.assign(state.parameters, meaning.needed(edition, direction, command, state.parameters));
+      showParameters();
       use(meaning.blank(edition, direction, command, state.parameters));
     } else {
       state.command = "";
@@ -134,36 +138,92 @@
     update();
   }
 
-  function openLog(file) {
-    file.text().then((content) => {
-      log = { ...frames.parseLog(content), start: 0, name: file.name };
-      showLog();
-      if (log.frames.length) {
-        use(log.frames[0]);
-      }
-    });
+  /** Lets the page answer. */
+  function pause() {
+    return new Promise((resolve) => setTimeout(resolve));
   }
 
-  function showLog() {
-    const { frames: all, skipped, start, name } = log;
-    at("log").hidden = !name;
-    if (!name) {
-      return;
+  /** Reads a log in parts, between which the page answers. The file that was opened last is shown. */
+  async function openLog(file, parseOne = frames.parseLine) {
+    const opened = { frames: [], skipped: 0, start: 0, name: file.name, percent: 0 };
+    const decoder = new TextDecoder();
+    let rest = "";
+    log = opened;
+    for (let end = PART; opened.percent < 100; end += PART) {
+      const bytes = await file.slice(end - PART, end).arrayBuffer();
+      if (log !== opened) {
+        return;
+      }
+      opened.percent = end < file.size ? Math.floor((100 * end) / file.size) : 100;
+      const lines = (rest + decoder.decode(bytes, { stream: end < file.size })).split(/\r?\n/);
+      rest = end < file.size ? lines.pop() : "";
+      const before = opened.frames.length;
+      opened.skipped += frames.parseLines(lines, opened.frames, parseOne);
+      if (before < PAGE || opened.percent === 100) {
+        showLog(); // the rows of a page stay as they are
+      } else {
+        showProgress();
+      }
+      if (before === 0 && opened.frames.length) {
+        await pause();
+        if (log === opened) {
+          use(opened.frames[0]);
+        }
+      }
     }
-    at("log-summary").textContent = say("log_summary", name, all.length, skipped) + (all.length ? "" : ` ${say("other_log")}`);
-    const rows = all.slice(start, start + PAGE).map((frame) => {
-      const shown = frames.format(frame);
-      const [best] = meaning.interpret(frame, state.parameters);
-      const button = make("button", { type: "button" }, shown);
-      button.addEventListener("click", () => use(frame));
-      const mark = frame.sent === null ? "" : say(frame.sent ? "sent" : "received");
-      const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : say("no_message");
-      return make("tr", {}, make("td", {}, frame.time), make("td", {}, mark), make("td", {}, button), make("td", {}, what));
-    });
-    at("log-rows").replaceChildren(...rows);
+  }
+
+  /** Shows lines that were pasted: a log, or else one frame on several lines. */
+  function openText(content) {
+    const lines = content.trim().split(/\r?\n/);
+    if (lines.length > 1 && lines.some(frames.parsePasted)) {
+      openLog(new File([content], say("clipboard")), frames.parsePasted);
+    } else {
+      Object.assign(state, { frame: lines.join(" "), direction: "", command: "" });
+      at("frame").value = state.frame;
+      update();
+    }
+  }
+
+  function showProgress() {
+    const { frames: all, skipped, start, name, percent } = log;
+    const isOther = percent === 100 && !all.length;
+    const progress = percent < 100 ? ` ${say("log_read", percent)}` : "";
+    at("log-summary").textContent = say("log_summary", name, all.length, skipped) + progress + (isOther ? ` ${say("other_log")}` : "");
     at("log-position").textContent = all.length ? `${start + 1}–${Math.min(start + PAGE, all.length)} / ${all.length}` : "";
     at("log-previous").disabled = start === 0;
     at("log-next").disabled = start + PAGE >= all.length;
+  }
+
+  function showLog() {
+    at("log").hidden = !log.name;
+    if (log.name) {
+      showProgress();
+      showRows();
+    }
+  }
+
+  /** Lists the frames of a page in groups, between which the page answers, until another page takes its place. */
+  async function showRows() {
+    const shown = log.frames.slice(log.start, log.start + PAGE);
+    const rows = make("tbody", { id: "log-rows" });
+    at("log-rows").replaceWith(rows);
+    for (let i = 0; i < shown.length; i += GROUP) {
+      await pause();
+      if (!rows.isConnected) {
+        return;
+      }
+      rows.append(...shown.slice(i, i + GROUP).map(row));
+    }
+  }
+
+  function row(frame) {
+    const [best] = meaning.interpret(frame, state.parameters, state.edition);
+    const button = make("button", { type: "button" }, frames.format(frame));
+    button.addEventListener("click", () => use(frame));
+    const mark = frame.sent === null ? "" : say(frame.sent ? "sent" : "received");
+    const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : say("no_message");
+    return make("tr", {}, make("td", {}, frame.time), make("td", {}, mark), make("td", {}, button), make("td", {}, what));
   }
 
   function turn(step) {
@@ -183,28 +243,35 @@
   }
 
   function update() {
-    const line = state.frame.trim();
-    const frame = line ? frames.parseLine(line) : null;
-    interpretations = frame ? meaning.interpret(frame, state.parameters) : [];
+    const { frame = null, problem = null } = state.frame.trim() ? frames.parse(state.frame) : {};
+    interpretations = frame ? meaning.interpret(frame, state.parameters, state.edition) : [];
     chosen = interpretations.find(isPreferred) ?? interpretations[0] ?? null;
     showInvalid();
-    at("problem").textContent = line && !frame ? say("no_frame") : frame && !interpretations.length ? reasons(frame) : "";
-    at("frame").setAttribute("aria-invalid", String(Boolean(line && !frame)));
+    at("problem").textContent = problem ? explained(problem) : frame && !interpretations.length ? reasons(frame) : "";
+    at("frame").setAttribute("aria-invalid", String(problem !== null));
+    at("no-id").hidden = frame === null || frame.id !== null;
     show();
   }
 
-  /** Why no message fits, by the codec of the newest edition. */
+  /** What is wrong in the text, with its column. */
+  function explained([label, column, ...values]) {
+    return column === undefined ? say(label) : say("column", column, say(label, ...values));
+  }
+
+  /** Why no message fits, by the codec of the chosen edition or the newest one. */
   function reasons(frame) {
-    const texts = meaning.editions.slice(0, 1).flatMap(({ codec }) =>
-      [codec.decodeRequest, codec.decodeReply].map((decode) => {
-        try {
-          decode(frame);
-          return "";
-        } catch (error) {
-          return error.message;
-        }
-      }),
-    );
+    const { codec } = meaning.find(state.edition) ?? meaning.editions[0];
+    if (frame.id === null) {
+      return say("no_message");
+    }
+    const texts = [codec.decodeRequest, codec.decodeReply].map((decode) => {
+      try {
+        decode(frame);
+        return "";
+      } catch (error) {
+        return error.message;
+      }
+    });
     return `${say("no_message")} (${texts.filter(Boolean).join("; ")})`;
   }
 
@@ -226,6 +293,7 @@
       showChosen();
       showBits();
       showFields();
+      showComparison();
       showCode();
     }
   }
@@ -264,7 +332,10 @@
   }
 
   /** A value with its unit; the raw integer if there is none. */
-  function shown({ raw, value, unit, reason }) {
+  function shown({ raw, value, unit, reason, noValue }) {
+    if (typeof noValue === "string") {
+      return noValue;
+    }
     return reason === null ? inUnit(value, unit) : `${say("raw")} ${listed(raw)}`;
   }
 
@@ -277,9 +348,14 @@
   }
 
   function showChosen() {
-    const { edition, decoded } = chosen;
+    const { edition, decoded, message } = chosen;
     at("chosen-title").textContent = titleOf(chosen);
-    at("chosen-facts").textContent = [decoded.command, say(decoded.direction), meaning.label(edition)].join(" · ");
+    const timing = meaning.timing(message).map((fact) => say(...fact));
+    at("chosen-facts").textContent = [decoded.command, say(decoded.direction), meaning.label(edition), ...timing].join(" · ");
+    const { pages } = document.documentElement.dataset; // the folder of the documents; the site has one
+    const { languages } = edition.texts;
+    at("page").hidden = !pages;
+    at("page").href = pages && `${pages}${languages.includes(state.lang) ? state.lang : languages[0]}/${meaning.page(chosen)}`;
     const effects = Object.entries(edition.texts.commands[decoded.command].effects ?? {});
     const items = effects.filter(([, exemptions]) => decoded.direction === "request" && !isExempt(exemptions));
     at("effects").replaceChildren(
@@ -430,7 +506,7 @@
     const by = (list) => list.map(([names, what]) => `${what ?? say("not_given")}${names ? ` (${names})` : ""}`).join(", ");
     const parts = [place(description)];
     if (reason) {
-      parts.push(missing.length ? needed(edition, missing) : say(reason));
+      parts.push(missing.length && reason !== "no_value" ? needed(edition, missing) : say(reason));
     }
     if (texts.resolution) {
       parts.push(`${say("resolution")} ${by(texts.resolution)}`);
@@ -476,11 +552,16 @@
         ...result.value.filter((bits) => typeof bits !== "string").map((bits) => `${say("no_name")}: 0x${frames.hex(bits, 2)}`),
       );
     }
+    if (typeof result.noValue === "string" && !result.cases.length) {
+      return make("span", {}, text(texts.members?.[result.noValue], result.noValue));
+    }
     if (result.reason !== null) {
       return make("span", {}, ...(result.cases.length ? result.cases.map((each) => caseLine(each, result)) : ["–"]));
     }
+    const isList = isArray && Array.isArray(result.value);
     const input = make("input", { ariaLabel: label, value: [result.value].flat().join(" "), size: 12 });
-    input.addEventListener("change", () => enter(result.name, { value: numbers(input.value, isArray, Number) }));
+    const entered = () => (typeof result.value === "string" ? input.value : numbers(input.value, isList, Number));
+    input.addEventListener("change", () => enter(result.name, { value: entered() }));
     return make("span", {}, input, result.unit ? ` ${result.unit}` : "");
   }
 
@@ -529,9 +610,54 @@
     }
   }
 
+  // Comparison
+
+  /** The same frame in another edition, field by field. */
+  function showComparison() {
+    const others = meaning.editions.filter((edition) => edition !== chosen.edition);
+    const second = others.find((edition) => meaning.label(edition) === state.compare);
+    const options = others.map((edition) => make("option", { value: meaning.label(edition) }, meaning.label(edition)));
+    at("compare-box").hidden = !others.length;
+    at("compare").replaceChildren(make("option", { value: "" }, say("no_edition")), ...options);
+    at("compare").value = second ? state.compare : "";
+    at("compared").hidden = !second;
+    if (second) {
+      const likeness = ({ decoded }) => (decoded.direction === chosen.decoded.direction ? 2 : 0) + (decoded.command === chosen.decoded.command ? 1 : 0);
+      const fitting = interpretations.filter(({ edition }) => edition === second);
+      const [same = null] = [...fitting].sort((left, right) => likeness(right) - likeness(left));
+      compare([chosen, same], [chosen.edition, second]);
+    }
+  }
+
+  function compare(pair, editions) {
+    const names = new Set(pair.flatMap((each) => each?.decoded.fields.map(({ name }) => name) ?? []));
+    const messages = pair.map((each) => (each ? `${titleOf(each)} · ${say(each.decoded.direction)}` : say("no_message")));
+    const rows = [...names].map((name) => [name, ...pair.map((each) => contentOf(each, name))]);
+    at("compare-head").replaceChildren(...[say("field"), ...editions.map(meaning.label)].map((title) => make("th", { scope: "col" }, title)));
+    at("compare-rows").replaceChildren(
+      ...[[say("message"), ...messages], ...rows].map(([name, left, right]) => {
+        const header = make("th", { scope: "row" }, left === right ? name : `${name} ≠`);
+        return make("tr", { className: left === right ? "" : "differs" }, header, make("td", {}, left), make("td", {}, right));
+      }),
+    );
+  }
+
+  /** The value of a field with its position, resolution and range; a dash without it. */
+  function contentOf(interpretation, name) {
+    const result = interpretation?.decoded.fields.find((field) => field.name === name);
+    if (!result) {
+      return "–";
+    }
+    const { edition, message } = interpretation;
+    const position = message.fields.findIndex((field) => field.name === name);
+    const { type } = edition.texts.layouts[message.layout][position];
+    return `${shown(result)} · ${facts(message.fields[position], edition, edition.texts.types[type], result)}`;
+  }
+
   // Code
 
   function showCode() {
+    at("link").textContent = location.href;
     at("bytes").textContent = chosen.decoded.frame.data.map((byte) => frames.hex(byte, 2)).join(" ");
     at("cansend").textContent = code.cansend(chosen);
     const obstacle = code.obstacle(chosen);
@@ -581,8 +707,12 @@
     const content = event.clipboardData.getData("text");
     if (content.trim().includes("\n")) {
       event.preventDefault();
-      openLog(new File([content], say("clipboard")));
+      openText(content);
     }
+  });
+  at("compare").addEventListener("change", () => {
+    state.compare = at("compare").value;
+    show();
   });
   at("edition").addEventListener("change", () => {
     state.edition = at("edition").value;
@@ -592,7 +722,7 @@
   at("message").addEventListener("change", compose);
   at("open").addEventListener("click", () => at("file").click());
   at("file").addEventListener("change", () => {
-    [...at("file").files].forEach(openLog);
+    [...at("file").files].forEach((file) => openLog(file));
     at("file").value = ""; // so that the same file can be opened again
   });
   at("node").addEventListener("change", () => enter("", { node: Number(at("node").value || NaN) }));
@@ -618,7 +748,7 @@
     if (file) {
       openLog(file);
     } else if (content) {
-      openLog(new File([content], say("clipboard")));
+      openText(content);
     }
   });
   window.addEventListener("hashchange", start);

@@ -1,23 +1,49 @@
 "use strict";
 
-/** Reads frames from texts: lines of cansend, candump, ASC and their logs, or id and bytes; writes them as cansend does. */
+/** Reads frames from texts: lines of cansend, candump, ASC and their logs, or what people paste; writes them as cansend does. */
 canwright.frames = (() => {
-  const CANSEND = /(?:^|\s)(?:0x)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(R\d?|[0-9A-Fa-f.]*)(?=\s|$)/;
+  const CANSEND = /(?:^|\s)(?:0x)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s*#(?:#[0-9A-Fa-f])?\s*(R\d?|(?:[0-9A-Fa-f]{2}[\s.]*)*)(?=\s|$)/;
   const CANDUMP = /(?:^|\s)([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s+\[(\d+)\]\s*(remote request|(?:[0-9A-Fa-f]{2}(?:\s+|$))*)/i;
   const ASC = /^\s*(\d+\.\d+)\s+\w+\s+([0-9A-Fa-f]{1,8})(x?)\s+(Rx|Tx)\s+(?:(r)|d\s+([0-9A-Fa-f])((?:\s+[0-9A-Fa-f]{2})*))(?=\s|$)/;
   const BYTES = /^\s*(?:0x)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})[\s,;:]+((?:(?:0x)?(?:[0-9A-Fa-f]{2})+[\s,;]*)+)$/i;
   const MARK = /(?:^|\s)(TX|RX|T|R)(?=\s|$)/;
   const TIME = /^\s*\(([^)]*)\)/;
+  const FD_LENGTHS = [12, 16, 20, 24, 32, 48, 64];
+
+  // Notations that people paste
+  const WIDE = /[\uff01-\uff5e]/g; // full-width characters
+  const DUMP = /^\s*(?:0{4,8}:?|[0-9A-F]{4,8}(?=.*\|))\s+((?:[0-9A-F]{2} {0,2})+)(?:\s*\|.*|\s{2,}\S.{0,16})?$/i;
+  const LIST = /[{[]([^{}[\]]*[^{}[\]\d\s][^{}[\]]*)[}\]]/; // of C, Python or JSON; `[8]` is a length
+  const ID_LABEL = /(?:^|[^a-z])(?:id|标识符)["']?\s*[:=]?\s*["']?(?:0x)?([0-9a-f]+)h?(?![0-9a-z_])/di;
+  const LENGTH_LABEL = /(?:^|[^a-z])(?:dlc|dl|len|length|长度)["']?\s*[:=]?\s*(\d+)/di;
+  const DATA_LABEL = /(?:data|payload|bytes|数据)["']?\s*(?:\[\d*\])?\s*[:=]/i;
+  const STANDARD = /标准|\bst(?:d|andard)\b/i;
+  const EXTENDED = /扩展|\bext(?:ended)?\b|\sX\s/i;
+  const TOKEN = /[^\s,;:=|"'(){}[\]]+/g;
+  const BYTE = /^(?:0x)?[0-9a-f]{2}$/i;
+  const ID = /^(?:0x)?(?:[0-9a-f]{3}|[0-9a-f]{8})$|^0x[0-9a-f]+$/i;
+  const WORD = /^[dx]$|^(?=.*[^0-9a-f])\D{2,}\d*$/i;
 
   const numbers = (digits) => (digits.match(/[0-9A-Fa-f]{2}/g) ?? []).map((byte) => parseInt(byte, 16));
 
-  /** The frame of one line with `time` and `sent` (true, false, or null if unknown); null for a line without one. */
+  /** The frame of a line of a log with `time` and `sent` (true, false, or null if unknown); null for a line without one. */
   function parseLine(line) {
+    const frame = recorded(line);
+    return frame && !damage(frame) ? frame : null;
+  }
+
+  function recorded(line) {
     const asc = ASC.exec(line);
     const plain = BYTES.exec(line);
-    const frame = asc ? fromAsc(asc) : plain ? fromBytes(plain) : fromCandump(line);
-    const isDamaged = !frame || frame.data.length > canwright.MAX_DATA_BYTES || frame.id > (frame.extended ? 2 ** 29 - 1 : 0x7ff);
-    return isDamaged ? null : frame;
+    return asc ? fromAsc(asc) : plain ? fromBytes(plain) : fromCandump(line);
+  }
+
+  /** What is wrong with a frame, as a label with its value; null if nothing is. */
+  function damage({ id, data, extended }) {
+    if (id > (extended ? 2 ** 29 - 1 : 0x7ff)) {
+      return ["bad_id", hex(id, 3)];
+    }
+    return data.length > 8 && !FD_LENGTHS.includes(data.length) ? ["bad_length", data.length] : null;
   }
 
   function fromAsc([, time, id, extended, mark, remote, length, digits = ""]) {
@@ -40,29 +66,149 @@ canwright.frames = (() => {
       return null;
     }
     const [whole, digits] = match;
-    const data = short ? match[2].replaceAll(".", "") : match[3].replace(/\s/g, "");
+    const data = (short ? match[2] : match[3]).replace(/[\s.]/g, "");
     const remote = short ? data.startsWith("R") : /^remote/i.test(data);
     const bytes = remote ? [] : numbers(data);
-    if ((!remote && data.length % 2) || (long && !remote && bytes.length !== Number(match[2]))) {
+    if (long && !remote && bytes.length !== Number(match[2])) {
       return null;
     }
     const mark = MARK.exec(rest.replace(whole, " "))?.[1] ?? MARK.exec(rest.slice(0, match.index))?.[1];
     return { id: parseInt(digits, 16), data: bytes, extended: digits.length === 8, remote, time, sent: mark ? mark.startsWith("T") : null };
   }
 
-  /** The frames of a log, one per line, and the number of lines that have none. */
-  function parseLog(text) {
-    const frames = [];
+  /**
+   * A text as people paste it: a line of a log, or bytes with or without an id in another notation.
+   * `{ frame }`, whose id is null if the text has none, or `{ problem }`: a label, the column and further values.
+   */
+  function parse(text) {
+    const line = text.replace(WIDE, (character) => String.fromCharCode(character.charCodeAt(0) - 0xfee0)).replace(/[\u3000、]/g, " ");
+    const dump = DUMP.exec(line);
+    const frame = dump ? pasted(null, numbers(dump[1])) : parseLine(line);
+    const rest = frame && !dump && line.includes("#") ? strayAfterHash(line) : null;
+    return rest ? { problem: rest } : frame ? { frame } : line.includes("#") ? { problem: wrongDigits(line) } : fromTokens(line);
+  }
+
+  function pasted(id, data, extended = false, sent = null) {
+    return { id, data, extended, remote: false, time: "", sent };
+  }
+
+  /** What follows the bytes after `#`, apart from a direction and a comment. */
+  function strayAfterHash(line) {
+    const rest = /#(?:R\d?|#?[\s.\dA-F]*)(?=(.*))/i.exec(line)[1].replace(/^(?:TX|RX|T|R)?\s*/, "");
+    return /^[^;/]/.test(rest) ? ["bad_byte", line.length - rest.length + 1, rest.split(/\s/)[0]] : null;
+  }
+
+  /** Why a line with `#` has no frame. */
+  function wrongDigits(line) {
+    const start = line.indexOf("#") + 1;
+    const id = /(\S*)\s*#/.exec(line);
+    const digits = line.slice(start).replace(/^#./, "  ");
+    const wrong = digits.search(/[^0-9A-F\s.]/i);
+    const last = digits.trimEnd().length;
+    if (!/^(?:0x)?(?:[0-9A-F]{3}|[0-9A-F]{8})$/i.test(id[1]) || parseInt(id[1], 16) > (id[1].length > 5 ? 2 ** 29 - 1 : 0x7ff)) {
+      return ["bad_id", id.index + 1, id[1]];
+    }
+    if (wrong >= 0) {
+      return ["bad_byte", start + wrong + 1, digits[wrong]];
+    }
+    const count = digits.replace(/[\s.]/g, "").length;
+    return count % 2 ? ["half_byte", start + last, digits[last - 1]] : ["bad_length", start + 1, count / 2];
+  }
+
+  /** A text without `#`: the bytes are in braces, behind a label, or at the end. */
+  function fromTokens(line) {
+    const label = ID_LABEL.exec(line);
+    const length = LENGTH_LABEL.exec(line);
+    const data = DATA_LABEL.exec(line);
+    const braces = LIST.exec(line);
+    const list = DATA_LABEL.test(braces?.[1]) ? null : braces;
+    const tokens = (start, end) => [...line.slice(start, end).matchAll(TOKEN)].map(({ 0: token, index }) => ({ token, column: start + index + 1 }));
+    const behind = data ? data.index + data[0].length : length && label ? length.indices[1][1] : null;
+    const all = list ? tokens(list.index + 1, list.index + list[0].length - 1) : tokens(behind ?? 0, line.length);
+    const region = behind === null && !list ? unlabelled(all) : { bytes: all };
+    if (region.problem) {
+      return region;
+    }
+    const isOfC = list && region.bytes.every(({ token }) => /^(?:0x[0-9a-f]{1,2}|0|[1-9]\d{0,2})u?$/i.test(token));
+    const end = list ? -1 : region.bytes.findIndex(({ token }, i) => i > 0 && WORD.test(token));
+    const bytes = end < 0 ? region.bytes : region.bytes.slice(0, end);
+    const values = bytes.map(({ token }) => (isOfC ? Number(token.replace(/u$/i, "")) : BYTE.test(token) ? parseInt(token, 16) : NaN));
+    const whole = bytes.length === 1 || region.isPacked ? bytes.map(({ token }) => token.replace(/^0x/i, "")).join("") : "";
+    const content = /^(?:[0-9a-f]{2})+$/i.test(whole) ? numbers(whole) : values;
+    const wrong = content.findIndex((value) => !(value < 256));
+    if (!content.length) {
+      return { problem: ["no_frame"] };
+    }
+    if (wrong >= 0) {
+      return { problem: wrongToken(bytes[wrong]) };
+    }
+    const stated = length ? { token: length[1], column: length.indices[1][0] + 1 } : region.length;
+    if (stated && Number(stated.token) !== content.length) {
+      return { problem: ["bad_count", stated.column, Number(stated.token), content.length] };
+    }
+    const id = label ? { token: label[1], column: label.indices[1][0] + 1 } : region.id;
+    const digits = id ? id.token.replace(/^0x/i, "") : "";
+    const number = id ? parseInt(digits, 16) : null;
+    const isLong = digits.length === 8 || (digits.length > 3 && number > 0x7ff);
+    const extended = EXTENDED.test(line) || (isLong && !STANDARD.test(line));
+    const sent = /\btx\b|发送/i.test(line) ? true : /\brx\b|接收/i.test(line) ? false : null;
+    const frame = pasted(number, content, extended, sent);
+    const damaged = damage(frame);
+    const column = damaged?.[0] === "bad_id" ? id.column : bytes[0].column;
+    return damaged ? { problem: [damaged[0], column, damaged[1]] } : { frame };
+  }
+
+  function wrongToken({ token, column }) {
+    const isHalf = /^[0-9a-f]+$/i.test(token) && token.length % 2;
+    return isHalf ? ["half_byte", column + token.length - 1, token.at(-1)] : ["bad_byte", column, token];
+  }
+
+  /** The bytes at the end of some tokens, with the id and the length before them, between which there are only words and digits. */
+  function unlabelled(tokens) {
+    while (tokens.length > 1 && tokens.at(-1).token.length > 1 && WORD.test(tokens.at(-1).token)) {
+      tokens.pop();
+    }
+    const last = tokens.at(-1)?.token ?? "";
+    const size = last.length > 4 || !BYTE.test(last) ? last.length : 0;
+    const isByte = ({ token }) => (size ? token.length === size && /^(?:0x)?(?:[0-9a-f]{2})+$/i.test(token) : BYTE.test(token));
+    let start = tokens.length;
+    while (start > 0 && isByte(tokens[start - 1])) {
+      start -= 1;
+    }
+    const head = tokens.slice(0, start);
+    const ids = head.filter(({ token }) => ID.test(token));
+    const id = ids.findLast(({ token }) => /^0x/i.test(token)) ?? ids.at(-1);
+    const between = id ? head.slice(head.indexOf(id) + 1) : head;
+    const stray = between.find(({ token }) => !WORD.test(token) && !/^\d$/.test(token) && !(BYTE.test(token) && start < tokens.length));
+    if (start === tokens.length || stray || (head.length && !id)) {
+      const isOdd = /^[0-9a-f]+$/i.test(last) && last.length % 2 === 1 && (tokens.length > 1 || last.length > 3);
+      const wrong = start < tokens.length ? stray : isOdd || tokens.some(({ token }) => BYTE.test(token)) ? tokens.at(-1) : null;
+      return { problem: wrong ? wrongToken(wrong) : ["no_frame"] };
+    }
+    const bytes = tokens.slice(start);
+    const isLength = bytes.length === 9 && id && bytes[0].token === "08"; // of a list of comma-separated values
+    const length = isLength ? bytes.shift() : between.findLast(({ token }) => /^\d$/.test(token) && between.at(-1).token === token);
+    return { bytes, id, length, isPacked: size > 0 };
+  }
+
+  /** Adds the frames of some lines to others; returns how many lines have none. `parseOne` returns the frame of a line, or null. */
+  function parseLines(lines, frames, parseOne = parseLine) {
     let skipped = 0;
-    for (const line of text.split(/\r?\n/)) {
-      const frame = line.trim() ? parseLine(line) : undefined;
+    for (const line of lines) {
+      const frame = line.trim() ? parseOne(line) : undefined;
       if (frame) {
         frames.push(frame);
       } else if (frame === null) {
         skipped += 1;
       }
     }
-    return { frames, skipped };
+    return skipped;
+  }
+
+  /** The frame of a pasted line that has an id; null for another line. */
+  function parsePasted(line) {
+    const { frame } = parse(line);
+    return frame && frame.id !== null ? frame : null;
   }
 
   function hex(value, digits) {
@@ -70,8 +216,8 @@ canwright.frames = (() => {
   }
 
   function format({ id, data, extended, remote }) {
-    return `${hex(id, extended ? 8 : 3)}#${remote ? "R" : data.map((byte) => hex(byte, 2)).join("")}`;
+    return `${hex(id, extended ? 8 : 3)}${data.length > 8 ? "##0" : "#"}${remote ? "R" : data.map((byte) => hex(byte, 2)).join("")}`;
   }
 
-  return { parseLine, parseLog, format, hex };
+  return { parse, parseLine, parseLines, parsePasted, format, hex };
 })();

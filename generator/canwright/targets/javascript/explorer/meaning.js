@@ -2,7 +2,7 @@
 
 /** What frames can mean, without a page: all messages that fit, in the order of their probability. */
 canwright.meaning = (() => {
-  const editions = canwright.editions.map(({ tables, texts, bindings }) => {
+  const editions = canwright.editions.map(({ tables, texts, bindings, pages = {} }) => {
     const codec = canwright.createEdition(tables);
     const messages = new Map(codec.MESSAGES.map((message) => [`${message.direction} ${message.command}`, message]));
     for (const { request, reply } of tables.answers) {
@@ -11,7 +11,7 @@ canwright.meaning = (() => {
         messages.set(key, codec.MESSAGES[reply]);
       }
     }
-    return { name: texts.edition, family: texts.family, codec, texts, bindings, messages };
+    return { name: texts.edition, family: texts.family, codec, texts, bindings, pages, messages };
   });
   editions.sort((first, second) => (second.texts.date ?? "").localeCompare(first.texts.date ?? ""));
   const families = new Set(editions.map(({ family }) => family));
@@ -45,15 +45,18 @@ canwright.meaning = (() => {
   }
 
   function isValid(edition, name, value) {
-    const { values, minimum, maximum } = edition.codec.PARAMETERS[name];
+    const { values, minimum, maximum, whole } = edition.codec.PARAMETERS[name];
     if (values) {
       return values.includes(value);
     }
     const number = canwright.rational(value);
+    if (number && whole && number[0] % number[1]) {
+      return false;
+    }
     const isBelow = (first, second) => first[0] * second[1] < second[0] * first[1];
     const low = minimum === undefined ? null : canwright.rational(minimum);
     const high = maximum === undefined ? null : canwright.rational(maximum);
-    return number !== null && number[0] > 0n && !(low && isBelow(number, low)) && !(high && isBelow(high, number));
+    return number !== null && (number[0] > 0n || (whole && number[0] === 0n)) && !(low && isBelow(number, low)) && !(high && isBelow(high, number));
   }
 
   /** The names of given parameters that are valid in no edition. */
@@ -166,12 +169,15 @@ canwright.meaning = (() => {
   function fieldsOf(edition, message, decoded, { parameters, variant, assumed }) {
     const types = new Map(message.fields.map(({ name, type }) => [name, type]));
     return decoded.fields.map((field, position) => {
+      if (typeof field.noValue === "string") {
+        return { ...field, missing: [], cases: [] }; // the name depends on no parameter
+      }
       const { linear } = types.get(field.name);
       const by = linear?.by;
       const isOpen = by !== undefined && own(parameters, by) === undefined;
       const choices = isOpen && variant?.parameter === by ? variant.values : by && possible(edition, message, parameters, by);
       const lines = by ? choices.map((value) => own(linear.cases, value)) : [linear];
-      const needed = [...(isOpen ? [by] : []), ...lines.map((line) => line?.times)];
+      const needed = [...(isOpen ? [by] : []), ...lines.flatMap((line) => line?.times?.split(/[*/]/).filter(Boolean))];
       const missing = [...new Set(needed)].filter((name) => name !== undefined && own(parameters, name) === undefined);
       if (!isOpen) {
         return { ...field, missing, cases: [] };
@@ -239,12 +245,36 @@ canwright.meaning = (() => {
     return edition.messages.get(`${direction} ${command}`);
   }
 
-  /** All messages that a frame can be, the most probable first. */
-  function interpret(frame, parameters = {}) {
+  /** The ids of messages to or from the first node, for bytes without an id. */
+  function ids(parameters) {
+    const frames = new Map();
+    for (const edition of editions) {
+      const given = known(edition, parameters);
+      for (const { base, step, nodes, keys, extended, idParameter, idParameterStep = 0 } of edition.messages.values()) {
+        const value = Number(own(given, idParameter) ?? edition.codec.PARAMETERS[idParameter]?.minimum ?? 0);
+        const bits = keys.flatMap(({ segments, values }) => segments.filter(([byte]) => byte < 0).map(([, low, , rawLow]) => (Number(values[0]) >> rawLow) << low));
+        const id = bits.reduce((sum, part) => sum | part, base + (nodes ? nodes[0] * step : 0) + value * idParameterStep);
+        frames.set(`${id} ${extended}`, { id, extended });
+      }
+    }
+    return [...frames.values()];
+  }
+
+  /** All messages that a frame can be, the most probable first, and those of the edition with a label before all. */
+  function interpret(frame, parameters = {}, leading = "") {
+    const every = frame.id === null ? ids(parameters).map((id) => ({ ...frame, ...id })) : [frame];
+    const interpretations = every.flatMap((each) => interpretationsOf(each, parameters));
+    const order = ({ edition }) => (leading === "" || edition === find(leading) ? 0 : 1);
+    return interpretations.sort(
+      (first, second) => order(first) - order(second) || first.rank[0] - second.rank[0] || first.rank[1] - second.rank[1],
+    );
+  }
+
+  function interpretationsOf(frame, parameters) {
     const interpretations = [];
     for (const edition of editions) {
       const given = known(edition, parameters);
-      for (const candidate of edition.codec.candidates(frame)) {
+      for (const candidate of edition.codec.candidates(frame, given)) {
         const message = messageOf(edition, candidate);
         for (const variant of variants(edition, message, settled(edition, message, given))) {
           const interpreted = interpretation(edition, candidate, variant, frame, given);
@@ -254,7 +284,15 @@ canwright.meaning = (() => {
         }
       }
     }
-    return interpretations.sort((first, second) => first.rank[0] - second.rank[0] || first.rank[1] - second.rank[1]);
+    return interpretations;
+  }
+
+  /** The parameters in the id and the constants of a message that are not given, with their lowest values. */
+  function needed(edition, direction, command, given) {
+    const message = messageOf(edition, { direction, command });
+    const names = [message.idParameter, ...message.fields.map(({ parameter }) => parameter)];
+    const missing = names.filter((name) => name && known(edition, given)[name] === undefined);
+    return Object.fromEntries(missing.map((name) => [name, String(edition.codec.PARAMETERS[name].minimum ?? 0)]));
   }
 
   /** The frame of a message with the smallest raw integers that are allowed, as a start for entering values. */
@@ -263,7 +301,7 @@ canwright.meaning = (() => {
     const parameters = settled(edition, message, known(edition, given));
     const [variant] = variants(edition, message, parameters);
     const assumed = assumptions(parameters, variant);
-    const present = message.fields.filter(({ fixed, only }) => fixed === null && (only === null || only.includes(assumed[0][message.parameter])));
+    const present = message.fields.filter(({ fixed, parameter, isChecksum, only }) => fixed === null && parameter === null && !isChecksum && (only === null || only.includes(assumed[0][message.parameter])));
     const raw = Object.fromEntries(present.map((field) => [field.name, start(field)]));
     return encodedUnder(edition, message, message.nodes ? message.nodes[0] : undefined, raw, assumed).frame;
   }
@@ -275,5 +313,17 @@ canwright.meaning = (() => {
     return isArray ? elements.map(() => raw) : raw;
   }
 
-  return { editions, label, find, parameters, invalid, interpret, blank, encode, rawOf };
+  /** When a message is sent: labels, each with its value. */
+  function timing({ sent = [], everyMs, timeoutMs }) {
+    const occasions = sent.map((occasion) => (occasion === "cyclic" && everyMs ? ["every", everyMs] : [occasion]));
+    return timeoutMs ? [...occasions, ["timeout", timeoutMs]] : occasions;
+  }
+
+  /** The page of the command of a message in the documents, below the folder of a language. */
+  function page({ edition, decoded: { command } }) {
+    const folder = families.size > 1 ? `${edition.family}-${edition.name}` : edition.name;
+    return `${folder}/commands/${own(edition.pages, command) ?? `${command}.html`}`;
+  }
+
+  return { editions, label, find, parameters, invalid, interpret, needed, blank, encode, rawOf, timing, page };
 })();

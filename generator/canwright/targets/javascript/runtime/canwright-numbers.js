@@ -1,6 +1,6 @@
 /** Exact numbers: quotients of integers, doubles as quotients, rounding, and IEEE 754 bit patterns. */
 
-const VIEW = new DataView(new ArrayBuffer(8));
+const VIEW = /* @__PURE__ */ new DataView(/* @__PURE__ */ new ArrayBuffer(8));
 const NUMBER = /^\s*([+-]?)(\d+)(?:\.(\d*))?(?:[eE]([+-]?\d{1,3}))?(?:\/(\d+))?\s*$/;
 
 /** The quotient `[numerator, denominator]` in lowest terms of an integer, or of a text such as `3.5`, `1e-7` or `1/3`; null for another text. */

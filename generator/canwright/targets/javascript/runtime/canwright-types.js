@@ -12,6 +12,19 @@ export class CodecError extends Error {
   }
 }
 
+/**
+ * The error of a frame that is rejected. It has no stack: a frame of another protocol on the bus is no mistake in a program,
+ * and to collect a stack takes longer than to decode a frame.
+ */
+export function rejection(refusal, message, field) {
+  const error = Object.create(CodecError.prototype);
+  error.name = "CodecError";
+  error.message = message;
+  error.refusal = refusal;
+  error.field = field;
+  return error;
+}
+
 const WIDEST_NUMBER = 53;
 const COARSE = 2 ** 51; // from here on, a quotient of doubles is too coarse for the nearest integer
 
@@ -24,11 +37,16 @@ export class FieldType {
     this.isWide = table.width > WIDEST_NUMBER;
     this.names = table.enum && new Map(table.enum);
     this.values = table.enum && new Map(table.enum.map(([value, name]) => [name, value]));
-    this.bits = table.flags && new Map(table.flags.map(([bit, name]) => [name, 1n << BigInt(bit)]));
     const size = 1n << BigInt(table.width);
-    this.low = this.isSigned ? -size / 2n : 0n;
-    this.high = this.isSigned ? size / 2n - 1n : size - 1n;
+    this.size = this.integer(size);
+    this.half = this.integer(size / 2n);
+    this.low = this.integer(this.isSigned ? -size / 2n : 0n);
+    this.high = this.integer(this.isSigned ? size / 2n - 1n : size - 1n);
+    this.bits = table.flags && new Map(table.flags.map(([bit, name]) => [name, 1n << BigInt(bit)]));
+    this.flagWeights = table.flags && table.flags.map(([bit, name]) => [name, this.integer(1n << BigInt(bit)), this.integer(2n << BigInt(bit))]);
     const isConstant = !table.linear?.by && !table.linear?.times;
+    this.lastParameters = null; // those of the last conversion: an edition hands over the same object for equal ones
+    this.lastLine = null;
     this.constantLine = isConstant ? this.lineAt(Object.create(null)) : null;
     this.mask = table.flags && [...this.bits.values()].reduce((mask, bit) => mask | bit, 0n);
   }
@@ -38,40 +56,61 @@ export class FieldType {
     return this.isWide ? BigInt(raw) : Number(raw);
   }
 
-  /** The value of a raw integer as `{ value }`; `{ value: null, reason }` without one. */
+  /** The name for which a raw integer of a number has no value; null for a number. */
+  noValue(raw) {
+    return this.noValues?.find(([first, last]) => raw >= first && raw <= last)?.[2] ?? null;
+  }
+
+  /** The value of a raw integer; null without one. */
   value(raw, parameters) {
+    if (this.noValue(raw) !== null) {
+      return null;
+    }
     if (this.names) {
-      return this.names.has(raw) ? { value: this.names.get(raw) } : { value: null, reason: "out_of_range" };
+      return this.names.get(raw) ?? null;
     }
     if (this.bits) {
-      return { value: this.flagsOf(BigInt(raw)) };
+      return this.flagsOf(raw);
     }
     const line = this.line(parameters);
     if (typeof line === "string") {
-      return { value: null, reason: line };
+      return null;
     }
     const number = this.isFloat ? floatOf(this.width, raw) : raw;
     if (this.isFloat && !Number.isFinite(number)) {
-      return { value: null, reason: "not_finite" };
+      return null;
     }
     if (line.isIdentity) {
-      return { value: this.isFloat || this.linear === undefined ? number : Number(number) };
+      return this.isFloat || this.linear === undefined ? number : Number(number);
     }
     const value = scaled(number, line);
-    return Number.isFinite(value) ? { value } : { value: null, reason: "out_of_range" };
+    return Number.isFinite(value) ? value : null;
+  }
+
+  /** Why a raw integer has no value. */
+  reason(raw, parameters) {
+    if (this.noValue(raw) !== null) {
+      return "no_value";
+    }
+    const line = this.names ? null : this.line(parameters);
+    if (typeof line === "string") {
+      return line;
+    }
+    return this.isFloat && !Number.isFinite(floatOf(this.width, raw)) ? "not_finite" : "out_of_range";
   }
 
   /** The names of set bits; bits without a name follow as one integer. */
   flagsOf(raw) {
     const set = [];
-    for (const [name, bit] of this.bits) {
-      if (raw & bit) {
+    let rest = raw;
+    for (const [name, weight, next] of this.flagWeights) {
+      if (raw % next >= weight) {
         set.push(name);
+        rest -= weight;
       }
     }
-    const rest = raw & ~this.mask;
     if (rest) {
-      set.push(this.integer(rest));
+      set.push(rest);
     }
     return Object.freeze(set);
   }
@@ -79,27 +118,46 @@ export class FieldType {
   /** The raw integer nearest to a value, ties away from zero. Throws CodecError if the value is rejected. */
   raw(value, parameters, field) {
     if (this.names || this.bits) {
-      return this.check(this.named(value, field), parameters, field);
+      return this.check(this.named(value, field), parameters, field, JSON.stringify(value, (_, item) => (typeof item === "bigint" ? String(item) : item)));
+    }
+    if (this.noValues && (value === null || typeof value === "string")) {
+      return this.ofName(value, field);
     }
     const line = this.line(parameters);
     if (typeof line === "string") {
-      throw new CodecError(line, `${field} cannot be converted: ${TEXTS[line]}`, field);
+      const name = this.missing(parameters);
+      const text = line === "missing_parameter" ? `depends on ${name}, which is not given; pass parameters: { ${name}: ... }` : TEXTS[line];
+      throw new CodecError(line, `${field} ${text}`, field);
     }
     if (typeof value !== "number" && typeof value !== "bigint") {
       throw new TypeError(`${field} is no number`);
     }
     if (typeof value === "number" && !Number.isFinite(value)) {
-      throw new CodecError("not_finite", `${field} is not a finite number`, field);
+      throw new CodecError("not_finite", `${field}=${value} is not a finite number`, field);
     }
+    const given = `${value}${this.suffix}`;
     if (this.isFloat) {
       const bits = floatBits(this.width, typeof value === "bigint" ? this.exactFloat(value, line) : steps(value, line));
       if (bits === null) {
-        throw new CodecError("out_of_range", `${field} is too large for its float`, field);
+        throw new CodecError("out_of_range", `${field}=${given} is too large for its float`, field);
       }
-      return this.check(bits, parameters, field);
+      return this.check(bits, parameters, field, given);
     }
     const count = typeof value === "number" ? steps(value, line) : Infinity;
-    return this.check(Math.abs(count) < COARSE ? rounded(count) : exactSteps(value, line), parameters, field);
+    const raw = Math.abs(count) < COARSE ? rounded(count) : exactSteps(value, line);
+    if (this.noValue(raw) !== null) {
+      throw new CodecError("out_of_range", `the raw integer ${raw} of ${field} means ${this.noValue(raw)}`, field);
+    }
+    return this.check(raw, parameters, field, given);
+  }
+
+  /** The raw integer that is written for a name without a value; null stands for the first one. */
+  ofName(value, field) {
+    const named = value === null ? this.noValues[0] : this.noValues.find(([, , name]) => name === value);
+    if (!named) {
+      throw new CodecError("out_of_range", `${field} has no value ${JSON.stringify(value)}`, field);
+    }
+    return named[1];
   }
 
   /** The number of an integer, which is rounded once. */
@@ -111,7 +169,7 @@ export class FieldType {
 
   /** The raw integer of the name of an enum, of flags as names and integers, or of an integer. */
   named(value, field) {
-    const unknown = (name) => new CodecError("out_of_range", `${field} has no value ${JSON.stringify(name)}`, field);
+    const unknown = (name) => new CodecError("out_of_range", this.outOfRange(JSON.stringify(name), NO_PARAMETERS, field), field);
     if (typeof value === "string" && this.names) {
       if (!this.values.has(value)) {
         throw unknown(value);
@@ -135,17 +193,47 @@ export class FieldType {
   }
 
   /** A raw integer itself. Throws CodecError if it is out of range, TypeError if it is no exact integer. */
-  check(raw, parameters, field) {
+  check(raw, parameters, field, given = `raw ${raw}`) {
     if (typeof raw !== "bigint" && !(Number.isInteger(raw) && (!this.isWide || Number.isSafeInteger(raw)))) {
       throw new TypeError(`${field} is no exact integer; integers from 2^53 on are BigInt`);
     }
     if (this.isFloat && !(raw >= 0n && raw <= this.high && Number.isFinite(floatOf(this.width, this.integer(raw))))) {
-      throw new CodecError("not_finite", `the raw integer ${raw} of ${field} is no finite number`, field);
+      throw new CodecError("not_finite", `${field}=${given} is not a finite number`, field);
     }
     if (!this.allows(raw, parameters)) {
-      throw new CodecError("out_of_range", `the raw integer ${raw} of ${field} is out of range`, field);
+      throw new CodecError("out_of_range", this.outOfRange(given, parameters, field), field);
     }
     return this.integer(raw);
+  }
+
+  /** The text of an error: the range in units, and that of raw integers. */
+  outOfRange(given, parameters, field) {
+    if (this.names || this.bits) {
+      return `${field}=${given} is none of ${[...(this.names?.values() ?? this.bits.keys())].join(", ")}`;
+    }
+    const [low, high] = this.bounds(parameters);
+    if (this.isFloat) {
+      const ends = [low ? quotient(...low) : -Infinity, high ? quotient(...high) : Infinity];
+      return `${field}=${given} is out of range ${ends.join("..")}${this.suffix}`;
+    }
+    const least = low ? ceil(low) : this.low;
+    const most = high ? floor(high) : this.high;
+    const raws = [least < this.low ? this.low : least, most > this.high ? this.high : most];
+    const values = raws.map((raw) => this.value(this.integer(raw), parameters));
+    const ends = values[0] > values[1] ? values.reverse() : values;
+    const range = `raw ${raws.join("..")}`;
+    return `${field}=${given} is out of range ${ends.includes(null) ? range : `${ends.join("..")}${this.suffix} (${range})`}`;
+  }
+
+  /** The unit behind a number. */
+  get suffix() {
+    return this.unit ? ` ${this.unit}` : "";
+  }
+
+  /** Low and high bound of the specification as quotients; null for none. */
+  bounds(parameters) {
+    const range = this.range?.by ? own(this.range.cases, parameters[this.range.by]) : this.range;
+    return range ? range.map((bound) => boundAt(bound, parameters)) : [null, null];
   }
 
   allows(raw, parameters) {
@@ -158,11 +246,13 @@ export class FieldType {
     if (this.bits) {
       return (BigInt(raw) & ~this.mask) === 0n;
     }
-    const range = this.range?.by ? own(this.range.cases, parameters[this.range.by]) : this.range;
-    if (!range) {
+    if (this.noValue(raw) !== null) {
       return true;
     }
-    const [low, high] = range.map((bound) => boundAt(bound, parameters));
+    const [low, high] = this.bounds(parameters);
+    if (low === null && high === null) {
+      return true;
+    }
     if (!this.isFloat) {
       return (low === null || raw >= ceil(low)) && (high === null || raw <= floor(high));
     }
@@ -177,7 +267,20 @@ export class FieldType {
 
   /** Scale and offset under some parameters, or the reason for which there is none. */
   line(parameters) {
-    return this.constantLine ?? this.lineAt(parameters);
+    if (this.constantLine !== null) {
+      return this.constantLine;
+    }
+    if (this.lastParameters !== parameters) {
+      this.lastLine = this.lineAt(parameters);
+      this.lastParameters = parameters;
+    }
+    return this.lastLine;
+  }
+
+  /** The parameter without which there is no scale. */
+  missing(parameters) {
+    const { by } = this.linear;
+    return by && parameters[by] === undefined ? by : (by ? own(this.linear.cases, parameters[by]) : this.linear)?.times;
   }
 
   lineAt(parameters) {
@@ -197,15 +300,25 @@ export class FieldType {
     const line = { factor: BigInt(factor), addend: BigInt(addend), divisor: BigInt(divisor), offset, denominator, numerator };
     if (times === undefined) {
       const isExact = [factor, addend, divisor].every(Number.isSafeInteger);
-      return Object.assign(line, { isExact, isIdentity: factor === 1 && addend === 0 && divisor === 1 });
+      const doubles = { exactFactor: Number(factor), exactAddend: Number(addend), exactDivisor: Number(divisor) };
+      return Object.assign(line, { isExact, ...doubles, isIdentity: factor === 1 && addend === 0 && divisor === 1 });
     }
-    if (parameters[times] === undefined) {
-      return "missing_parameter";
+    const [multiplied, divided = ""] = times.split("/");
+    const product = [1n, 1n];
+    for (const name of [...multiplied.split("*"), divided].filter(Boolean)) {
+      if (parameters[name] === undefined) {
+        return "missing_parameter";
+      }
     }
-    const [above, below] = rational(parameters[times]);
-    if (above <= 0n) {
-      return "out_of_range";
+    for (const name of [...multiplied.split("*"), divided].filter(Boolean)) {
+      const [numerator, denominator] = rational(parameters[name]);
+      if (numerator <= 0n) {
+        return "out_of_range";
+      }
+      product[0] *= name === divided ? denominator : numerator;
+      product[1] *= name === divided ? numerator : denominator;
     }
+    const [above, below] = product;
     line.factor *= above;
     line.addend *= above;
     line.divisor *= below;
@@ -213,10 +326,10 @@ export class FieldType {
   }
 }
 
+const NO_PARAMETERS = /* @__PURE__ */ Object.freeze({});
 const TEXTS = {
-  missing_parameter: "it depends on a parameter that is not given",
-  no_scale: "it has no scale here; use its raw integer",
-  out_of_range: "its parameter must be above 0",
+  no_scale: "has no scale here; use its raw integer",
+  out_of_range: "needs a parameter above 0",
 };
 
 /** An item of an object by a name that can be that of a property of every object. */
@@ -240,11 +353,12 @@ function boundAt(bound, parameters) {
 
 /** (raw * factor + addend) / divisor, rounded once. */
 function scaled(number, line) {
-  if (line.isExact && Number.isSafeInteger(number)) {
-    const product = number * Number(line.factor);
-    const sum = product + Number(line.addend);
+  const integer = Number(number);
+  if (line.isExact && Number.isSafeInteger(integer)) {
+    const product = integer * line.exactFactor;
+    const sum = product + line.exactAddend;
     if (Number.isSafeInteger(product) && Number.isSafeInteger(sum)) {
-      return sum / Number(line.divisor);
+      return sum / line.exactDivisor;
     }
   }
   const [numerator, denominator] = typeof number === "bigint" ? [number, 1n] : ratio(number);
@@ -260,4 +374,70 @@ function steps(value, line) {
 function exactSteps(value, line) {
   const [numerator, denominator] = typeof value === "bigint" ? [value, 1n] : ratio(value);
   return nearest(numerator * line.divisor - line.addend * denominator, denominator * line.factor);
+}
+
+/** A text in some bytes: it ends before the first 0, and before the padding at its end. An invalid byte is U+FFFD. */
+class JoinedText {
+  constructor([encoding, padding], count) {
+    this.isAscii = encoding === "ascii";
+    this.padding = padding;
+    this.count = count;
+  }
+
+  value(raw) {
+    const terminator = raw.indexOf(0);
+    let end = terminator < 0 ? raw.length : terminator;
+    while (end > 0 && raw[end - 1] === this.padding) {
+      end -= 1;
+    }
+    const bytes = Uint8Array.from(raw.slice(0, end));
+    if (this.isAscii) {
+      return Array.from(bytes, (byte) => (byte < 0x80 ? String.fromCharCode(byte) : "\uFFFD")).join("");
+    }
+    return new TextDecoder("utf-8", { ignoreBOM: true }).decode(bytes);
+  }
+
+  raw(value, field) {
+    if (typeof value !== "string") {
+      throw new TypeError(`${field} is no text`);
+    }
+    const raw = [...new TextEncoder().encode(value)];
+    while (raw.length < this.count) {
+      raw.push(this.padding);
+    }
+    if (raw.length > this.count || this.value(raw) !== value) {
+      throw new CodecError("out_of_range", `${field} is no text of at most ${this.count} bytes`, field);
+    }
+    return raw;
+  }
+}
+
+/** A number in decimal digits, from the most significant one on; null if a digit exceeds 9. */
+class JoinedDigits {
+  constructor(count) {
+    this.count = count;
+  }
+
+  value(raw) {
+    return raw.some((digit) => digit > 9) ? null : Number(raw.join(""));
+  }
+
+  raw(value, field) {
+    if (typeof value !== "number" && typeof value !== "bigint") {
+      throw new TypeError(`${field} is no number`);
+    }
+    if (typeof value === "number" && !Number.isFinite(value)) {
+      throw new CodecError("not_finite", `${field} is not a finite number`, field);
+    }
+    const whole = typeof value === "bigint" ? value : BigInt(rounded(value));
+    if (whole < 0n || whole >= 10n ** BigInt(this.count)) {
+      throw new CodecError("out_of_range", `${field} has more than ${this.count} digits, or is negative`, field);
+    }
+    return [...String(whole).padStart(this.count, "0")].map(Number);
+  }
+}
+
+/** How the elements of a field are one value; null if each has its own. */
+export function joinedBy(type, count) {
+  return type.text ? new JoinedText(type.text, count) : type.digits ? new JoinedDigits(count) : null;
 }

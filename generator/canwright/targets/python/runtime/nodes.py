@@ -33,13 +33,22 @@ class Edition(Protocol[Q, A]):
         self, can_id: int, data: Buffer, parameters: Any = ..., *, extended: bool = ..., remote: bool = ...
     ) -> A: ...
 
-    def node_of(
-        self, direction: str, can_id: int, data: Buffer | None = ..., *, extended: bool = ..., remote: bool = ...
-    ) -> int | None: ...
+    def node_bits_of(
+        self,
+        direction: str,
+        can_id: int,
+        data: Buffer | None = ...,
+        parameters: Any = ...,
+        *,
+        extended: bool = ...,
+        remote: bool = ...,
+    ) -> tuple[int, int]: ...
 
-    def has_node_in_data(self, direction: str, can_id: int, *, extended: bool = ..., remote: bool = ...) -> bool: ...
+    def has_node_in_data(
+        self, direction: str, can_id: int, parameters: Any = ..., *, extended: bool = ..., remote: bool = ...
+    ) -> bool: ...
 
-    def ids_of(self, direction: str, node: int) -> Iterable[tuple[int, int, bool, bool]]: ...
+    def ids_of(self, direction: str, node: int, parameters: Any = ...) -> Iterable[tuple[int, int, bool, bool]]: ...
 
 
 class Node(Generic[Q, A]):
@@ -68,15 +77,20 @@ class Node(Generic[Q, A]):
         """
         if message.__module__ != getattr(self.edition, "__name__", None):
             raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
-        own = {"node": self.node, "parameters": self.parameters}
-        if message.NODE_FIELD:
-            own[message.NODE_FIELD] = self.node & message.NODE_MASK
-        for name in own:
+        for name in ("node", "parameters", message.NODE_FIELD):
             if name in values:
                 raise TypeError(f"{self!r} sets {name} itself; leave it out")
-        self._check_available(message)
+        if message.ONLY:
+            self._check_available(message)
         taken = message.__init__.__annotations__
-        return _made(message, **values, **{name: value for name, value in own.items() if name in taken})
+        if "node" in taken:
+            values["node"] = self.node
+        if "parameters" in taken:
+            values["parameters"] = self.parameters
+        if message.NODE_FIELD:
+            values[message.NODE_FIELD] = self.node & message.NODE_MASK
+        build: Callable[..., M] = message
+        return build(**values)
 
     def _check_available(self, message: type[Message]) -> None:
         """Checks that a node with these parameters has a command. Raises CodecError (not_available)."""
@@ -89,7 +103,7 @@ class Node(Generic[Q, A]):
 
     def ids_of(self, direction: str) -> Iterable[tuple[int, int, bool, bool]]:
         """The ids of this node, as a `request` or a `reply`; see the function of the edition."""
-        return self.edition.ids_of(direction, self.node)
+        return self.edition.ids_of(direction, self.node, self.parameters)
 
     def decode_request(self, can_id: int, data: Buffer, *, extended: bool = False, remote: bool = False) -> Q:
         """Decodes a request to this node. Raises CodecError."""
@@ -104,7 +118,7 @@ Key = int | tuple[int, bool, bool]
 """A CAN id; with `extended` and `remote` where one of them is True."""
 
 MAX_KNOWN_IDS = 1 << 11
-"""The most ids of one direction whose nodes are stored; each 11-bit id fits in."""
+"""The most ids whose nodes are stored, or that are stored because no node has them; each 11-bit id of a direction fits in."""
 
 
 class Nodes(Generic[Q, A]):
@@ -119,9 +133,11 @@ class Nodes(Generic[Q, A]):
 
     def __init__(self, nodes: Iterable[Node[Q, A]]) -> None:
         self._nodes = tuple(nodes)
-        self._editions = tuple({id(one.edition): one.edition for one in self._nodes}.values())
+        self._kinds = {(id(one.edition), one.parameters): one.edition for one in self._nodes}
+        """Editions with the parameters of nodes, which ids may contain."""
         self._requests: dict[Key, tuple[Edition[Q, A], Any]] = {}
         self._replies: dict[Key, tuple[Edition[Q, A], Any]] = {}
+        self._foreign: set[tuple[str, Key]] = set()
         taken: list[tuple[Node[Q, A], int, int, tuple[bool, bool]]] = []
         for one in self._nodes:
             own = [(one, can_id, mask, (extended, remote)) for can_id, mask, extended, remote in one.ids_of("reply")]
@@ -145,16 +161,19 @@ class Nodes(Generic[Q, A]):
         extended: bool = False,
         remote: bool = False,
     ) -> tuple[Node[Q, A], ...]:
-        """The nodes that a `request` goes to, or that a `reply` comes from: all that its id and its data allow."""
-        numbers: dict[int, int | None] = {}
-        for edition in self._editions:
+        """The nodes that a `request` goes to, or that a `reply` comes from: all that its id and its data allow.
+
+        If the data has the low bits of a node only, these are the nodes with these bits.
+        """
+        numbers: dict[tuple[int, Any], tuple[int, int]] = {}
+        for kind, edition in self._kinds.items():
             try:
-                numbers[id(edition)] = edition.node_of(direction, can_id, data, extended=extended, remote=remote)
+                numbers[kind] = edition.node_bits_of(direction, can_id, data, kind[1], extended=extended, remote=remote)
             except CodecError as error:
-                if error.refusal is not Refusal.UNKNOWN_ID:
-                    numbers[id(edition)] = None
-        known = (one for one in self._nodes if id(one.edition) in numbers)
-        return tuple(one for one in known if numbers[id(one.edition)] in (None, one.node))
+                if error.refusal not in (Refusal.UNKNOWN_ID, Refusal.MISSING_PARAMETER):
+                    numbers[kind] = 0, 0
+        known = ((one, numbers.get((id(one.edition), one.parameters))) for one in self._nodes)
+        return tuple(one for one, bits in known if bits and not (one.node ^ bits[0]) & bits[1])
 
     def decode_request(self, can_id: int, data: Buffer, *, extended: bool = False, remote: bool = False) -> Q:
         """Decodes a request with the edition of the node it goes to. Raises CodecError."""
@@ -173,11 +192,17 @@ class Nodes(Generic[Q, A]):
     ) -> tuple[Edition[Q, A], Any]:
         """The edition and the parameters for a frame, which are stored in `known` for its id. Raises CodecError."""
         can_id, extended, remote = (key, False, False) if isinstance(key, int) else key
-        having_id = self.nodes_of(direction, can_id, extended=extended, remote=remote)
+        is_foreign = (direction, key) in self._foreign
+        having_id = () if is_foreign else self.nodes_of(direction, can_id, extended=extended, remote=remote)
         if not having_id:
+            if len(self._foreign) < MAX_KNOWN_IDS:
+                self._foreign.add((direction, key))
             raise CodecError(Refusal.UNKNOWN_ID, f"no node of this bus has a {direction} with the id 0x{can_id:X}")
-        editions = {id(one.edition): one.edition for one in having_id}.values()
-        is_in_data = any(one.has_node_in_data(direction, can_id, extended=extended, remote=remote) for one in editions)
+        kinds = {(id(one.edition), one.parameters): one.edition for one in having_id}
+        is_in_data = any(
+            edition.has_node_in_data(direction, can_id, parameters, extended=extended, remote=remote)
+            for (_, parameters), edition in kinds.items()
+        )
         found = self.nodes_of(direction, can_id, data, extended=extended, remote=remote) if is_in_data else having_id
         if not found:
             raise CodecError(
@@ -200,7 +225,3 @@ def _common(parameters: Sequence[Any]) -> Any:
     names = [field.name for field in fields(first)]
     differing = [name for name in names if any(getattr(one, name) != getattr(first, name) for one in parameters)]
     return replace(first, **dict.fromkeys(differing)) if differing else first
-
-
-def _made(build: Callable[..., M], **values: Any) -> M:
-    return build(**values)

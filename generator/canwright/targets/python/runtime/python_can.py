@@ -34,6 +34,8 @@ def to_message(message: Message) -> can.Message:
         arbitration_id=message.can_id,
         is_extended_id=message.EXTENDED,
         is_remote_frame=message.REMOTE,
+        is_fd=message.FD,
+        bitrate_switch=message.BIT_RATE_SWITCH,
         dlc=message.DLC,
         data=None if message.REMOTE else message.encode(),
     )
@@ -44,21 +46,23 @@ def from_message(frame: can.Message, decode: Decoder[M], parameters: Any = None)
 @overload
 def from_message(frame: can.Message, decode: NodeDecoder[M]) -> M: ...
 def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any:
-    """Decodes a frame of a python-can bus. Raises CodecError, also for error and CAN FD frames.
+    """Decodes a frame of a python-can bus. Raises CodecError, also for error frames, and for CAN FD frames of a classic bus.
 
     It does not matter who sent the frame: a request that the bus returns can be decoded as a reply. See `OwnFrames`.
     """
-    if frame.is_error_frame or frame.is_fd:
-        kind = "an error frame" if frame.is_error_frame else "a CAN FD frame"
-        raise CodecError(Refusal.UNKNOWN_ID, f"0x{frame.arbitration_id:X} is {kind}")
+    if frame.is_error_frame:
+        raise CodecError(Refusal.UNKNOWN_ID, f"0x{frame.arbitration_id:X} is an error frame")
     known = () if parameters is None else (parameters,)
-    return decode(
+    message: Message = decode(
         frame.arbitration_id,
         frame.data,
         *known,
         extended=frame.is_extended_id,
         remote=frame.is_remote_frame,
     )
+    if frame.is_fd and not message.FD:
+        raise CodecError(Refusal.UNKNOWN_ID, f"0x{frame.arbitration_id:X} is a CAN FD frame")
+    return message
 
 
 MAX_EXPECTED = 1 << 12
@@ -79,7 +83,7 @@ class OwnFrames:
     def __init__(self, bus: can.BusABC, *, are_returned: bool) -> None:
         self.bus = bus
         self.are_returned = are_returned
-        self._expected: deque[tuple[int, bool, bool, bytes]] = deque(maxlen=MAX_EXPECTED)
+        self._expected: deque[tuple[int, bool, bool, bool, bytes]] = deque(maxlen=MAX_EXPECTED)
 
     @classmethod
     def learn(cls, bus: can.BusABC, request: Message, decode: Decoder[Any], timeout: float) -> OwnFrames:
@@ -122,10 +126,10 @@ class OwnFrames:
         return True
 
 
-def _identity(frame: can.Message) -> tuple[int, bool, bool, bytes]:
-    """What a frame and its copy have in common; the id is -1 for error frames and CAN FD frames, which are never sent."""
-    can_id = -1 if frame.is_error_frame or frame.is_fd else frame.arbitration_id
-    return can_id, frame.is_extended_id, frame.is_remote_frame, bytes(frame.data)
+def _identity(frame: can.Message) -> tuple[int, bool, bool, bool, bytes]:
+    """What a frame and its copy have in common; the id is -1 for error frames, which are never sent."""
+    can_id = -1 if frame.is_error_frame else frame.arbitration_id
+    return can_id, frame.is_extended_id, frame.is_remote_frame, frame.is_fd, bytes(frame.data)
 
 
 def _is_accepted(frame: can.Message, decode: Decoder[Any]) -> bool:

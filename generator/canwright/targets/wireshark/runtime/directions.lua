@@ -22,9 +22,30 @@ local LATENCIES = 64
 -- So many times, at most, the first frames are decided again.
 local MAX_ROUNDS = 32
 
--- The state of all buses. `window` is the maximum time in ns in which a request is answered.
-function directions.new(window)
-    return { window = window, buses = {} }
+-- The state of all buses. `window` is the maximum time in ns in which a request is answered. Marks count if `trusts_marks`,
+-- or once a bus has both. `sent` is the direction of sent frames, by default "request".
+function directions.new(window, sent, trusts_marks)
+    return {
+        window = window, sent = sent or "request", trusts_marks = trusts_marks, buses = {}, verdicts = {},
+        possible = { replies = {} },
+    }
+end
+
+local function child(parent, key)
+    local found = parent[key]
+    if not found then
+        found = {}
+        parent[key] = found
+    end
+    return found
+end
+
+-- What many results have in common is one table, so that a million results take little memory.
+local function set_verdict(state, result, direction, rule, message, node, reason)
+    local verdict = child(child(child(child(state.verdicts, message or reason), direction), rule), node or false)
+    verdict.direction, verdict.rule, verdict.message, verdict.node, verdict.reason = direction, rule, message, node, reason
+    verdict.__index = verdict
+    setmetatable(result, verdict)
 end
 
 local function new_bus(learned)
@@ -48,37 +69,36 @@ local function bus_of(state, name)
     return bus
 end
 
--- Advances the clock of a bus; a time that jumps back counts as the same time. Times are {seconds, ns}.
+-- Advances the clock of a bus to a time in ns; one that jumps back counts as the same time.
 local function advance(bus, time)
-    local last = bus.time
-    if last then
-        local passed = (time[1] - last[1]) * 1000000000 + time[2] - last[2]
-        if passed > 0 then
-            bus.clock = bus.clock + passed
-        end
+    if bus.time and time > bus.time then
+        bus.clock = bus.clock + time - bus.time
     end
     bus.time = time
 end
 
--- What a frame can be: the request, the replies that identify themselves, and those that only a request explains.
-local function candidates(edition, frame)
-    local request, request_found = codec.identify(edition, "requests", frame)
-    local reply, reply_found = codec.identify(edition, "replies", frame)
-    local replies = { reply }
+-- What a frame can be: the request, the replies that identify themselves, and those that only a request explains. The table
+-- is filled again for the next frame.
+local function candidates(state, edition, frame)
+    local possible, found = state.possible, nil
+    possible.request, found = codec.identify(edition, "requests", frame)
+    possible.request_node, possible.request_reason = possible.request and found, not possible.request and found or nil
+    possible.reply, found = codec.identify(edition, "replies", frame)
+    possible.reply_node, possible.reply_reason = possible.reply and found, not possible.reply and found or nil
+    local replies, count = possible.replies, 0
+    if possible.reply then
+        replies[1], count = possible.reply, 1
+    end
     for _, answer in ipairs(edition.explained) do
-        if answer ~= reply and codec.is_message(answer, frame) then
-            replies[#replies + 1] = answer
+        if answer ~= possible.reply and codec.is_message(answer, frame) then
+            count = count + 1
+            replies[count] = answer
         end
     end
-    return {
-        request = request,
-        request_node = request and request_found,
-        request_reason = not request and request_found or nil,
-        reply = reply,
-        reply_node = reply and reply_found,
-        reply_reason = not reply and reply_found or nil,
-        replies = replies,
-    }
+    for number = count + 1, #replies do
+        replies[number] = nil
+    end
+    return possible
 end
 
 local function has_constants(messages, frame)
@@ -104,18 +124,19 @@ end
 
 -- The time in which a request is answered, at most: that of the user, of the command, or longer if replies take longer.
 local function window_of(state, bus, request)
-    local window = math.max(state.window, 2 * (bus.learned.reply_time or 0))
-    return math.max(window, request and request.answer.reply_within or 0)
+    return math.max(state.window, 2 * (bus.learned.reply_time or 0), request.answer.reply_within or 0)
 end
 
--- The oldest open exchange that a frame closes, its number, and the node that replies. Older ones than `longest` have ended.
+-- The oldest open exchange that a frame closes, its number, the node that replies, and the reply that the frame is. Older
+-- exchanges than `longest` have ended.
 local function answered(state, bus, edition, frame, longest)
     for number, exchange in ipairs(bus.open) do
         local window = longest or window_of(state, bus, exchange.request)
         if exchange.edition == edition and exchange.since + window >= bus.clock then
-            local fits, node = codec.answers(exchange.request, exchange.node, exchange.frame, frame)
-            if fits and not (node and exchange.answered[node]) then
-                return exchange, number, node
+            local answer, node = codec.answer(exchange.request, exchange.node, exchange.frame, frame)
+            local already = node and exchange.answered and exchange.answered[node] or 0
+            if answer and (not node or already < exchange.request.frames) then
+                return exchange, number, node, answer
             end
         end
     end
@@ -125,11 +146,13 @@ end
 -- Whether a program can send a request. Its reserved bits are those of the spec, or the old ones of its host.
 local function is_regular(bus, request, frame)
     local old = bus.learned.old[request]
-    local bits, is_zero = codec.reserved_bits(request, frame)
+    local has_usual_bits
     if old then
-        is_zero = old.value == nil or old.value == bits
+        has_usual_bits = old.value == nil or old.value == codec.reserved_bits(request, frame)
+    else
+        has_usual_bits = codec.has_regular_bits(request, frame)
     end
-    return is_zero and codec.is_in_range(request, frame)
+    return has_usual_bits and codec.is_in_range(request, frame)
 end
 
 -- The direction by content; nil if both directions are possible.
@@ -237,8 +260,12 @@ local function learn_copies(bus, key, possible, frame, result)
         end
     end
     local is_echo = possible.request ~= nil and possible.request.answer.echo
-    learned.runs[key] = result.message and not is_echo
-        and { frame = frame, clock = bus.clock, length = 1, direction = result.direction } or nil
+    if result.message and not is_echo then
+        run = child(learned.runs, key)
+        run.frame, run.clock, run.length, run.direction = frame, bus.clock, 1, result.direction
+    else
+        learned.runs[key] = nil
+    end
     local is_enough = learned.all_runs >= LEAST_IN_ALL and not learned.copied
     if is_enough and (is_share(learned.request_pairs, learned.request_runs, 3, 4)
         or is_share(learned.all_pairs, learned.all_runs, 3, 8)) then
@@ -273,7 +300,11 @@ local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
         learned.replies[request] = replies
     end
     local bits = codec.reserved_bits(request, frame)
-    local before = replies.last[key] or { clock = bus.clock - 5 * LONGEST, pause = 0, bits = "" }
+    local before = replies.last[key]
+    if not before then
+        before = { clock = bus.clock - 5 * LONGEST, pause = 0, bits = "" }
+        replies.last[key] = before
+    end
     local pause = bus.clock - before.clock
     local is_change = is_orphan and before.is_orphan and (bits == before.bits) == request.answer.echo
     local is_second = is_change and not before.is_second and pause > 0 and 2 * pause < before.pause
@@ -290,7 +321,7 @@ local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
         replies.seconds[bits] = (replies.seconds[bits] or 0) + 1
         learn_latency(learned, edition, pause)
     end
-    replies.last[key] = { clock = bus.clock, pause = pause, bits = bits, is_orphan = is_orphan, is_second = is_second }
+    before.clock, before.pause, before.bits, before.is_orphan, before.is_second = bus.clock, pause, bits, is_orphan, is_second
     if learned.old[request] or replies.count % LEAST ~= 0 then
         return false
     end
@@ -302,16 +333,15 @@ local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
     return false
 end
 
--- Learns from a result; whether it changes the results of earlier frames.
-local function learn(state, bus, edition, possible, frame, result)
+-- Learns from a result, and for a reply from the exchange that it closes; whether it changes the results of earlier frames.
+local function learn(state, bus, edition, possible, frame, result, exchange)
     local learned = bus.learned
-    local key = tostring(result.node) .. (result.node and "" or " " .. frame[0])
+    local key = result.node or -1 - frame[0]
     local changed = learn_copies(bus, key, possible, frame, result)
     local is_certain = result.rule == "content" or result.rule == "id" or result.rule == "mark"
     if result.direction ~= "reply" or not is_certain then
         return changed
     end
-    local exchange = result.exchange
     learned.certain = learned.certain + 1
     learned.unexpected = learned.unexpected + (exchange and 0 or 1)
     local late = not exchange and answered(state, bus, edition, frame, LONGEST)
@@ -321,7 +351,7 @@ local function learn(state, bus, edition, possible, frame, result)
             learn_latency(learned, edition, bus.clock - late.since)
             changed = changed or (learned.reply_time or 0) > before
         end
-    elseif exchange and #exchange.request.answer.nodes == 0 and not exchange.request.answer.reply_within and result.latency then
+    elseif exchange and #exchange.request.answer.nodes == 0 and exchange.request.frames == 1 and not exchange.request.answer.reply_within and result.latency then
         learn_latency(learned, edition, result.latency)
     end
     local is_by_content = possible.request and result.rule == "content"
@@ -331,26 +361,27 @@ local function learn(state, bus, edition, possible, frame, result)
     return changed
 end
 
-local function decide(state, bus, edition, only, frame, arrival)
-    advance(bus, arrival.time)
+-- Fills the result for a frame; what the frame can be, and the exchange that it closes.
+local function decide(state, bus, edition, only, frame, result)
+    advance(bus, frame.time)
     while bus.open[1] and bus.open[1].since + math.max(LONGEST, window_of(state, bus, bus.open[1].request)) < bus.clock do
         table.remove(bus.open, 1)
     end
-    local possible = candidates(edition, frame)
-    local exchange, number, source
+    local possible = candidates(state, edition, frame)
+    local exchange, number, source, answer
     if #possible.replies > 0 then
-        exchange, number, source = answered(state, bus, edition, frame)
+        exchange, number, source, answer = answered(state, bus, edition, frame)
     end
     local direction, rule
-    if arrival.mark then
-        bus.marks[arrival.mark] = true
+    if frame.mark then
+        bus.marks[frame.mark] = true
     end
-    if arrival.mark and (arrival.trusts_marks or (bus.marks.sent and bus.marks.received)) then
+    if frame.mark and (state.trusts_marks or (bus.marks.sent and bus.marks.received)) then
         rule = "mark"
-        if arrival.mark == "sent" then
-            direction = arrival.sent
+        if frame.mark == "sent" then
+            direction = state.sent
         else
-            direction = arrival.sent == "request" and "reply" or "request"
+            direction = state.sent == "request" and "reply" or "request"
         end
     elseif only then
         direction, rule = only, "id"
@@ -360,82 +391,74 @@ local function decide(state, bus, edition, only, frame, arrival)
             direction, rule = by_exchange(state, bus, edition, possible, exchange, frame)
         end
     end
-    local result = {
-        direction = direction, rule = rule, frame = frame, edition = edition, is_first_pass = arrival.is_first_pass,
-    }
-    if direction == "reply" then
-        result.reason = possible.reply_reason
-        result.message, result.node = possible.reply, possible.reply_node
-        if exchange then
-            result.message, result.node = exchange.request.answer.reply, source
-            if not source and #exchange.request.answer.nodes == 0 then
-                result.node = exchange.node
-            end
-            result.exchange, result.latency = exchange, bus.clock - exchange.since
-            exchange.replies[#exchange.replies + 1] = arrival.number
-            if arrival.time[1] < exchange.time[1] then
-                result.latency = nil
-            end
-            exchange.missing = exchange.missing - 1
-            if source then
-                exchange.answered[source] = true
-            end
-            if exchange.missing == 0 then
-                table.remove(bus.open, number)
-            end
-        end
-    else
-        result.reason = possible.request_reason
-        result.message, result.node = possible.request, possible.request_node
-        if possible.request and possible.request.answer.reply and codec.has_constants(possible.request, frame) then
-            result.opened = {
-                request = possible.request,
+    if direction ~= "reply" then
+        local request = possible.request
+        set_verdict(state, result, direction, rule, request, possible.request_node, possible.request_reason)
+        if request and request.answer.reply and not codec.rejects(request, frame) then
+            local missing = math.max(1, #request.answer.nodes) * request.frames
+            result.expects_reply = true
+            open(bus, {
+                request = request,
                 node = possible.request_node,
                 frame = frame,
                 edition = edition,
                 since = bus.clock,
-                time = arrival.time,
-                missing = math.max(1, #possible.request.answer.nodes),
-                answered = {},
-                replies = {},
-                number = arrival.number,
-            }
-            open(bus, result.opened)
+                missing = missing,
+                answered = missing > 1 and {} or nil,
+                result = result,
+            })
         end
+        return possible
     end
-    return result, possible
+    if not exchange then
+        set_verdict(state, result, direction, rule, possible.reply, possible.reply_node, possible.reply_reason)
+        return possible
+    end
+    if source and exchange.answered then
+        exchange.answered[source] = (exchange.answered[source] or 0) + 1
+    elseif not source and #exchange.request.answer.nodes == 0 then
+        source = exchange.node
+    end
+    set_verdict(state, result, direction, rule, answer.reply, source)
+    result.request = exchange.frame.number
+    if frame.time >= exchange.frame.time then
+        result.latency = bus.clock - exchange.since
+    end
+    exchange.result[#exchange.result + 1] = frame.number
+    exchange.missing = answer.frames == 0 and 0 or exchange.missing - 1
+    if exchange.missing == 0 then
+        table.remove(bus.open, number)
+    end
+    return possible, exchange
 end
 
--- The result for the copy of a request that was captured before; nil if a frame is none.
-local function copy_of(bus, frame, arrival)
-    local latest = bus.learned.copied and bus.latest[frame[0]]
+-- Whether a frame is the copy of a request that was captured before; its result then has the verdict of the request.
+local function is_copy(state, bus, frame, result)
+    local latest = bus.latest[frame[0]]
     bus.latest[frame[0]] = nil
     if not latest or not is_same(latest.frame, frame) then
-        return nil
+        return false
     end
-    advance(bus, arrival.time)
+    advance(bus, frame.time)
     if bus.clock - latest.clock > COPIED_WITHIN then
-        return nil
+        return false
     end
     local first = latest.result
-    return {
-        direction = first.direction, rule = "copy", frame = frame, edition = first.edition,
-        message = first.message, node = first.node, reason = first.reason,
-    }
+    set_verdict(state, result, first.direction, "copy", first.message, first.node, first.reason)
+    return true
 end
 
-local function judge(state, bus, edition, only, frame, arrival)
-    local copy = copy_of(bus, frame, arrival)
-    if copy then
-        copy.is_first_pass = arrival.is_first_pass
-        return copy, false
+-- Fills the result for a frame; whether it changes the results of earlier frames.
+local function judge(state, bus, edition, only, frame, result)
+    if bus.learned.copied and is_copy(state, bus, frame, result) then
+        return false
     end
-    local result, possible = decide(state, bus, edition, only, frame, arrival)
+    local possible, exchange = decide(state, bus, edition, only, frame, result)
     -- A request with old bits that are not known yet looks like a reply.
-    if result.direction == "request" or result.rule == "content" then
+    if bus.learned.copied and (result.direction == "request" or result.rule == "content") then
         bus.latest[frame[0]] = { frame = frame, clock = bus.clock, result = result }
     end
-    return result, learn(state, bus, edition, possible, frame, result)
+    return learn(state, bus, edition, possible, frame, result, exchange)
 end
 
 -- Decides on the first frames of a bus again, in the tables of their results.
@@ -451,31 +474,28 @@ local function decide_again(state, name)
         local bus = new_bus(learned)
         state.buses[name] = bus
         for _, past in ipairs(learned.history) do
-            local result, is_new = judge(state, bus, past.edition, past.only, past.frame, past.arrival)
             for key in pairs(past.result) do
                 past.result[key] = nil
             end
-            for key, value in pairs(result) do
-                past.result[key] = value
-            end
+            local is_new = judge(state, bus, past.edition, past.only, past.frame, past.result)
             changed = changed or is_new
         end
         known = learned
     end
 end
 
--- The result for a frame: `direction` ("request", "reply" or "unknown"), `rule`, `message`, `node`, `reason` without a
--- message, and for a reply the `exchange` that it closes with the `latency` in ns. `mark` is "sent", "received" or nil.
--- Marks count if `trusts_marks`, or once a bus has both. `sent` is the direction of sent frames.
--- `only` is the direction of all frames with this id, or nil. What later frames show can change an earlier result.
-function directions.judge(state, edition, only, frame, arrival)
-    local bus = bus_of(state, arrival.bus)
-    local result, changed = judge(state, bus, edition, only, frame, arrival)
+-- The result for a frame: `direction` ("request", "reply" or "unknown"), `rule`, `message`, `node` and `reason` without a
+-- message. That of a reply has the number of its `request` and the `latency` in ns; that of a request which
+-- `expects_reply` lists the numbers of its replies. What later frames show can change an earlier result.
+-- `only` is the direction of all frames with this id, or nil.
+function directions.judge(state, name, edition, only, frame)
+    local bus, result = bus_of(state, name), {}
+    local changed = judge(state, bus, edition, only, frame, result)
     local history = bus.learned.history
     if history then
-        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame, arrival = arrival }
+        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame }
         if changed then
-            decide_again(state, arrival.bus)
+            decide_again(state, name)
         elseif #history >= LEARNED_FROM then
             bus.learned.history = nil
         end

@@ -5,7 +5,6 @@ local codec, directions, family = ...
 local can_id = Field.new("can.id")
 local is_extended = Field.new("can.flags.xtd")
 local is_remote = Field.new("can.flags.rtr")
-local frame_time = Field.new("frame.time_epoch")
 local interface = Field.new("frame.interface_id")
 
 -- A protocol of Wireshark can have the name of the family.
@@ -16,6 +15,8 @@ if not is_free then
     proto = Proto(prefix, prefix .. ": " .. family.title)
 end
 
+local column = string.upper(family.name)
+
 local function named(name)
     return prefix .. "." .. name
 end
@@ -23,6 +24,7 @@ end
 local meta = {
     edition = ProtoField.string(named("edition"), "Edition"),
     command = ProtoField.string(named("command"), "Command"),
+    sending = ProtoField.string(named("sending"), "Timing"),
     direction = ProtoField.string(named("direction"), "Direction"),
     rule = ProtoField.string(named("rule"), "Direction decided by"),
     node = ProtoField.uint32(named("node"), "Node"),
@@ -51,7 +53,7 @@ local experts = {
 
 local proto_fields, all_fields, all_experts = {}, {}, {}
 for _, name in ipairs({
-    "edition", "command", "direction", "rule", "node", "request_in", "reply_in", "latency", "rejected",
+    "edition", "command", "sending", "direction", "rule", "node", "request_in", "reply_in", "latency", "rejected",
 }) do
     all_fields[#all_fields + 1] = meta[name]
 end
@@ -65,8 +67,8 @@ end
 
 for _, entry in ipairs(family.fields) do
     local made = { flags = {}, kind = entry.kind, raw_kind = entry.raw }
-    if entry.kind == "double" then
-        made.value = ProtoField.double(named(entry.name), entry.label)
+    if entry.kind == "double" or entry.kind == "string" then
+        made.value = ProtoField[entry.kind](named(entry.name), entry.label)
     else
         made.value = integer_field(entry.kind, entry.name, entry.label, entry.members)
     end
@@ -126,8 +128,11 @@ prefs.sent = Pref.enum(
 )
 prefs.window = Pref.uint("Time for a reply in us", 2000, "A later frame is not the reply to a request")
 
--- The settings: default edition and parameters, those of nodes, and the text of the first mistake.
-local settings, state, frames, ids
+-- The settings: default edition and parameters, those of nodes, and the text of the first mistake. `results` are those of
+-- the first, second, ... CAN frame of a packet, each by the number of the packet; `noted` are the packets with a note that is
+-- given once; `is_complete` says whether all results are from the first pass.
+local settings, state, results, ids, noted, is_complete
+local own_dissector
 
 local function mistake(text)
     settings.mistake = settings.mistake or text
@@ -147,7 +152,7 @@ local function set_parameter(parameters, parameter, text)
     local number = codec.rational(text)
     local value = number and number.numerator / number.denominator
     if not value or (parameter.minimum and value < parameter.minimum) or (parameter.maximum and value > parameter.maximum)
-        or (parameter.positive and value <= 0) then
+        or (parameter.positive and value <= 0) or (parameter.whole and value ~= math.floor(value)) then
         mistake(parameter.preference .. ": invalid number " .. text)
         return
     end
@@ -197,7 +202,9 @@ local function set_nodes(entry)
 end
 
 local function read_settings()
-    settings = { nodes = {}, parameters = {}, edition = family.editions[prefs.edition] }
+    settings = {
+        nodes = {}, parameters = {}, edition = family.editions[prefs.edition], has_marks = prefs.marks ~= 2,
+    }
     for _, parameter in ipairs(family.parameters) do
         local chosen = prefs[parameter.preference]
         if parameter.values then
@@ -209,16 +216,15 @@ local function read_settings()
     for entry in prefs.nodes:gmatch("[^;]+") do
         set_nodes(entry)
     end
+    settings.is_asleep = prefs.edition == 0 and not next(settings.nodes) and not settings.mistake
+    local listed = { settings.parameters }
+    for _, of_node in pairs(settings.nodes) do
+        listed[#listed + 1] = of_node.parameters
+    end
+    for _, edition in ipairs(family.editions) do
+        codec.configure(edition, listed)
+    end
 end
-
-local function reset()
-    read_settings()
-    state = directions.new(prefs.window * 1000)
-    frames, ids = {}, {}
-end
-
-proto.init = reset
-proto.prefs_changed = reset
 
 local function edition_of(node)
     local listed = node and settings.nodes[node]
@@ -255,51 +261,44 @@ local function find_edition(frame)
     return nil
 end
 
-local function of_id(frame)
-    local key = string.format("%d %s %s", frame[0], tostring(frame.extended), tostring(frame.remote))
+local function of_id(id, is_extended_id, is_remote_frame)
+    local key = id + (is_extended_id and 0x20000000 or 0) + (is_remote_frame and 0x40000000 or 0)
     if ids[key] == nil then
-        ids[key] = find_edition(frame) or false
+        ids[key] = find_edition({ [0] = id, length = 0, extended = is_extended_id, remote = is_remote_frame }) or false
     end
     return ids[key]
 end
 
-local function last(values)
-    return values[#values] and values[#values].value
-end
-
-local function read_frame(tvb)
-    local id = { can_id() }
-    if #id == 0 then
-        return nil
+-- The value of the last field, and how many there are.
+local function last(...)
+    local count = select("#", ...)
+    if count == 0 then
+        return nil, 0
     end
-    local frame = {
-        [0] = last(id),
-        length = tvb:len(),
-        extended = last({ is_extended() }) == true,
-        remote = last({ is_remote() }) == true,
-    }
-    if not frame.remote then
-        for index = 1, frame.length do
-            frame[index] = tvb(index - 1, 1):uint()
-        end
-    end
-    return frame, #id
+    return select(count, ...).value, count
 end
 
 local MARKS = { [P2P_DIR_SENT] = "sent", [P2P_DIR_RECV] = "received" }
 
-local function judge(frame, pinfo, known)
-    local time = frame_time().value
-    local source = interface()
-    return directions.judge(state, known.edition, known.only, frame, {
-        bus = source and source.value or 0,
-        time = { time.secs, time.nsecs },
-        mark = prefs.marks ~= 2 and MARKS[pinfo.p2p_dir] or nil,
-        trusts_marks = prefs.marks == 1,
-        sent = prefs.sent == 0 and "request" or "reply",
+local function bytes_of(tvb, length)
+    if length > 0 then
+        return tvb:raw(0, length):byte(1, -1)
+    end
+end
+
+-- The frame that an id begins.
+local function read_frame(tvb, pinfo, id, is_extended_id, is_remote_frame)
+    local length = tvb:len()
+    return {
+        [0] = id,
+        length = length,
+        extended = is_extended_id,
+        remote = is_remote_frame,
         number = pinfo.number,
-        is_first_pass = not pinfo.visited,
-    })
+        time = math.floor(pinfo.rel_ts * 1000000000 + 0.5),
+        mark = settings.has_marks and MARKS[pinfo.p2p_dir] or nil,
+        bytes_of(tvb, is_remote_frame and 0 or length),
+    }
 end
 
 local function range_of(tvb, segments)
@@ -324,25 +323,27 @@ local function add(tree, field, range, value)
     return tree:add(field, value)
 end
 
-local function integer(kind, raw)
+local function integer(kind, decoded)
     if kind == "uint32" or kind == "int32" then
-        return raw.number
+        return decoded.number
     end
-    local high = raw.high < 0 and raw.high + 4294967296 or raw.high
-    return kind == "int64" and Int64.new(raw.low, high) or UInt64.new(raw.low, high)
+    local high = decoded.high < 0 and decoded.high + 4294967296 or decoded.high
+    return kind == "int64" and Int64.new(decoded.low, high) or UInt64.new(decoded.low, high)
 end
 
-local function shown_integer(raw)
-    if math.abs(raw.number) <= 9007199254740992 then
-        return string.format("%.0f", raw.number)
+local function shown_integer(decoded)
+    if math.abs(decoded.number) <= 9007199254740992 then
+        return string.format("%.0f", decoded.number)
     end
-    return tostring(integer(raw.high < 0 and "int64" or "uint64", raw))
+    return tostring(integer(decoded.high < 0 and "int64" or "uint64", decoded))
 end
+
+local FORMS = { "%.15g", "%.16g", "%.17g" }
 
 -- The shortest text of a number.
 local function shown_number(number)
-    for digits = 15, 17 do
-        local text = string.format("%." .. digits .. "g", number)
+    for _, form in ipairs(FORMS) do
+        local text = string.format(form, number)
         if tonumber(text) == number then
             return text
         end
@@ -352,16 +353,23 @@ end
 
 local function shown_value(decoded)
     local type_ = decoded.field.type
+    if decoded.raws then
+        return type_.text and decoded.value or decoded.value and string.format("%.0f", decoded.value)
+            or "digits " .. table.concat(decoded.raws, " ")
+    end
     if type_.flags then
         return #decoded.value > 0 and table.concat(decoded.value, ", ") or "none"
     end
     if type_.enum then
-        return decoded.value or ("unknown " .. shown_integer(decoded.raw))
+        return decoded.value or ("unknown " .. shown_integer(decoded))
+    end
+    if decoded.no_value then
+        return decoded.no_value .. " (" .. shown_integer(decoded) .. ")"
     end
     if decoded.value == nil then
-        return "raw " .. shown_integer(decoded.raw)
+        return "raw " .. shown_integer(decoded)
     end
-    local text = type_.plain and shown_integer(decoded.raw) or shown_number(decoded.value)
+    local text = type_.plain and shown_integer(decoded) or shown_number(decoded.value)
     return type_.unit and text .. " " .. type_.unit or text
 end
 
@@ -374,55 +382,41 @@ local function add_field(tree, tvb, decoded)
     local range = range_of(tvb, decoded.segments)
     local text = label_of(decoded) .. ": " .. shown_value(decoded)
     local item
-    if known.kind ~= "double" then
-        item = add(tree, known.value, range, integer(known.kind, decoded.raw))
+    if known.kind == "string" then
+        item = add(tree, known.value, range, shown_value(decoded))
+    elseif decoded.raws then
+        item = decoded.value and add(tree, known.value, range, decoded.value) or tree:add(range or tvb, text)
+    elseif known.kind ~= "double" then
+        item = add(tree, known.value, range, integer(known.kind, decoded))
     else
         local number = decoded.value
         if decoded.field.type.enum or decoded.field.type.flags then
-            number = decoded.raw.number
+            number = decoded.number
         end
         if number then
             item = add(tree, known.value, range, number)
         end
-        local raw = add(item or tree, known.raw, range, integer(known.raw_kind, decoded.raw))
-        raw:set_text(label_of(decoded) .. " (raw): " .. shown_integer(decoded.raw))
+        local raw = add(item or tree, known.raw, range, integer(known.raw_kind, decoded))
+        raw:set_text(label_of(decoded) .. " (raw): " .. shown_integer(decoded))
         item = item or raw
     end
     item:set_text(text)
     for _, flag in ipairs(decoded.field.type.flags or {}) do
-        local is_set = codec.has_flag(decoded.raw, flag.bit)
+        local is_set = codec.has_flag(decoded, flag.bit)
         add(item, known.flags[flag.name], range, is_set):set_text(flag.label .. ": " .. (is_set and "1" or "0"))
     end
-    if decoded.reason == "missing_parameter" then
-        item:add_proto_expert_info(experts.parameter)
-    end
-    return decoded.field.name .. (decoded.index and "[" .. decoded.index .. "]" or "") .. " " .. shown_value(decoded)
 end
 
-local function reject(tree, reason, text)
-    tree:add(meta.rejected, reason):set_generated()
-    tree:add_proto_expert_info(experts.rejected, text or reason)
-    return "rejected: " .. (text or reason)
-end
-
-local function add_exchange(tree, result, pinfo)
-    local request = result.exchange
-    if request then
-        tree:add(meta.request_in, request.number):set_generated()
+local function add_exchange(tree, result)
+    if result.request then
+        tree:add(meta.request_in, result.request):set_generated()
         if result.latency then
-            local latency = result.latency
-            local seconds = math.floor(latency / 1000000000)
-            tree:add(meta.latency, NSTime.new(seconds, math.floor(latency - seconds * 1000000000))):set_generated()
+            local seconds = math.floor(result.latency / 1000000000)
+            tree:add(meta.latency, NSTime.new(seconds, math.floor(result.latency - seconds * 1000000000))):set_generated()
         end
     end
-    local opened = result.opened
-    if opened then
-        for _, number in ipairs(opened.replies) do
-            tree:add(meta.reply_in, number):set_generated()
-        end
-        if pinfo.visited and result.is_first_pass and opened.missing > 0 then
-            tree:add_proto_expert_info(experts.no_reply)
-        end
+    for _, number in ipairs(result) do
+        tree:add(meta.reply_in, number):set_generated()
     end
 end
 
@@ -431,60 +425,119 @@ local function parameters_of(node)
     return listed and listed.parameters or settings.parameters
 end
 
--- Adds what a frame means; the texts of its values are the info column.
-local function add_frame(tree, tvb, pinfo, result)
-    local frame, message = result.frame, result.message
-    tree:add(meta.edition, result.edition.name):set_generated()
+-- Adds what a frame means.
+-- Adds the checksum of a frame and whether it is correct.
+local function add_checksum(tree, tvb, message, frame)
+    local field, found, computed = codec.checksum(message, frame)
+    if field then
+        local known, hex = proto_fields[field.name], "0x%0" .. math.ceil(field.type.width / 4) .. "X"
+        local shared, kind = known.value, known.kind
+        if kind == "double" then
+            shared, kind = known.raw, known.raw_kind
+        end
+        local raw = integer(kind, { low = found, high = 0, number = found })
+        local item = add(tree, shared, range_of(tvb, field.elements[1]), raw)
+        local validity = found == computed and "correct" or "incorrect, should be " .. hex:format(computed)
+        item:set_text(string.format("%s: %s [%s]", field.label, hex:format(found), validity))
+    end
+end
+
+local function add_frame(tree, tvb, known, result, fields)
+    local message = result.message
+    tree:add(meta.edition, known.edition.name):set_generated()
     tree:add(meta.direction, result.direction):set_generated()
     tree:add(meta.rule, result.rule):set_generated()
-    local title = result.direction
     if message then
         tree:add(meta.command, message.command):set_generated()
-        title = message.command .. " " .. message.direction
+        if message.sending then
+            tree:add(meta.sending, message.sending):set_generated()
+        end
     end
     if result.node then
         tree:add(meta.node, result.node):set_generated()
-        title = string.format("%s, node %d", title, result.node)
     end
-    add_exchange(tree, result, pinfo)
-    local texts = {}
-    if not message then
-        texts[1] = reject(tree, result.reason)
-    else
-        local fields, reason, parameter = codec.decode(message, frame, parameters_of(result.node))
-        if not fields then
-            texts[1] = reject(tree, reason, parameter and reason .. ": " .. parameter)
-        else
-            for _, decoded in ipairs(fields) do
-                texts[#texts + 1] = add_field(tree, tvb, decoded)
-            end
+    add_exchange(tree, result)
+    for _, decoded in ipairs(fields) do
+        add_field(tree, tvb, decoded)
+    end
+end
+
+local function title_of(result)
+    local message = result.message
+    local text = message and message.command .. " " .. message.direction or result.direction
+    return result.node and string.format("%s, node %d", text, result.node) or text
+end
+
+-- Whether a packet is the first one with a note.
+local function is_first(note, number)
+    noted[note] = noted[note] or number
+    return noted[note] == number
+end
+
+local function lacks_parameter(fields, reason)
+    if reason == "missing_parameter" then
+        return true
+    end
+    for _, decoded in ipairs(fields) do
+        if decoded.reason == "missing_parameter" then
+            return true
         end
     end
-    tree:set_text(family.name .. " " .. result.edition.name .. ", " .. title)
-    if #texts > 0 then
-        title = title .. ": " .. table.concat(texts, ", ")
+    return false
+end
+
+local NONE = {}
+
+-- The remarks about a frame, each a list of an expert item and a text.
+local function remarks_of(result, fields, reason, pinfo, frame)
+    local lacking = lacks_parameter(fields, reason)
+    local is_rejected, is_mistaken = reason and not lacking, settings.mistake and is_first("mistake", frame.number)
+    local is_first_lacking = lacking and is_first("parameter", frame.number)
+    local is_unanswered = result.expects_reply and pinfo.visited and is_complete
+        and #result < math.max(1, #result.message.answer.nodes)
+    if not (is_rejected or is_mistaken or is_first_lacking or is_unanswered) then
+        return NONE
     end
-    return title
+    local remarks = {}
+    for _, remark in ipairs({
+        { is_rejected, experts.rejected, reason }, { is_first_lacking, experts.parameter },
+        { is_mistaken, experts.preference, settings.mistake }, { is_unanswered, experts.no_reply },
+    }) do
+        if remark[1] then
+            remarks[#remarks + 1] = { table.unpack(remark, 2) }
+        end
+    end
+    return remarks
+end
+
+-- The fields of a frame, and why it is rejected: the reason, and a text.
+local function decoded_fields(frame, result)
+    if not result.message then
+        return {}, result.reason, result.reason
+    end
+    local listed = result.node and settings.nodes[result.node]
+    local parameters = listed and listed.parameters or settings.parameters
+    local fields, reason, parameter = codec.decode(result.message, frame, parameters)
+    return fields or {}, reason, parameter and reason .. ": " .. parameter or reason
 end
 
 local function result_of(frame, occurrence, pinfo, known)
-    local of_packet = frames[pinfo.number]
-    if not of_packet then
-        of_packet = {}
-        frames[pinfo.number] = of_packet
+    local of_occurrence = results[occurrence]
+    if not of_occurrence then
+        of_occurrence = {}
+        results[occurrence] = of_occurrence
     end
-    local result = of_packet[occurrence]
+    local result = of_occurrence[frame.number]
     if not result then
-        result = judge(frame, pinfo, known)
-        of_packet[occurrence] = result
+        is_complete = is_complete and not pinfo.visited
+        local source = interface()
+        result = directions.judge(state, source and source.value or 0, known.edition, known.only, frame)
+        of_occurrence[frame.number] = result
     end
     return result
 end
 
 local function hint(tvb, tree, frame)
-    if settings.mistake or prefs.edition ~= 0 or next(settings.nodes) then
-        return
-    end
     for _, edition in ipairs(family.editions) do
         if #codec.nodes(edition, frame) > 0 then
             tree:add(proto, tvb()):set_text(
@@ -495,26 +548,88 @@ local function hint(tvb, tree, frame)
     end
 end
 
-function proto.dissector(tvb, pinfo, tree)
-    local frame, occurrence = read_frame(tvb)
-    if not frame then
-        return 0
+-- What a frame is and its values, in one line.
+local function info_of(title, fields, rejection)
+    if rejection then
+        return title .. ": rejected: " .. rejection
+    elseif #fields == 0 then
+        return title
     end
-    local known = of_id(frame)
-    if not known then
-        hint(tvb, tree, frame)
-        return 0
+    local texts = {}
+    for number, decoded in ipairs(fields) do
+        texts[number] = decoded.name .. " " .. shown_value(decoded)
     end
-    local result = result_of(frame, occurrence, pinfo, known)
-    local branch = tree:add(proto, tvb())
-    if settings.mistake then
-        branch:add_proto_expert_info(experts.preference, settings.mistake)
-    end
-    pinfo.cols.protocol = string.upper(family.name)
-    pinfo.cols.info = add_frame(branch, tvb, pinfo, result)
-    return math.max(1, tvb:len())
+    return title .. ": " .. table.concat(texts, ", ")
 end
 
-proto:register_heuristic("can", function(tvb, pinfo, tree)
-    return proto.dissector(tvb, pinfo, tree) > 0
-end)
+-- Adds a frame to the columns, and to the tree if anybody looks at it or there is a remark; whether it is one of the family.
+local function dissect(tvb, pinfo, tree)
+    if settings.is_asleep and not tree.visible then
+        return false
+    end
+    local id, occurrence = last(can_id())
+    if not id then
+        return false
+    end
+    local is_extended_id, is_remote_frame = last(is_extended()) == true, last(is_remote()) == true
+    if settings.is_asleep then
+        hint(tvb, tree, read_frame(tvb, pinfo, id, is_extended_id, is_remote_frame))
+        return false
+    end
+    local known = of_id(id, is_extended_id, is_remote_frame)
+    if not known then
+        return false
+    end
+    local frame = read_frame(tvb, pinfo, id, is_extended_id, is_remote_frame)
+    local result = result_of(frame, occurrence, pinfo, known)
+    local fields, reason, rejection = decoded_fields(frame, result)
+    local remarks, title = remarks_of(result, fields, reason, pinfo, frame), title_of(result)
+    if #remarks > 0 or tree:referenced(own_dissector) then
+        local branch = tree:add(proto, tvb())
+        add_frame(branch, tvb, known, result, fields)
+        if result.message then
+            add_checksum(branch, tvb, result.message, frame)
+        end
+        if reason then
+            branch:add(meta.rejected, reason):set_generated()
+        end
+        for _, remark in ipairs(remarks) do
+            branch:add_proto_expert_info(table.unpack(remark))
+        end
+        branch:set_text(family.name .. " " .. known.edition.name .. ", " .. title)
+    end
+    pinfo.cols.protocol = column
+    pinfo.cols.info = info_of(title, fields, rejection)
+    return true
+end
+
+function proto.dissector(tvb, pinfo, tree)
+    return dissect(tvb, pinfo, tree) and math.max(1, tvb:len()) or 0
+end
+
+-- In a terminal, the edition is not chosen later, so frames need not be offered to this dissector without one.
+local is_registered = false
+
+local function register()
+    if not is_registered then
+        is_registered = true
+        proto:register_heuristic("can", dissect)
+    end
+end
+
+if gui_enabled() then
+    register()
+end
+
+local function reset()
+    read_settings()
+    own_dissector = Dissector.get(prefix)
+    state = directions.new(prefs.window * 1000, prefs.sent == 0 and "request" or "reply", prefs.marks == 1)
+    results, ids, noted, is_complete = {}, {}, {}, true
+    if not settings.is_asleep then
+        register()
+    end
+end
+
+proto.init = reset
+proto.prefs_changed = reset

@@ -2,50 +2,92 @@
 // Search without an inverted index: some thousand short texts are compared in a few milliseconds. Libraries for full
 // text split words at spaces, which Chinese does not have, and know neither codes nor rules of ids.
 
-const SEPARATORS = /[\s_\-‐–—,，、;；:：。()（）[\]【】"'“”`!！?？]+/gu;
+const SEPARATORS = /[\s_\-‐–—,，、;；:：。()（）[\]【】"'“”`!！?？/]+/gu;
 const BOUNDARY = /(?<=[\u3400-\u9fff])(?=[a-z0-9])|(?<=[a-z0-9])(?=[\u3400-\u9fff])/gu;
 const CHINESE = /[\u3400-\u9fff]/u;
+/** A number directly before its unit, as `0.01rpm` or `500kbps`, but no hexadecimal number. */
+const QUANTITY = /(?<![\w.])(\d+(?:\.\d+)?)(?=[a-zµ°]{1,6}(?![\w]))(?![a-fh]\b|x)/giu;
+
+/** What headings of manuals add in parentheses. */
+const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
-const WEIGHTS = { command: 1, entry: 0.97, id: 0.95, page: 0.9, effect: 0.75, field: 0.7, value: 0.65, type: 0.6, table: 0.6, erratum: 0.55, parameter: 0.55, setting: 0.5, mode: 0.5, state: 0.5, heading: 0.8 };
+const WEIGHTS = { command: 1, type: 0.8, entry: 0.97, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5 };
+/** For an item that is the whole query: the type of a field comes before the commands that have it. */
+const WHOLE = { heading: 0, type: 0.99 };
 const ABOUT = 0.3;
-/** Headings of manuals often end with this word, which titles of commands do not contain. */
-const COMMAND = ["command", "命令"];
 const EXACT = 10;
+const SYNONYM = 0.9;
+const TYPO = 0.6;
+/** For a page whose items contain the terms, each another one. */
+const SCATTERED = 0.85;
+/** Weight of a word that is in many questions, beside 1 and more for the others. */
+const STOP = 0.05;
+/** A page whose score is below this share of the best one is no hit. */
+const LEAST = 0.4;
 
 /** Lower case, with single spaces; also between Chinese and Latin text, which people write with and without one. */
 const normalized = text => text.normalize("NFKC").toLowerCase().replace(BOUNDARY, " ").replace(SEPARATORS, " ").trim();
+
+/** `maxLevel` as `maxlevel` and `max level`, `over_voltage` as `over voltage` and `overvoltage`. */
+const spellings = name => [name, name.replace(/(?<=[a-z])(?=[A-Z])/gu, " "), name.replace(/(?<=[a-z])[-_](?=[a-z])/giu, "")].map(normalized);
 
 /** How well a text contains a term: 1 for an equal text, 0 for none. */
 function quality(term, text) {
   if (term === text) { return 1; }
   const isChinese = CHINESE.test(term);
-  if (!text.includes(term)) { return isChinese ? 0.4 * pairsIn(term, text) : 0; }
+  if (!text.includes(term)) { return isChinese ? 0.6 * pairsIn(term, text) : 0; }
   const share = term.length / text.length / 10;
   const spaced = ` ${text} `;
   if (isChinese || spaced.includes(` ${term} `)) { return (text.startsWith(term) ? 0.8 : 0.7) + share; }
-  if (spaced.includes(` ${term}`)) { return 0.5 + share; }
+  if (spaced.includes(` ${term}`) && term.length > 1) { return 0.5 + share; }
   return term.length > 2 ? 0.3 + share : 0;
 }
 
 /** The share of pairs of neighbouring Chinese characters that a text contains, if it is most of them. */
 function pairsIn(term, text) {
   const pairs = [...term].slice(1).map((character, i) => term[i] + character);
-  const found = pairs.filter(pair => text.includes(pair)).length / pairs.length;
-  return pairs.length > 1 && found >= 0.6 ? found : 0;
+  const share = pairs.filter(pair => text.includes(pair)).length / pairs.length;
+  return pairs.length > 1 && share >= 0.6 ? share : 0;
+}
+
+/** The number of inserted, deleted, changed or exchanged letters between two words; more than `most` counts as one more. */
+function distance(word, other, most) {
+  if (Math.abs(word.length - other.length) > most) { return most + 1; }
+  let [before, last] = [[], Array.from({ length: other.length + 1 }, (_, j) => j)];
+  for (let i = 1; i <= word.length; i++) {
+    const row = [i];
+    for (let j = 1; j <= other.length; j++) {
+      const changed = last[j - 1] + (word[i - 1] === other[j - 1] ? 0 : 1);
+      row[j] = Math.min(last[j] + 1, row[j - 1] + 1, changed);
+      if (i > 1 && j > 1 && word[i - 1] === other[j - 2] && word[i - 2] === other[j - 1]) { row[j] = Math.min(row[j], before[j - 2] + 1); }
+    }
+    [before, last] = [last, row];
+  }
+  return last[other.length];
+}
+
+/** A frame as programs print it: the id, if any, and the data bytes; null for other text. */
+function pastedFrame(text) {
+  const bytes = text.trim().toLowerCase().replace(/^\(\d+\.\d+\)\s*|^can\d\s+/gu, "");
+  const frame = bytes.match(/^(?:(?:0x)?([0-9a-f]{3,8})\s*(?:#|\s)\s*(?:\[\d+\]\s*)?)?((?:(?:0x)?[0-9a-f]{2}[\s,.…]*)+)$/u);
+  if (!frame) { return null; }
+  const data = frame[2].replace(/0x|[^0-9a-f]/gu, "").match(/../gu);
+  return (frame[1] && (text.includes("#") || data.length > 1)) || data.length > 2 ? { id: frame[1], data } : null;
 }
 
 function createSearch(index, language) {
   const groups = index.synonyms.map(group => group.map(normalized));
+  const stops = new Set(index.stops.map(normalized));
   const documents = new Map();
   let order = 0;
 
   const add = (folder, path, item) => {
     const page = folder ? `${folder}/${path}` : path;
     if (!documents.has(page)) { documents.set(page, { page, path, folder, order: order++, items: [], main: null }); }
-    const found = documents.get(page);
-    found.items.push(item);
-    if (item.kind === "command" || item.kind === "page") { found.main ??= item; }
+    const of = documents.get(page);
+    of.items.push(item);
+    if (item.kind === "command" || item.kind === "page") { of.main ??= item; }
   };
 
   const inLanguage = texts => texts ? (texts[language] ?? Object.values(texts)[0] ?? "") : "";
@@ -58,28 +100,40 @@ function createSearch(index, language) {
       add(edition?.folder ?? "", path, { kind: "heading", title: heading, anchor, texts: [normalized(heading)], about: [] });
     }
   }
-  for (const edition of index.editions) {
-    for (const record of edition.records) {
-      const titles = Object.values(record.title ?? {});
-      const codes = (record.code ?? "").split(", ").flatMap(code => [code, code.replace(/^0x/, "")]);
-      const texts = [record.name, ...codes, ...titles, ...(record.units ?? [])].map(normalized).filter(Boolean);
-      const described = [record.about ?? {}, ...(record.notes ?? [])].flatMap(Object.values).map(normalized);
-      const about = record.kind === "command" ? [...described, ...COMMAND] : described;
+  for (const { folder, records } of [{ folder: "", records: index.questions }, ...index.editions]) {
+    for (const record of records) {
+      const codes = (record.code ?? "").split(", ").flatMap(code => [code, code.replace(/^0x/, ""), code.replace(/^0x(\w+)$/, "$1h")]);
+      const words = [record.name, ...(record.printed ?? "").split(", "), ...Object.values(record.title ?? {}), ...(record.words ?? [])].flatMap(spellings);
+      const texts = [...words, ...[...codes, ...(record.units ?? [])].map(normalized)].filter(Boolean);
+      const about = [record.about ?? {}, ...(record.notes ?? [])].flatMap(Object.values).map(normalized);
       const item = { ...record, title: inLanguage(record.title), texts: [...new Set(texts)], about };
       for (const place of record.pages ?? []) {
         const [path, anchor] = place.split("#");
-        add(edition.folder, path, anchor ? { ...item, anchor } : item);
+        add(folder, path, anchor ? { ...item, anchor } : item);
       }
     }
   }
-  const items = [...new Set([...documents.values()].flatMap(found => found.items))];
+  const items = [...new Set([...documents.values()].flatMap(({ items: own }) => own))];
+  const vocabulary = new Set([...groups.flat(), ...items.flatMap(({ texts, about }) => [...texts, ...about])].flatMap(text => text.split(" ")).filter(word => /^[a-z]{4,}$/u.test(word)));
   const names = new Map(index.editions.map(edition => [edition.folder, edition.name]));
   const families = new Map(index.editions.map(edition => [edition.folder, edition.family]));
   const newest = index.editions.at(-1)?.folder ?? "";
 
+  /** The editions that a query names, and the rest of it: `11 v2.35` or `2.36 dim`. */
+  function ofEditions(query) {
+    const labels = index.editions.map(({ folder, name }) => ({ folder, label: normalized(name) }));
+    const isNamed = text => ` ${query} `.includes(` ${text} `);
+    const spelled = labels.flatMap(({ folder, label }) => [label, label.replace(/^v/u, ""), label.replace(/^\S+ /u, "")].map(text => ({ folder, text })));
+    const exact = spelled.filter(({ text }) => text.length > 3 && isNamed(text)).sort((a, b) => b.text.length - a.text.length)[0];
+    if (exact) { return { folders: [exact.folder], rest: ` ${query} `.replace(` ${exact.text} `, " ").trim() }; }
+    const version = query.match(/(?:^| )(v?\d+\.\d+[\d. ]*?)(?= [^\d]|$)/u)?.[1];
+    const some = version ? labels.filter(({ label }) => label.replace(/^v/u, "").startsWith(version.replace(/^v/u, ""))) : [];
+    return some.length ? { folders: some.map(({ folder }) => folder), rest: query.replace(version, " ").replace(/ +/gu, " ").trim() } : { folders: [], rest: query };
+  }
+
   /** The terms of a query, each with the words that mean the same. */
   function terms(query) {
-    const found = [];
+    const list = [];
     let rest = query;
     while (rest) {
       const starts = groups.flatMap(group => group.filter(word => isStart(word, rest)).map(word => ({ word, group })));
@@ -87,27 +141,41 @@ function createSearch(index, language) {
       const end = longest || nextEnd(rest);
       const word = rest.slice(0, end);
       const same = starts.filter(start => start.word.length === longest).flatMap(start => start.group);
-      found.push({ word, same: [...new Set(same)].filter(other => other !== word) });
+      list.push({ word, same: [...new Set(same)].filter(synonym => synonym !== word), factor: SYNONYM });
       rest = rest.slice(end).trim();
     }
-    return found;
+    return list;
   }
 
   const isStart = (word, text) => text.startsWith(word) && (CHINESE.test(word) || !text[word.length] || text[word.length] === " " || CHINESE.test(text[word.length]));
 
-  /** Where the first word of a text ends: at a space, or before a Chinese synonym. */
+  /** Where the first word of a text ends: at a space, or before and after a Chinese synonym or stop word. */
   function nextEnd(text) {
     const space = text.indexOf(" ");
     const end = space < 0 ? text.length : space;
+    if (!CHINESE.test(text[0])) { return end; }
+    const stop = [...stops].filter(word => CHINESE.test(word) && text.startsWith(word)).sort((a, b) => b.length - a.length)[0];
+    if (stop) { return stop.length; }
     for (let i = 1; i < end; i++) {
-      if (CHINESE.test(text[i]) && groups.some(group => group.some(word => word.length > 1 && text.startsWith(word, i)))) { return i; }
+      const starts = word => CHINESE.test(word) && text.startsWith(word, i);
+      if ([...stops].some(starts) || groups.some(group => group.some(word => word.length > 1 && starts(word)))) { return i; }
     }
     return end;
   }
 
+  /** The term with the words of the pages that differ from it by a typo, if no page has it. */
+  function corrected(term) {
+    const most = term.word.length > 7 ? 2 : 1;
+    if (!/^[a-z]{4,}$/u.test(term.word)) { return term; }
+    const near = [...vocabulary].map(word => ({ word, far: distance(term.word, word, most) })).filter(({ far }) => far <= most);
+    const least = Math.min(...near.map(({ far }) => far));
+    const same = near.filter(({ far }) => far === least).flatMap(({ word }) => [word, ...groups.filter(group => group.includes(word)).flat()]);
+    return { word: term.word, same: [...new Set(same)], factor: TYPO };
+  }
+
   /** The item of an id, with the node that it belongs to; null for another id. */
   function ofId(item, query) {
-    const digits = item.ids && query.match(/^(?:0x)?([0-9a-f]{2,8})$/);
+    const digits = item.ids && query.match(/^(?:0x)?([0-9a-f]{2,8})h?$/u);
     if (!digits) { return null; }
     const { base, step = 0, first = 0, last = 0 } = item.ids;
     const node = step ? (parseInt(digits[1], 16) - base) / step : 0;
@@ -115,55 +183,87 @@ function createSearch(index, language) {
     return fits ? { ...item, node: step ? node : null } : null;
   }
 
-  /** How well an item matches the whole query and each of its terms. */
-  function rate(item, query, parts) {
-    const weight = WEIGHTS[item.kind];
-    const identified = ofId(item, query);
-    const values = parts.map(({ word, same }) => {
-      let best = 0;
-      for (const text of item.texts) {
-        best = Math.max(best, quality(word, text), ...same.map(other => 0.8 * quality(other, text)));
-      }
-      for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text)); }
-      return best * weight;
-    });
-    const isWhole = identified || item.texts.includes(query);
-    const whole = isWhole ? EXACT + (item.kind === "heading" ? 0 : weight) : 0;
-    return { item: identified ?? item, values, score: whole || values.reduce((sum, value) => sum + value, 0) / parts.length };
+  /** How well an item matches a term. */
+  function value(item, { word, same, factor }) {
+    let best = ofId(item, word) ? 1 : 0;
+    for (const text of item.texts) {
+      best = Math.max(best, quality(word, text), ...same.map(synonym => factor * quality(synonym, text)));
+    }
+    for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text), ...same.map(synonym => ABOUT * factor * quality(synonym, text))); }
+    return best * WEIGHTS[item.kind];
   }
 
-  /** The best item of a page, if the page has it all: an exact match, or one of each term. */
-  function match(found, parts, rated) {
-    const all = found.items.map(item => rated.get(item));
-    const best = all.reduce((one, other) => other.score > one.score ? other : one);
-    if (best.score >= EXACT) { return { found, score: best.score, item: best.item }; }
-    const perTerm = parts.map((_, i) => Math.max(...all.map(({ values }) => values[i])));
-    const score = perTerm.reduce((sum, value) => sum + value, 0) / parts.length;
-    return perTerm.every(Boolean) ? { found, score, item: best.item } : null;
+  /** The score of an item that is what the whole query says; 0 for any other. */
+  function whole(item, query) {
+    if (!query || item.kind === "question" || !(ofId(item, query) || item.texts.includes(query))) { return 0; }
+    return EXACT + (WHOLE[item.kind] ?? WEIGHTS[item.kind]);
+  }
+
+  /** How well each item matches each term. */
+  const valued = parts => new Map(items.map(item => [item, parts.map(part => value(item, part))]));
+
+  /** The terms of a query with the values of all items; terms that nothing contains are corrected. */
+  function matched(query) {
+    const parts = terms(query);
+    const values = valued(parts);
+    const isUnknown = (part, i) => !stops.has(part.word) && items.every(item => !values.get(item)[i]);
+    if (!parts.some(isUnknown)) { return { parts, values }; }
+    const mended = parts.map((part, i) => isUnknown(part, i) ? corrected(part) : part);
+    return { parts: mended, values: valued(mended) };
+  }
+
+  /** Pages with their scores: the mean over the terms, in which a rare term weighs more than a frequent one. */
+  function scored(query, text) {
+    const { parts, values } = matched(query);
+    const pages = [...documents.values()];
+    const ofPage = pages.map(page => parts.map((_, i) => Math.max(...page.items.map(item => values.get(item)[i]))));
+    const weights = parts.map(({ word }, i) => {
+      const frequency = ofPage.filter(of => of[i]).length;
+      return !frequency ? 0 : stops.has(word) ? STOP : Math.log(1 + pages.length / frequency);
+    });
+    const sum = weights.reduce((total, weight) => total + weight, 0) || 1;
+    const content = weights.filter(weight => weight > STOP).length || 1;
+    const mean = of => {
+      const share = of.filter((value, i) => value && weights[i] > STOP).length / content;
+      return of.reduce((total, value, i) => total + weights[i] * value, 0) / sum * (0.7 + 0.3 * share);
+    };
+    return pages.map((found, n) => {
+      const of = found.items.map(item => ({ item, score: whole(item, query) || whole(item, text) || mean(values.get(item)) }));
+      const best = of.reduce((one, two) => two.score > one.score ? two : one);
+      return { found, item: ofId(best.item, query) ?? best.item, score: Math.max(best.score, SCATTERED * mean(ofPage[n])) };
+    });
+  }
+
+  /** The query without what people paste around it: a frame is its code, `A1h` is `a1`, `0.01rpm` two words. */
+  function simplified(text) {
+    const frame = pastedFrame(text);
+    if (frame) { return frame.data[0]; }
+    const query = normalized(text.replace(REMARK, " ").replace(QUANTITY, "$1 "));
+    const rest = query.split(" ").filter(word => !stops.has(word)).join(" ");
+    return rest && /^(?:0x)?[0-9a-f]+h?$/u.test(rest) ? rest : query;
   }
 
   /** The hits of a query, best first; those of `edition` before those of others that match as well. */
   return function search(text, edition, texts) {
-    const query = normalized(text);
-    if (!query) { return []; }
-    const parts = terms(query);
-    const rated = new Map(items.map(item => [item, rate(item, query, parts)]));
+    const { folders, rest: query } = ofEditions(simplified(text));
+    if (!query && !folders.length) { return []; }
+    const isOf = folder => !folders.length || folders.includes(folder);
+    const all = query ? scored(query, normalized(text)) : [...documents.values()].map(found => ({ found, item: found.main ?? found.items[0], score: found.path === "index" && found.folder ? 1 : 0 }));
+    const own = all.filter(({ found }) => isOf(found.folder) || (query && !found.folder));
+    const most = Math.max(0, ...own.map(({ score }) => score));
     const pages = new Map();
-    for (const found of documents.values()) {
-      const hit = match(found, parts, rated);
-      if (hit) {
-        const key = `${families.get(found.folder) ?? ""} ${found.path}`;
-        pages.set(key, [...(pages.get(key) ?? []), hit]);
-      }
+    for (const hit of own.filter(({ score }) => score > Math.min(most, 1) * LEAST)) {
+      const key = `${families.get(hit.found.folder) ?? ""} ${hit.found.path}`;
+      pages.set(key, [...(pages.get(key) ?? []), hit]);
     }
     const isCurrent = hit => hit.found.folder === edition;
     const ranked = [...pages.values()].map(hits => {
-      const most = Math.max(...hits.map(hit => hit.score));
-      const good = hits.filter(hit => hit.score >= most * 0.9);
+      const top = Math.max(...hits.map(hit => hit.score));
+      const good = hits.filter(hit => hit.score >= top * 0.9);
       const best = good.find(isCurrent) ?? good.find(hit => hit.found.folder === newest) ?? good.at(-1);
-      return { best, hits, most, level: Math.floor(Math.min(most, EXACT) * 2), current: isCurrent(best) };
+      return { best, hits, top, level: Math.floor(Math.min(top, EXACT) * 5), current: isCurrent(best) };
     });
-    ranked.sort((a, b) => b.level - a.level || b.current - a.current || b.most - a.most || a.best.found.order - b.best.found.order);
+    ranked.sort((a, b) => b.level - a.level || b.current - a.current || b.top - a.top || a.best.found.order - b.best.found.order);
     return ranked.map(({ best, hits }) => shown(best, hits, texts));
   };
 
@@ -174,13 +274,14 @@ function createSearch(index, language) {
     const unit = item.units ? ` [${item.units[0]}]` : "";
     const label = texts.kinds[item.kind] ? `${texts.kinds[item.kind]} ` : "";
     const name = item.name && item.name !== item.title ? `${item.name}: ` : "";
+    const printed = item.printed ? ` (${item.printed})` : "";
     return {
       page: found.page,
       anchor: isMain ? "" : item.anchor ?? "",
       code: main.code ?? "",
       title: main.title,
       edition: names.get(found.folder) ?? "",
-      detail: isMain ? main.name ?? "" : `${label}${name}${item.title}${unit}${node}`,
+      detail: (isMain ? main.name ?? "" : `${label}${name}${item.title}${unit}${node}`) + printed,
       others: hits.filter(hit => hit.found !== found).map(hit => ({ page: hit.found.page, anchor: hit.item.anchor ?? "", edition: names.get(hit.found.folder) })),
     };
   }

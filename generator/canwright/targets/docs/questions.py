@@ -1,0 +1,73 @@
+"""Questions of users with answers: a page for each language, and records for the search."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from ...model.edition import Edition
+from ...templating import resources
+from ...templating.data_files import read_data
+from ...templating.markup import markdown
+from .links import COMMANDS
+
+PAGE = "questions"
+Record = Mapping[str, Any]
+
+
+class Link(NamedTuple):
+    """A command that answers a question, with the editions that have it; the cells are Markdown."""
+
+    command: str
+    editions: Sequence[str]
+
+
+class Question(NamedTuple):
+    """A question with its answer; the texts are Markdown."""
+
+    anchor: str
+    ask: str
+    answer: str
+    links: Sequence[Link]
+    pages: Sequence[str]
+
+
+def questions(listed: Sequence[tuple[str, Edition]], language: str) -> Iterator[Question]:
+    """The questions of the families of some editions, which have folders."""
+    for written in _written(edition for _, edition in listed):
+        yield Question(
+            f"{PAGE}.{written['name']}",
+            markdown(written["ask"][language]),
+            markdown(written["answer"][language]),
+            [link for name in written.get("commands", ()) for link in _links(name, listed)],
+            written.get("pages", ()),
+        )
+
+
+def _links(name: str, listed: Sequence[tuple[str, Edition]]) -> Iterator[Link]:
+    having = [(folder, edition) for folder, edition in listed if name in edition.groups]
+    if having:
+        code = having[-1][1].groups[name][0].code
+        shown = f"`{name}`" if code is None else f"`0x{code:02X}` `{name}`"
+        links = [f"[{markdown(edition.name)}]({folder}/{COMMANDS}{name}.md)" for folder, edition in having]
+        yield Link(shown, links)
+
+
+def question_records(editions: Iterable[Edition]) -> Iterator[Record]:
+    """The questions as records for the search."""
+    for written in _written(editions):
+        yield {
+            "kind": "question",
+            "name": written["name"],
+            "title": written["ask"],
+            "about": written["answer"],
+            "words": written.get("words", []),
+            "pages": [f"{PAGE}#{PAGE}.{written['name']}"],
+        }
+
+
+def _written(editions: Iterable[Edition]) -> Iterator[Record]:
+    """The questions of each family, as they are written."""
+    families = dict.fromkeys(edition.family for edition in editions)
+    data = read_data(resources.QUESTIONS)
+    return (written for family in families for written in data.get(family, ()))

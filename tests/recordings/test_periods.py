@@ -1,0 +1,59 @@
+"""The summary of `canwright decode` counts late and missing frames of messages with a period or a time-out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from canwright.cli import main
+from click.testing import CliRunner
+
+from ..spec_texts import ROOT
+
+SPEC = ROOT / "tests/specs/pack/v1.yaml"
+STATE = "182#00C883FF02"
+
+
+def summary(folder: Path, *frames: tuple[float, str]) -> list[str]:
+    """The summary of a log, by line."""
+    log = folder / "bus.log"
+    log.write_text("".join(f"({time:.6f}) can0 {frame}\n" for time, frame in sorted(frames)), "utf-8")
+    done = CliRunner().invoke(main, ["decode", str(log), "--spec", str(SPEC)])
+    return done.output.partition("\n\n")[2].splitlines()
+
+
+def test_regular_frames_are_neither_late_nor_unexpected(tmp_path: Path) -> None:
+    """A period of 100 ms, and delays of less than half of it; a reply among the cyclic frames is no fault either."""
+    frames = [(i / 10 + (0.04 if i % 5 == 0 else 0), STATE) for i in range(20)]
+    asked = [(0.55, "102#"), (0.551, STATE)]
+    assert summary(tmp_path, *frames, *asked) == [
+        "can0, node 2, v1: 1 request, 21 replies after 1.000 ms on average, at most 1.000 ms"
+    ]
+
+
+def test_gaps_of_a_cyclic_frame(tmp_path: Path) -> None:
+    """Frames 4, 5 and 10 to 15 are missing: gaps of 300 and 700 ms, of which the second exceeds 500 ms."""
+    times = [i / 10 for i in range(20) if i not in (4, 5, *range(10, 16))]
+    assert summary(tmp_path, *((time, STATE) for time in times))[1:] == [
+        "  read_state_reply: every 100 ms, on request, time-out 500 ms; 2 late frames, about 8 missing; 1 time-out; "
+        "longest gap 700.000 ms before #8"
+    ]
+
+
+def test_a_watchdog_that_starved(tmp_path: Path) -> None:
+    """A limit has a time-out of 1000 ms, and no period."""
+    fed = summary(tmp_path, (0, "381#DC05"), (0.9, "381#DC05"), (1.9, "381#DC05"))
+    assert len(fed) == 1
+    assert summary(tmp_path, (0, "381#DC05"), (0.9, "381#DC05"), (1.95, "381#DC05"))[1:] == [
+        "  limit_request: time-out 1000 ms; 1 time-out; longest gap 1050.000 ms before #2"
+    ]
+
+
+def test_a_node_that_falls_silent(tmp_path: Path) -> None:
+    """Pack 2 sends its last frame at 0.1 s, and pack 1 sends until 0.7 s."""
+    frames = [(0, STATE), (0.1, STATE), *((i / 10, STATE.replace("182", "181")) for i in range(8))]
+    assert summary(tmp_path, *frames) == [
+        "can0, node 1, v1: 0 requests, 8 replies",
+        "can0, node 2, v1: 0 requests, 2 replies",
+        "  read_state_reply: every 100 ms, on request, time-out 500 ms; 1 late frame, about 5 missing; 1 time-out; "
+        "longest gap 600.000 ms before the end of the log",
+    ]
