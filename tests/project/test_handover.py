@@ -467,7 +467,7 @@ def test_pdf_contains_its_fonts_with_a_glyph_for_every_character(printed: Path) 
         assert _plain(command.title["zh"]) in text, command.name
     names = set()
     for page in reader.pages:
-        for reference in page["/Resources"]["/Font"].values():  # type: ignore[index]
+        for reference in page["/Resources"]["/Font"].values():
             font = reference.get_object()["/DescendantFonts"][0].get_object()
             names.add(str(font["/BaseFont"]))
             assert {"/FontFile2", "/FontFile3"} & set(font["/FontDescriptor"].get_object()), font["/BaseFont"]

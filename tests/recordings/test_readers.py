@@ -124,7 +124,7 @@ def test_longer_frames_of_candump_are_counted() -> None:
     assert read.counts.skipped == {SkippedPart.XL: 1}
 
 
-@pytest.mark.parametrize("suffix", ["asc", "blf", "mf4", "csv", "log"])
+@pytest.mark.parametrize("suffix", [suffix for suffix in LOG_FORMATS if suffix != "trc"])  # TRC 1 has no CAN FD
 def test_frames_of_can_fd_in_other_logs(suffix: str, tmp_path: Path) -> None:
     """As python-can writes them, of up to 8 bytes and of more."""
     file = tmp_path / f"fd.{suffix}"
