@@ -47,8 +47,8 @@ class Content:
     def manifest_after(self, manifest: Manifest) -> Manifest:
         """The manifest of a folder after this content is written; other targets stay the same."""
         kept = {
-            path: digest
-            for path, digest in manifest.files.items()
+            path: written
+            for path, written in manifest.files.items()
             if not self.alone and path.partition("/")[0] not in self.targets
         }
         files = {**kept, **{path: digest(data) for path, data in self.files.items()}}
