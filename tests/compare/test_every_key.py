@@ -244,7 +244,7 @@ def _keys() -> set[str]:
     return {f"{name}.{key}" for name, concept in concepts.items() for key in concept.get("properties", {})}
 
 
-def _edition(folder: Path, changes: dict[str, Any]) -> Edition:
+def edition_with(folder: Path, changes: dict[str, Any]) -> Edition:
     data = copy.deepcopy(_original())
     for path, value in changes.items():
         *steps, last = [int(step) if step.isdigit() and step != "14" else step for step in path.split(".")]
@@ -268,7 +268,7 @@ def _original() -> Any:
 
 @pytest.fixture(scope="module")
 def original(tmp_path_factory: pytest.TempPathFactory) -> Edition:
-    return _edition(tmp_path_factory.mktemp("original"), {})
+    return edition_with(tmp_path_factory.mktemp("original"), {})
 
 
 def test_every_key_is_known() -> None:
@@ -280,10 +280,10 @@ def test_every_key_is_known() -> None:
 @pytest.mark.parametrize(("key", "expected"), recorded(RECORDED).items(), ids=recorded(RECORDED))
 def test_a_change_of_a_key_is_found(key: str, expected: str, original: Edition, tmp_path: Path) -> None:
     assert expected != "none"
-    assert findings(compare(original, _edition(tmp_path, CHANGES[key]))) == expected
+    assert findings(compare(original, edition_with(tmp_path, CHANGES[key]))) == expected
 
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as made:
-        old = _edition(Path(made), {})
-        record(RECORDED, {key: findings(compare(old, _edition(Path(made), CHANGES[key]))) for key in CHANGES})
+        old = edition_with(Path(made), {})
+        record(RECORDED, {key: findings(compare(old, edition_with(Path(made), CHANGES[key]))) for key in CHANGES})

@@ -127,7 +127,7 @@ def test_comments_in_chinese_are_utf_8_and_change_nothing_else() -> None:
             x for x in text.splitlines() if x[:3] != "CM_"
         ]
     text = chinese["mwd_motor-v2.35-MG-command-zh.dbc"]
-    assert f'CM_ "mwd_motor v2.35，规格哈希 {main.edition.hash[:12]}。由 canwright 生成，请勿修改。参数：MG。' in text
+    assert 'CM_ "mwd_motor v2.35。由 canwright 生成，请勿修改。参数：MG。' in text
     assert (
         'CM_ SG_ 321 cA1_iq "转矩闭环控制：转矩电流控制值。手册名称：iqControl。电机会转动。手册 2.5, 转矩闭环控制命令。";'
         in text

@@ -22,16 +22,16 @@ from .titles import titled
 from .types import deprecation, resolve_types
 
 
-def resolve(document: Document, spec: schema.EditionSpec, digest: str) -> Edition:
-    """The edition of a spec; `digest` is the hash of its text. Raises SpecError with all findings."""
+def resolve(document: Document, spec: schema.EditionSpec) -> Edition:
+    """The edition of a spec. Raises SpecError with all findings."""
     report = Report(document, spec.languages)
-    edition = _edition(report, spec, digest)
+    edition = _edition(report, spec)
     if report.number:
         raise SpecError(report.findings)
     return edition
 
 
-def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
+def _edition(report: Report, spec: schema.EditionSpec) -> Edition:
     parameters = resolve_parameters(spec.parameters, spec.languages)
     types = resolve_types(report, spec, parameters)
     addresses = {name: _address(report, name, written) for name, written in spec.addresses.items()}
@@ -79,7 +79,6 @@ def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
         title=titled(spec.title, spec.family),
         about=spec.about,
         manual=spec.manual,
-        hash=digest,
         order=spec.byte_order,
         bus=Bus(
             host=spec.bus.host,

@@ -216,7 +216,7 @@ class _Files:
         comments, edition = self._comments, self._edition
         known = comments.listed(self.known(assignment))
         sentences = [
-            comments.fixed("made", family=edition.family, edition=edition.name, hash=edition.hash[:12]),
+            comments.fixed("made", family=edition.family, edition=edition.name),
             comments.labelled(comments.fixed("parameters"), known) if known else "",
         ]
         if len(group) == 1:
