@@ -270,6 +270,32 @@ def test_names_are_short_and_unique_in_their_message(texts: Mapping[str, str]) -
             assert all(re.fullmatch(r"[A-Za-z]\w{0,31}", name) for name in group)
 
 
+def test_long_names_do_not_depend_on_other_names(tmp_path: Path) -> None:
+    """A name of 42 characters ends in a hash of it, here that of `sha256sum`; the file has the whole name, too."""
+    name = "c10_failure_cell_overvoltage_warning_index"
+    spec, names = tmp_path / "v1.yaml", set()
+    for further in ("", "failure_cell_overvoltage_warning_index_0: {at: 1, raw: u8}, "):
+        fields = f"{{{further}failure_cell_overvoltage_warning_index: {{at: 2, raw: u16}}}}"
+        spec.write_text(MINIMAL.replace("request: {level: {at: 2, type: level}}", f"request: {fields}"), "utf-8")
+        text = files(spec)["lamp-v1-command.dbc"]
+        (short,) = {*re.findall(r"SG_ (\w+) m16 : 16\|16@", text)}
+        names.add(short)
+        assert 'BA_DEF_ SG_ "SystemSignalLongSymbol" STRING;\n' in text
+        assert 'BA_DEF_DEF_ "SystemSignalLongSymbol" "";\n' in text
+        assert f'BA_ "SystemSignalLongSymbol" SG_ 257 {short} "{name}";\n' in text
+    assert names == {"c10_failure_cell_overvolt_126859"}
+
+
+def test_the_second_of_two_equal_names_gets_a_number(tmp_path: Path) -> None:
+    (tmp_path / "v1.yaml").write_text(
+        MINIMAL.replace("{level: {at: 2, type: level}}", "{a_1: {at: 1, raw: u8}, a: {at: 2, raw: u8, array: 1..2}}"),
+        "utf-8",
+    )
+    text = files(tmp_path / "v1.yaml")["lamp-v1-command.dbc"]
+    signals = re.findall(r"SG_ (c10_\w+) m16 : (\d+)\|", text)
+    assert {*signals} == {("c10_a_1", "8"), ("c10_a_1_2", "16"), ("c10_a_2", "24")}
+
+
 def test_numbers_have_no_exponent(texts: Mapping[str, str]) -> None:
     for text in texts.values():
         for line in re.findall(r"^ SG_ .*", text, re.MULTILINE):

@@ -23,8 +23,6 @@ Place = tuple[Signal, int, str | None]
 """A signal, the raw bit it starts at, and the flag that it is, if any."""
 
 RAW_UNIT = "raw"
-NAME_LENGTH = 32
-"""Longer names are cut, since DBC readers take no more."""
 
 _FLOATS = {32: (">I", ">f"), 64: (">Q", ">d")}
 
@@ -173,9 +171,8 @@ def _parts(name: str, signals: Mapping[str, Signal]) -> list[Place]:
 def _flags(name: str, field: Field, signals: Mapping[str, Signal]) -> list[Place]:
     places: list[Place] = []
     for flag in field.type.flags:
-        cut = f"{name}_{flag.name}"[:NAME_LENGTH]
-        if cut in signals:
-            places.append((signals[cut], flag.value, flag.name))
+        if f"{name}_{flag.name}" in signals:
+            places.append((signals[f"{name}_{flag.name}"], flag.value, flag.name))
     for signal_name, signal in signals.items():
         if signal_name.startswith(f"{name}_bits_"):
             places.append((signal, int(signal_name.split("_bits_")[1].split("_")[0]), None))

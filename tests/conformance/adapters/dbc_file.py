@@ -48,8 +48,9 @@ class DbcMessages:
             match = _ID.match(line)
             owners.append(owners[-1] if line.startswith(" SG_ ") else int(match[1]) if match else None)
         self._lines = list(zip(owners, lines, strict=True))
+        long_names = dict(re.findall(r'^BA_ "SystemMessageLongSymbol" BO_ (\d+) "(\w+)";$', text, re.MULTILINE))
         self.names = {
-            line.split()[2].rstrip(":"): owner
+            long_names.get(str(owner), line.split()[2].rstrip(":")): owner
             for owner, line in self._lines
             if owner is not None and line.startswith("BO_ ")
         }
@@ -86,7 +87,7 @@ class DbcFile:
         if number not in self._numbers:
             return Refused(Refusal.UNKNOWN_ID)
         can_message = self._messages.message(number)
-        if (fitting(self._edition.bus.host, ()) in can_message.senders) is not (direction is Direction.REQUEST):
+        if (fitting(self._edition.bus.host) in can_message.senders) is not (direction is Direction.REQUEST):
             return Refused(Refusal.UNKNOWN_ID)
         try:
             numbers = _mapping(can_message.decode(frame.data, decode_choices=False, scaling=False, allow_excess=False))

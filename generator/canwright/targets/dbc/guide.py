@@ -198,7 +198,7 @@ def _example(edition: Edition, file: File, view: Message, frame: GoldenFrame) ->
     if message is None:
         return None
     start = prefix(Part(command, message))
-    signals = {signal.name: signal for signal in view.signals}
+    signals = {signal.whole_name: signal for signal in view.signals}
     values = []
     for field, value in frame.values.items():
         signal = signals.get(f"{start}_{field}")
@@ -209,4 +209,4 @@ def _example(edition: Edition, file: File, view: Message, frame: GoldenFrame) ->
     selector = next((s for s in view.signals if s.mux == "M"), None)
     if not values or len(message.keys) > 1:
         return None
-    return Example(file, frame, view, (selector.name, frame.command) if selector else None, tuple(values))
+    return Example(file, frame, view, (selector.whole_name, frame.command) if selector else None, tuple(values))
