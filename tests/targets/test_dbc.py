@@ -29,6 +29,7 @@ ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
 MAIN = ROOT / "spec" / "mwd_motor" / "v2.35.yaml"
 SPECS = [MAIN, CASES / "tiny.yaml", CASES / "packed.yaml"]
+PAGES = CASES / "pages.yaml"
 
 SERIES = ("MS", "MF", "MH", "MG")
 
@@ -45,6 +46,7 @@ SECTIONS = [
     "BA_",
     "VAL_",
     "SIG_VALTYPE_",
+    "SG_MUL_VAL_",
 ]
 
 
@@ -56,7 +58,7 @@ def files(spec: Path, **set_parameters: str) -> dict[str, str]:
     return {path: text for path, text in made(spec, **set_parameters).items() if path.endswith(".dbc")}
 
 
-@pytest.fixture(scope="module", params=[*SPECS, *SMALL], ids=called)
+@pytest.fixture(scope="module", params=[*SPECS, PAGES, *SMALL], ids=called)
 def texts(request: pytest.FixtureRequest) -> Mapping[str, str]:
     return files(request.param)
 
@@ -314,7 +316,9 @@ def test_every_code_has_a_signal(texts: Mapping[str, str]) -> None:
         for id_, selector, table in re.findall(r"^VAL_ (\d+) ([rc]_code) (.*) ;", text, re.MULTILINE):
             body = re.search(rf"^BO_ {id_} .*\n((?: SG_ .*\n)*)", text, re.MULTILINE)
             assert body and selector
-            assert set(re.findall(r"(\d+) \"", table)) == set(re.findall(r" m(\d+) :", body.group(1)))
+            codes = re.findall(r"(\d+) \"", table)
+            codes += re.findall(rf"^SG_MUL_VAL_ {id_} \w+ \w+ (\d+)-\d+, ", text, re.MULTILINE)
+            assert set(codes) == set(re.findall(r" m(\d+) :", body.group(1)))
 
 
 def test_ids_of_29_bits_are_marked() -> None:

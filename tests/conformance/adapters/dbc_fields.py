@@ -153,6 +153,12 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     return result
 
 
+def cell_of_selector(selector: Signal, field: Field) -> list[Cell]:
+    """The place of a field in the bits of the selector; none where it has other bits."""
+    bits = tuple(range(selector.start, selector.start + selector.length))
+    return [Cell(field, ((selector, 0, None),))] if [e.bits for e in field.elements] == [bits] else []
+
+
 @functools.lru_cache(maxsize=1024)
 def _signals(message: Message) -> dict[str, Signal]:
     return {signal.name: signal for signal in message.signals}

@@ -70,6 +70,7 @@ def guide(made: Sequence[Made]) -> Mapping[str, object]:
         "first": first,
         "first_needs_program": any(map(_is_rejected, first.messages)) if first else False,
         "is_fd": any(file.frame_format.is_fd for product in made for file in product.files),
+        "has_ranges": any(s.ranges for p in made for f in p.files for m in f.messages for s in m.signals),
         "reading": best,
         "sending": sending,
         "kinds": {file.kind for product in made for file in product.files},

@@ -88,6 +88,17 @@ def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> 
         yield from (f"VAL_ {message.id} {texts.values} ;" for texts in signals if texts.values)
     for message, signals in messages:
         yield from (f"SIG_VALTYPE_ {message.id} {texts.float_kind};" for texts in signals if texts.float_kind)
+    yield from _ranges(file.messages)
+
+
+def _ranges(messages: Sequence[Message]) -> Iterator[str]:
+    """The selector values of all signals of a message, if one of them has more than one."""
+    for message in messages:
+        if any(signal.ranges for signal in message.signals):
+            selector, *signals = message.signals
+            for signal in signals:
+                values = [f"{span[0]}-{span[-1]}" for span in signal.ranges] or [f"{signal.mux[1:]}-{signal.mux[1:]}"]
+                yield f"SG_MUL_VAL_ {message.id} {signal.name} {selector.name} {', '.join(values)};"
 
 
 def _attributes(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> Iterator[str]:

@@ -35,7 +35,7 @@ class Numbers(NamedTuple):
 class Signal(NamedTuple):
     """An SG_ line with its comment, values and attributes.
 
-    `mux` is empty, `M`, or `m` and a selector value; `bits` are in the data, least significant bit first.
+    `mux` is empty, `M`, or `m` and a selector value, the first of all if it has `ranges`; `bits` are in the data, least significant bit first.
     """
 
     name: str
@@ -45,6 +45,8 @@ class Signal(NamedTuple):
     comment: str
     numbers: Numbers
     values: tuple[tuple[int, str], ...] = ()
+    ranges: tuple[range, ...] = ()
+    """The selector values, where a message has those that the others of its id leave; otherwise empty."""
     long_name: str = ""
     """The whole name, if `name` is a shorter one."""
 
