@@ -78,7 +78,11 @@ def test_of_very_many_nodes_the_first_are_listed(tmp_path: Path) -> None:
     spec.write_text(MINIMAL.replace("nodes: 1..4}", "nodes: 1..65535, extended: true}"), "utf-8")
     written = made(spec)
     assert written["lamp-v1-command.dbc"].count("\nBO_ ") == 256
-    assert "the files list the nodes up to 256 of 65535" in written["README.md"]
+    sentence = "the DBC files list the nodes up to 256 of 65535; select others with `--nodes 257..65535`"
+    assert sentence in written["README.md"]
+    (further,) = DbcTarget().notices([specification(spec).edition], Options({}))
+    assert further == f"lamp v1: {sentence}"
+    assert not [*DbcTarget().notices([specification(spec).edition], Options({NODES: (300,)}))]
 
 
 def test_a_choice_among_names_splits_the_files() -> None:

@@ -108,6 +108,14 @@ class Frame(NamedTuple):
             yield node, id_ | (EXTENDED if self.rule.extended else 0)
 
 
+def unlisted_nodes(frame: Frame) -> Iterator[str]:
+    """The sentence about nodes that files do not list unless they are selected; none if there are none."""
+    nodes = frame.rule.nodes or range(0)
+    if len(nodes) > LISTED_NODES:
+        last = nodes[LISTED_NODES - 1]
+        yield f"the DBC files list the nodes up to {last} of {nodes[-1]}; select others with `--nodes {last + 1}..{nodes[-1]}`"
+
+
 def listed_nodes(rule: IdRule, selected: Sequence[int]) -> Sequence[int] | None:
     """The nodes of a rule that a file lists, without selected ones the first; None if the id is fixed."""
     if rule.nodes is None:

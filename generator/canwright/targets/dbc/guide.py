@@ -9,11 +9,11 @@ from typing import NamedTuple
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame
-from ...model.message import LISTED_NODES, Direction
+from ...model.message import Direction
 from ...model.types import Assignment, Parameter, number_of
 from ..base import EditionInput, header
 from .comments import ENGLISH, languages
-from .frames import Part, frames, obstacle
+from .frames import Part, frames, obstacle, unlisted_nodes
 from .signals import prefix
 from .text import number
 from .view import EXTENDED, KIND, File, Message, Signal
@@ -153,14 +153,7 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
                 what = f"{hidden[message.name]} distinguishes it from the other messages of its id"
                 yield kind, message.command, f"omitted: {what}, which a multiplexor cannot express"
         for frame in listed:
-            nodes = frame.rule.nodes or range(0)
-            if len(nodes) > LISTED_NODES:
-                last = nodes[LISTED_NODES - 1]
-                yield (
-                    kind,
-                    frame.parts[0].command.name,
-                    f"the files list the nodes up to {last} of {nodes[-1]}",
-                )
+            yield from ((kind, frame.parts[0].command.name, text) for text in unlisted_nodes(frame))
             for part in frame.parts:
                 if len(part.selectors) > 1 and part.joined_span is None:
                     yield (

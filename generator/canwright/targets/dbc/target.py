@@ -15,7 +15,7 @@ from ...templating.environment import environment
 from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
 from ..options import NO_OPTIONS, Options
 from .files import files, node_name, reply_file, stems
-from .frames import Part, frames
+from .frames import Part, frames, unlisted_nodes
 from .guide import Made, guide
 from .printer import printed
 from .selection import COMMENTS, NODES
@@ -63,6 +63,12 @@ class DbcTarget(Target):
                 if owner is not edition:
                     yield edition, f"{owner.family} {owner.name} would also have the files `{name}-….dbc`"
                     break
+
+    def notices(self, editions: Sequence[Edition], options: Options) -> Iterator[str]:
+        for edition in editions if not options[NODES] else ():
+            listed = [frame for direction in KIND for frame in frames(edition, direction, {})]
+            for text in dict.fromkeys(text for frame in listed for text in unlisted_nodes(frame)):
+                yield f"{edition.family} {edition.name}: {text}"
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """The host, the first node of each address, signals, and names of values."""
