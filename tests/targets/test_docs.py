@@ -236,8 +236,8 @@ def test_an_id_that_contains_the_code_is_shown_as_it_is_on_the_bus(tmp_path: Pat
         "en/v1/commands/set.md"
     ]
     request, reply = text.split("## Reply")
-    assert "Id with the code" not in request, "a field varies it"
-    assert "| Id | Id with the code | Nodes |" in reply
+    assert "Id as sent" not in request, "a field varies it"
+    assert "| Id | Id as sent | Nodes |" in reply
     assert "| `node << 8` | `0x22 + (node << 8)` | `1..15` |" in reply
 
 
