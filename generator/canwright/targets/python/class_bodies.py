@@ -187,6 +187,8 @@ class BodyView:
     """The names of the parameters on which the fields depend; None without any."""
     has_only: bool
     """Whether only some nodes have the command of one of the messages."""
+    is_confusable: bool
+    """Whether some values of one of the messages are refused, because its frame would be another message."""
     checked_when_decoded: str
     """The expression that is true if every decoded message can be encoded again."""
 
@@ -213,8 +215,9 @@ class ClassBodies:
     def body(self, messages: Sequence[Message], nodes: Sequence[int]) -> BodyView:
         """The body for the fields of messages with the same layout; `nodes` are those of elements of arrays."""
         message, has_only = messages[0], any(message.only for message in messages)
+        is_confusable = any(message.confusions for message in messages)
         layout, dlc = message.layout, message.dlc
-        is_always_valid = all(field_.type.accepts_every_raw for field_ in storage(layout))
+        is_always_valid = not is_confusable and all(field_.type.accepts_every_raw for field_ in storage(layout))
         stored = storage(layout)
         varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(message)]
         fields = tuple(
@@ -259,6 +262,7 @@ class ClassBodies:
             needs_id=message.id.parameter is not None,
             depends=code.tuple_of(depends, "DEPENDS = ") if depends else None,
             has_only=has_only,
+            is_confusable=is_confusable,
             checked_when_decoded="not cls.ONLY" if has_only and is_always_valid else str(is_always_valid),
         )
 

@@ -46,6 +46,7 @@ class MessageView:
     id_terms: code.Code | None
     """The assignment of the bits that fields fill in the id; None without any."""
     encode: EncodeView | None
+    confusions: tuple[encoding.ConfusionView, ...]
     sent: code.Code
     """The assignment of the occasions on which it is sent."""
     metadata: tuple[code.Code, ...]
@@ -138,6 +139,7 @@ class MessageViews:
             data="" if has_body else encoding.constant_data(message),
             id_terms=encoding.id_terms(message, self._bodies.imports),
             encode=self._encode(message) if has_body and group not in self._encoding_bases else None,
+            confusions=tuple(encoding.confusion_views(message)),
             sent=code.tuple_of((text.literal(o.value) for o in occasions), "SENT = "),
             metadata=tuple(_class_attributes(command, self._bodies.parameters)) if has_metadata else (),
         )

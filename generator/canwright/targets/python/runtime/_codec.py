@@ -43,6 +43,7 @@ class Refusal(str, Enum):
     NOT_AVAILABLE = "not_available"
     WRONG_CHECKSUM = "wrong_checksum"
     NO_VALUE = "no_value"
+    WRONG_MESSAGE = "wrong_message"
 
 
 class CodecError(ValueError):
@@ -1011,6 +1012,9 @@ class Message:
                 text = f"{cls.__name__} is available with {name}={available}, not {shown_choice(value)}"
                 raise CodecError(Refusal.NOT_AVAILABLE, text)
 
+    def _check_meaning(self) -> None:
+        """Raises CodecError (wrong_message) if receivers identify this frame as another message."""
+
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field of a decoded frame as it was received.
 
@@ -1020,7 +1024,7 @@ class Message:
 
     def check(self) -> None:
         """Raises CodecError if nodes with these parameters do not have the command, if the node or a raw integer is out
-        of range, or if a raw integer has no name in its enum or flags.
+        of range, if a raw integer has no name in its enum or flags, or if the frame would be another message.
 
         They are checked in this order, and fields in the order of the specification, as in every language.
 
@@ -1033,6 +1037,7 @@ class Message:
         raws = self.raw()
         for name in self._in_order_of_checks():
             self.TYPES[name].check(raws[name], self._parameters, name)
+        self._check_meaning()
         self._checked = True
 
     @classmethod
@@ -1062,6 +1067,7 @@ class Message:
             raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(names) or 'no field'}")
         checked: dict[str | None, Any] = {name: types[name].check(raw[name], self._parameters, name) for name in names}
         self._raws = tuple(map(checked.get, places))
+        self._check_meaning()
         self._checked = True
         return self
 
@@ -1288,6 +1294,14 @@ def constant(found: int, wanted: int, field: str) -> None:
     """Checks a field that always has the same value. Raises CodecError (wrong_constant)."""
     if found != wanted:
         raise CodecError(Refusal.WRONG_CONSTANT, f"{field} is 0x{found:X}, always 0x{wanted:X} in this frame", field)
+
+
+def wrong_message(message: Message, command: str, data: bytes) -> CodecError:
+    """The error of a frame that receivers identify as one of another command."""
+    text = (
+        f"{type(message).__name__} with these values is the {message.DIRECTION} of {command}: {data.hex(' ').upper()}"
+    )
+    return CodecError(Refusal.WRONG_MESSAGE, text)
 
 
 def checksum(found: int, computed: int, field: str) -> None:
