@@ -13,7 +13,7 @@ from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting, State
 from ..model.types import ImpliedTitle
-from .discriminators import keyed_by_constants, with_claims
+from .discriminators import keyed_by_constants, with_claims, with_confusions
 from .layouts import LayoutResolver
 from .messages import CommandForm, MessageResolver
 from .parameters import resolve_parameters, with_limits_of_ids
@@ -70,7 +70,7 @@ def _edition(report: Report, spec: schema.EditionSpec) -> Edition:
         for name, written in spec.commands.items()
         for form in messages.forms(name)
     ]
-    resolved = with_claims(keyed_by_constants(commands))
+    resolved = with_confusions(with_claims(keyed_by_constants(commands)))
     return Edition(
         family=spec.family,
         name=spec.edition,

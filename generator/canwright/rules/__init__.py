@@ -45,6 +45,7 @@ from . import (
     unknown_node,
     unreviewed_frame,
     unused,
+    wrong_message,
     zero_scale,
 )
 from .reading_catalogue import LOAD_RULES
@@ -90,6 +91,7 @@ RULES: tuple[Rule, ...] = (
     _rule(exchange_contradiction, Phase.FRAMES),
     _rule(missing_frame, Phase.COVERAGE, severity=WARNING),
     _rule(unreviewed_frame, Phase.COVERAGE, severity=WARNING),
+    _rule(wrong_message, Phase.COVERAGE, severity=WARNING),
     _rule(missing_manual, severity=WARNING),
     _rule(differing_quantity, severity=WARNING),
     _rule(bit_number, severity=WARNING),
