@@ -112,6 +112,12 @@ def test_show_by_name_and_by_code() -> None:
     assert run("show", "0x11", "--spec", MIXER).output == shown
     for text in ("set_volume  0x11", "0x200 + node (1..20)", "DATA[4..5]", "33/2048 V (L)", "-1000..1000"):
         assert text in shown
+    lamp = run("show", "set_lamp", "--spec", MIXER).output
+    assert "The lamp blinks (not with lamp = off); consent: motion" in lamp
+    stop = run("show", "motor_stop", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml")).output
+    assert "ends the motion of a node: stop" in stop
+    turn = run("show", "turn_to_angle", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml")).output
+    assert "repeated after a missing reply: never" in turn
     assert "设定音量" in run("show", "set_volume", "--lang", "zh", "--spec", MIXER).output
 
 

@@ -137,7 +137,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35"
-SPEC_HASH = "64f9f0e583d9870b25208f64fc0a1bb3e9f464fd93e531049032d00db9a19dec"
+SPEC_HASH = "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444"
 
 
 class Series(str, Enum):

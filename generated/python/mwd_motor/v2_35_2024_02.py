@@ -144,7 +144,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35-2024-02"
-SPEC_HASH = "8f20155b0d66485f8953686b32d1ec9bf4740e70e743eb6469ea4a95a7e04dd9"
+SPEC_HASH = "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8"
 
 
 class Series(str, Enum):

@@ -162,7 +162,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2024-11"
-SPEC_HASH = "979857a9c7b61a9effdb1c66021c21b058603cdbaf055c07f40f0734f07d6891"
+SPEC_HASH = "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446"
 
 
 class Series(str, Enum):

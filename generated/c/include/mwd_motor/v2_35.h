@@ -26,12 +26,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_35_SPEC 0x64f9f0e5u
+#define MWD_MOTOR_V2_35_SPEC 0x0cd70152u
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_35_EDITION         "v2.35"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_35_SPEC_HASH       "64f9f0e583d9870b25208f64fc0a1bb3e9f464fd93e531049032d00db9a19dec"
+#define MWD_MOTOR_V2_35_SPEC_HASH       "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_35_REPLY_WITHIN_US 250u
 
@@ -1908,6 +1908,12 @@ static inline canwright_status_t mwd_motor_v2_35_move_to_angle_at_speed_reply_de
  * Limited by: Max Speed (vendor's tool), Max Acceleration (vendor's tool), Max Torque Current (vendor's tool), Max
  * Power (vendor's tool).
  *
+ * Erratum (2.9, 2.10, 2.20, 2.23): The manual does not state what a drive does with a command that arrives twice,
+ * except that an increment adds up and that the ROM wears. Used here: A second zero and a second single-turn movement
+ * may differ from the first, so a client does not repeat these commands. All others can be repeated. The present
+ * position becomes the zero at the time of the last frame. A motor that is at the angle may turn once more in the
+ * given direction. Both are assumptions for safety.
+ *
  * Erratum (2.9 - 2.12): The table of contents lists these commands as position commands 3 to 6. The body names them
  * single-turn 1 and 2 and incremental 1 and 2. Used here: The names of the body. These names describe the commands.
  * @{
@@ -2036,6 +2042,12 @@ static inline canwright_status_t mwd_motor_v2_35_turn_to_angle_reply_decode(
  * Danger: The motor moves.
  *
  * Limited by: Max Acceleration (vendor's tool), Max Torque Current (vendor's tool), Max Power (vendor's tool).
+ *
+ * Erratum (2.9, 2.10, 2.20, 2.23): The manual does not state what a drive does with a command that arrives twice,
+ * except that an increment adds up and that the ROM wears. Used here: A second zero and a second single-turn movement
+ * may differ from the first, so a client does not repeat these commands. All others can be repeated. The present
+ * position becomes the zero at the time of the last frame. A motor that is at the angle may turn once more in the
+ * given direction. Both are assumptions for safety.
  *
  * Erratum (2.9 - 2.12): The table of contents lists these commands as position commands 3 to 6. The body names them
  * single-turn 1 and 2 and incremental 1 and 2. Used here: The names of the body. These names describe the commands.

@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_35_2024_02_SPEC 0x8f20155bu
+#define MWD_MOTOR_V2_35_2024_02_SPEC 0x61f434c4u
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_35_2024_02_EDITION         "v2.35-2024-02"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_35_2024_02_SPEC_HASH       "8f20155b0d66485f8953686b32d1ec9bf4740e70e743eb6469ea4a95a7e04dd9"
+#define MWD_MOTOR_V2_35_2024_02_SPEC_HASH       "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_35_2024_02_REPLY_WITHIN_US 250u
 
@@ -2454,6 +2454,12 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_move_to_angle_at_speed_
  *
  * Limited by: Max Speed (vendor's tool), Max Acceleration (vendor's tool), Max Torque Current (vendor's tool), Max
  * Power (vendor's tool).
+ *
+ * Erratum (2.15, 2.16, 2.23, 2.26): The manual does not state what a drive does with a command that arrives twice,
+ * except that an increment adds up and that the ROM wears. Used here: A second zero and a second single-turn movement
+ * may differ from the first, so a client does not repeat these commands. All others can be repeated. The present
+ * position becomes the zero at the time of the last frame. A motor that is at the angle may turn once more in the
+ * given direction. Both are assumptions for safety.
  * @{
  */
 #define MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_CODE 0xA5u /**< Identifies the command in a frame. */
@@ -2580,6 +2586,12 @@ static inline canwright_status_t mwd_motor_v2_35_2024_02_turn_to_angle_reply_dec
  * Danger: The motor moves.
  *
  * Limited by: Max Acceleration (vendor's tool), Max Torque Current (vendor's tool), Max Power (vendor's tool).
+ *
+ * Erratum (2.15, 2.16, 2.23, 2.26): The manual does not state what a drive does with a command that arrives twice,
+ * except that an increment adds up and that the ROM wears. Used here: A second zero and a second single-turn movement
+ * may differ from the first, so a client does not repeat these commands. All others can be repeated. The present
+ * position becomes the zero at the time of the last frame. A motor that is at the angle may turn once more in the
+ * given direction. Both are assumptions for safety.
  * @{
  */
 #define MWD_MOTOR_V2_35_2024_02_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u /**< Identifies the command in a frame. */

@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_36_2024_11_SPEC 0x979857a9u
+#define MWD_MOTOR_V2_36_2024_11_SPEC 0xe39f4195u
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_36_2024_11_EDITION         "v2.36-2024-11"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "979857a9c7b61a9effdb1c66021c21b058603cdbaf055c07f40f0734f07d6891"
+#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_36_2024_11_REPLY_WITHIN_US 250u
 
@@ -2523,6 +2523,12 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_move_to_angle_at_speed_
  *
  * Limited by: Max Speed (vendor's tool), Max Acceleration (vendor's tool), Max Torque Current (vendor's tool), Max
  * Power (vendor's tool).
+ *
+ * Erratum (14, 15, 21, 24): The manual does not state what a drive does with a command that arrives twice, except
+ * that an increment adds up and that the ROM wears. Used here: A second zero and a second single-turn movement may
+ * differ from the first, so a client does not repeat these commands. All others can be repeated. The present position
+ * becomes the zero at the time of the last frame. A motor that is at the angle may turn once more in the given
+ * direction. Both are assumptions for safety.
  * @{
  */
 #define MWD_MOTOR_V2_36_2024_11_TURN_TO_ANGLE_CODE 0xA5u /**< Identifies the command in a frame. */
@@ -2649,6 +2655,12 @@ static inline canwright_status_t mwd_motor_v2_36_2024_11_turn_to_angle_reply_dec
  * Danger: The motor moves.
  *
  * Limited by: Max Acceleration (vendor's tool), Max Torque Current (vendor's tool), Max Power (vendor's tool).
+ *
+ * Erratum (14, 15, 21, 24): The manual does not state what a drive does with a command that arrives twice, except
+ * that an increment adds up and that the ROM wears. Used here: A second zero and a second single-turn movement may
+ * differ from the first, so a client does not repeat these commands. All others can be repeated. The present position
+ * becomes the zero at the time of the last frame. A motor that is at the angle may turn once more in the given
+ * direction. Both are assumptions for safety.
  * @{
  */
 #define MWD_MOTOR_V2_36_2024_11_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u /**< Identifies the command in a frame. */

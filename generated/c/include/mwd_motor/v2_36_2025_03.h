@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_36_2025_03_SPEC 0x3d41b470u
+#define MWD_MOTOR_V2_36_2025_03_SPEC 0x18e61f44u
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_36_2025_03_EDITION         "v2.36-2025-03"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "3d41b4707a3d1afb1a4bc0925a43b82a720f91d22ec2420a06cd212719372ae1"
+#define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1"
 /** Maximum time from request to reply, in microseconds. It does not apply to calibrate_encoder. */
 #define MWD_MOTOR_V2_36_2025_03_REPLY_WITHIN_US 250u
 
@@ -3364,6 +3364,12 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_move_to_angle_at_speed_
  *
  * Limited by: Max Speed (vendor's tool), Max Acceleration (vendor's tool), Max Torque Current (vendor's tool), Max
  * Power (vendor's tool).
+ *
+ * Erratum (14, 15, 22, 25): The manual does not state what a drive does with a command that arrives twice, except
+ * that an increment adds up and that the ROM wears. Used here: A second zero and a second single-turn movement may
+ * differ from the first, so a client does not repeat these commands. All others can be repeated. The present position
+ * becomes the zero at the time of the last frame. A motor that is at the angle may turn once more in the given
+ * direction. Both are assumptions for safety.
  * @{
  */
 #define MWD_MOTOR_V2_36_2025_03_TURN_TO_ANGLE_CODE 0xA5u /**< Identifies the command in a frame. */
@@ -3490,6 +3496,12 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_turn_to_angle_reply_dec
  * Danger: The motor moves.
  *
  * Limited by: Max Acceleration (vendor's tool), Max Torque Current (vendor's tool), Max Power (vendor's tool).
+ *
+ * Erratum (14, 15, 22, 25): The manual does not state what a drive does with a command that arrives twice, except
+ * that an increment adds up and that the ROM wears. Used here: A second zero and a second single-turn movement may
+ * differ from the first, so a client does not repeat these commands. All others can be repeated. The present position
+ * becomes the zero at the time of the last frame. A motor that is at the angle may turn once more in the given
+ * direction. Both are assumptions for safety.
  * @{
  */
 #define MWD_MOTOR_V2_36_2025_03_TURN_TO_ANGLE_AT_SPEED_CODE 0xA6u /**< Identifies the command in a frame. */
