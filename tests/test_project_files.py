@@ -82,6 +82,13 @@ def test_changelog_starts_with_this_version() -> None:
     assert headings[0].split()[0] == canwright.__version__
 
 
+def test_dependencies_do_not_hide_that_python_is_too_old() -> None:
+    """pip with an early Python names the first dependency without a release for it, unless a marker excludes all."""
+    text = (ROOT / "pyproject.toml").read_text("utf-8")
+    dependencies = re.search(r"^dependencies = \[\n(.*?)^\]$", text, re.MULTILINE | re.DOTALL)
+    assert dependencies and all("; python_version " in line for line in dependencies[1].splitlines())
+
+
 def test_version_is_written_once_in_the_sources() -> None:
     sources = [ROOT / "pyproject.toml", *(ROOT / "generator").rglob("*.py"), *(ROOT / "templates").rglob("*.j2")]
     written = [f.relative_to(ROOT).as_posix() for f in sources if f'"{canwright.__version__}"' in f.read_text("utf-8")]

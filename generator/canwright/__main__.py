@@ -7,7 +7,7 @@ import gc
 import os
 import sys
 
-from .cli import HELP
+from .cli import HELP, INTERRUPTED
 
 CANNOT_PRINT = 2
 
@@ -26,6 +26,8 @@ def run() -> None:
             _run(sys.argv[1:])
         except SystemExit as ended:
             status = ended.code if isinstance(ended.code, int) else 0
+        except KeyboardInterrupt:
+            status = INTERRUPTED
         sys.stdout.flush()
     except OSError as error:  # of printing: commands report what became of files
         status = CANNOT_PRINT

@@ -5,8 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import pytest
-from canwright.cli import main
+from canwright.cli import COMMANDS, main
 from canwright.targets.registry import declared_options, default_targets
 from click.testing import CliRunner, Result
 
@@ -85,7 +86,9 @@ def test_the_exit_status_is_2_if_the_command_cannot_run(folder: Path) -> None:
 
 def test_wrong_usage_is_answered_with_a_suggestion(folder: Path) -> None:
     for arguments, message in (
-        (("check", "--spec", "me.yaml"), "Path 'me.yaml' does not exist. Did you mean my.yaml?"),
+        (("check", "--spec", "myy.yaml"), "Path 'myy.yaml' does not exist. Did you mean my.yaml?"),
+        (("check", "--spec", "nope.yaml"), "Path 'nope.yaml' does not exist.\n"),
+        (("check", "--spec", "may.yml"), "Path 'may.yml' does not exist. Did you mean my.yaml?"),
         (("check", "my.yaml"), "give a spec as --spec my.yaml"),
         (("generate", "--spec", "my.yaml", "--out", ""), "The path is empty; `.` is the current folder."),
         (("chek",), "there is no command `chek`; did you mean `check`?"),
@@ -98,6 +101,43 @@ def test_wrong_usage_is_answered_with_a_suggestion(folder: Path) -> None:
     assert run("check", "--spec", "my.yaml", "--spec", "./my.yaml").exit_code == 0
     result = run("check", "--spec", "my.yaml", "--spec", "too.yaml")
     assert (result.exit_code, "describes lamp v1, too [name-collision]" in result.output) == (1, True)
+
+
+@pytest.mark.parametrize("arguments", [("show", "set_torque"), ("editions",)])
+def test_without_specs_the_editions_of_the_package_are_shown(folder: Path, arguments: tuple[str, ...]) -> None:
+    result = run(*arguments)
+    assert (result.exit_code, "mwd_motor" in result.output) == (0, True)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_ends_with_130_after_an_interrupt(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    context = click.Context(main)
+    command = main.get_command(context, name)
+    assert command
+    monkeypatch.setattr(command, "parse_args", interrupted)
+    result = run(name)
+    assert (result.exit_code, result.output) == (130, "")
+
+
+INTERRUPTED = """
+import os, signal, sys, threading
+from canwright.__main__ import run
+sys.argv = ["canwright", "decode", "-"]
+threading.Timer(1, os.kill, (os.getpid(), signal.SIGINT)).start()
+run()
+"""
+
+
+def test_an_interrupted_process_ends_with_130() -> None:
+    """While it imports its modules, or while it waits for frames."""
+    command = [sys.executable, "-c", INTERRUPTED]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.wait(60)
+        assert process.stderr
+        assert (process.returncode, process.stderr.read()) == (130, b"")
 
 
 def test_check_without_out_verifies_only_the_spec(folder: Path) -> None:

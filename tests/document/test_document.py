@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from canwright.diagnostics.diagnostic import Diagnostic, SpecError
 from canwright.document.document import MAX_BYTES, parse_document, read_document
+from canwright.document.toml import TomlDocument
 from hypothesis import given, strategies as st
 
 from ..spec_texts import places
@@ -79,6 +80,17 @@ def test_a_file_that_is_too_long_or_not_utf8_is_rejected(tmp_path: Path) -> None
     file.write_bytes(b"#" * (MAX_BYTES + 1))
     with pytest.raises(SpecError, match="file-size"):
         read_document(file)
+
+
+def test_a_byte_order_mark_of_utf_8_is_ignored(tmp_path: Path) -> None:
+    (tmp_path / "x.yaml").write_bytes(b"\xef\xbb\xbfa: 1\nb: 2\n")
+    document, content = read_document(tmp_path / "x.yaml")
+    assert document.data == {"a": 1, "b": 2}
+    assert (document.position(("a",), key=True).column, content) == (1, b"a: 1\nb: 2\n")
+    assert TomlDocument("canwright.toml", "\ufeff[rules]\na = 1\n").data == {"rules": {"a": 1}}
+    (tmp_path / "x.yaml").write_bytes("a: 1".encode("utf-16"))
+    with pytest.raises(SpecError, match="the byte order mark of UTF-16"):
+        read_document(tmp_path / "x.yaml")
 
 
 def test_a_finding_shows_the_line_and_a_caret() -> None:

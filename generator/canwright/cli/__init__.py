@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .group import main
 
-__all__ = ["COMMANDS", "COULD_NOT_RUN", "HELP", "main"]
+__all__ = ["COMMANDS", "COULD_NOT_RUN", "HELP", "INTERRUPTED", "main"]
 
 COULD_NOT_RUN = 2
+INTERRUPTED = 130
+"""Of 128 and SIGINT, as in shells."""
 
 
 COMMANDS = {

@@ -41,10 +41,9 @@ class FilePath(click.Path):
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
             file = Path(str(value))
-            siblings = (
-                sorted(f.name for f in file.parent.glob("*")) if file.parent.is_dir() and not file.exists() else []
-            )
-            match = near(file.name, [name for name in siblings if name != file.name])
+            siblings = sorted(file.parent.glob("*")) if file.parent.is_dir() and not file.exists() else []
+            stems = {f.stem: f.name for f in sorted(siblings, key=lambda f: f.suffix == file.suffix)}
+            match = stems.get(near(file.stem, stems) or "")
             self.fail(
                 f"{visible(error.message)}{f' Did you mean {visible((file.parent / match).as_posix())}?' if match else ''}",
                 param,

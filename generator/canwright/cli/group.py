@@ -10,7 +10,7 @@ import click
 
 from .. import __version__
 from ..diagnostics.diagnostic import nearest
-from . import COMMANDS, COULD_NOT_RUN, HELP
+from . import COMMANDS, COULD_NOT_RUN, HELP, INTERRUPTED
 from .terminal import print_text
 
 
@@ -26,6 +26,13 @@ class _Commands(click.Group):
                 raise
             print_text(f"canwright: {error}\n", error=True)
             sys.exit(COULD_NOT_RUN)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Runs a command; an interrupt ends with the status that shells expect, and not with the one of findings."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            ctx.exit(INTERRUPTED)
 
     def get_help(self, ctx: click.Context) -> str:
         return HELP.rstrip("\n")

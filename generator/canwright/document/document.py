@@ -25,7 +25,6 @@ MAX_MESSAGE = 400
 """The maximum number of characters in a message, which may quote a text as long as the file."""
 
 _BYTE_ORDER_MARKS = {
-    codecs.BOM_UTF8: "a byte order mark",
     codecs.BOM_UTF16_LE: "the byte order mark of UTF-16",
     codecs.BOM_UTF16_BE: "the byte order mark of UTF-16",
 }
@@ -123,7 +122,7 @@ def read_document(file: Path, name: str | None = None) -> tuple[Document, bytes]
     if not stat.S_ISREG(file.stat().st_mode):
         raise OSError(f"{name} is not a file but a folder, a pipe or a device; name a spec file")
     with file.open("rb") as stream:
-        content = stream.read(MAX_BYTES + 1)
+        content = stream.read(MAX_BYTES + 1).removeprefix(codecs.BOM_UTF8)
 
     if _leads_outside(file) and not _SPEC_KEY.search(content):  # findings show lines, for example in a public CI log
         text = f"{name} is a link to a file outside the current folder that is not a spec: it has no key `canwright`"
@@ -138,7 +137,7 @@ def read_document(file: Path, name: str | None = None) -> tuple[Document, bytes]
         reject(1, 1, "file-size", f"the file has more than {MAX_BYTES} bytes", "split the protocol")
     for mark, description in _BYTE_ORDER_MARKS.items():
         if content.startswith(mark):
-            hint = "save the file as UTF-8, without a byte order mark"
+            hint = "save the file as UTF-8"
             reject(1, 1, "encoding", f"the file starts with {description}", hint)
     try:
         text = content.decode("utf-8")

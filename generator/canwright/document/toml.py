@@ -29,7 +29,7 @@ class TomlDocument(Document):
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
-        self._source = _TomlSource(unicode_safety.covered(text.replace("\r\n", "\n")))
+        self._source = _TomlSource(unicode_safety.covered(text.removeprefix("\ufeff").replace("\r\n", "\n")))
         try:
             self.data = tomllib.loads(self._source.text, parse_float=Decimal)
         except tomllib.TOMLDecodeError as error:

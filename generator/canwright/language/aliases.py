@@ -139,12 +139,18 @@ def raw_integer(path: DocumentPath) -> str:
     )
 
 
+_MAX_FD_KBPS = 8000
+"""The highest bit rate of data in use."""
+
+
 def limit(written: int, path: DocumentPath) -> str:
-    """A hint for a number above its maximum: the bit of a mask, or kbit/s for bit/s."""
+    """A hint for a number above its maximum: the bit of a mask, kbit/s for bit/s, or the rate of the data of CAN FD."""
     if "flags" in path and written > 0 and written.bit_count() == 1:
         return f"flags are bit numbers, not masks: write {written.bit_length() - 1} for 0x{written:X}"
-    if "bit_rates_kbps" in path and written % 1000 == 0:
+    if "bit_rates_kbps" in path and written > _MAX_FD_KBPS and written % 1000 == 0:
         return f"the unit is kbit/s: write {written // 1000}"
+    if "bit_rates_kbps" in path and written <= _MAX_FD_KBPS:
+        return "only the data of CAN FD frames have a higher bit rate; write that of the other bits"
     return ""
 
 

@@ -36,8 +36,21 @@ def _ranges(subject: CheckInput) -> Findings:
             elif any(end < low or end > high for end in ends) or _is_never_within(limits, low):
                 bits = formatting.counted(type_.width, "bit")
                 text = f"the raw range {formatting.span(limits)} exceeds {low}..{high}, the limits of {bits}"
-                hint = "check the range, and the sign and width in `raw`"
-                yield Finding((*type_.path, key), text, hint if limits.is_constant else f"{hint}, `scale` and `offset`")
+                yield Finding((*type_.path, key), text, _hint(type_, limits, key))
+
+
+def _hint(type_: Type, limits: Range, key: str) -> str:
+    """What to write; also `raw_range`, if the limits of `range` are raw integers that fit."""
+    hint = "check the range, and the sign and width in `raw`"
+    if not limits.is_constant:
+        return f"{hint}, `scale` and `offset`"
+    low, high = type_.raw_limits
+    for _, line in type_.linear.distinct() if key == "range" else ():
+        values = formatting.in_unit(limits, line) if line is not None and line.times is None else limits
+        ends = values.low.constant, values.high.constant
+        if all(end.denominator == 1 and low <= end <= high for end in ends):
+            return f"{hint}; for raw integers, write raw_range: {formatting.span(values)}"
+    return hint
 
 
 def _is_never_within(limits: Range, lowest: int) -> bool:

@@ -19,7 +19,7 @@ def check(subject: CheckInput) -> Findings:
             yield Finding(
                 type_.path,
                 text,
-                f"both are a {type_.unit.quantity}; check the scales, or give the reason in `differs`",
+                f"the quantity of both is {type_.unit.quantity}; check the scales, or give the reason in `differs`",
                 key=True,
             )
 
