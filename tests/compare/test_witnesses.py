@@ -454,6 +454,22 @@ def test_allowed_values_are_in_the_unit(tmp_path: Path) -> None:
     assert allowed == {"channels 13": "allows 0..6.49 mm", "channels 64": "allows 0..31.99 mm"}
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "impact"),
+    [
+        ("range: -200..200, ", "range: -200..20, ", Impact.LOUD),
+        ("range: -200..200, ", "range: -199.5..200, ", Impact.LOUD),
+        ("", "range: -200..20, ", Impact.LOUD),
+        ("range: -200..20, ", "range: -200..200, ", Impact.SAFE),
+    ],
+)
+def test_the_bounds_of_floats_are_tried(tmp_path: Path, old: str, new: str, impact: Impact) -> None:
+    """None of the usual samples 1, -100 and 0 is outside the narrower ranges."""
+    text = MINIMAL.replace("raw: u16", "raw: f32").replace("raw_range: 0..1000", f"{old}title: Level")
+    changes = found(tmp_path, text, (f"{old}title", f"{new}title"))
+    assert [change.impact for change in changes] == [impact]
+
+
 def test_offsets_that_are_printed_alike_differ(tmp_path: Path) -> None:
     text = MINIMAL.replace("scale: 0.1", "scale: 0.1, offset: 1/3")
     assert {c.rule.id for c in found(tmp_path, text, ("1/3", "1000000001/3000000000"))} == {"offset-changed"}

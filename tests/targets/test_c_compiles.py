@@ -323,3 +323,30 @@ int main(void)
         else:
             with pytest.raises(AssertionError, match="incompatible pointer type"):
                 cmake("--build", project / "build")
+
+
+QT = """\
+#define signals public
+#define slots
+#define emit
+#define foreach for
+#define forever for (;;)
+"""
+"""What the headers of Qt define in lower case, unless a program defines QT_NO_KEYWORDS."""
+
+
+def test_names_of_qt_are_renamed(tmp_path: Path) -> None:
+    names = re.findall(r"#define (\w+)", QT)
+    types = "".join(f"  {name}: {{raw: u8, scale: 0.5}}\n" for name in names)
+    commands = "".join(
+        f'  {name}: {{code: {code}, manual: "1", request: {{{name}: {{at: 1, type: {name}}}}}, reply: echo}}\n'
+        for code, name in enumerate(names)
+    )
+    text = MINIMAL.partition("types:")[0] + f"types:\n{types}commands:\n{commands}"
+    spec = tmp_path / "lamp.yaml"
+    spec.write_text(text, "utf-8")
+    write([specification(spec)], tmp_path)
+    unit = tmp_path / "unit.cpp"
+    program = "int main()\n{\n    const lamp_v1_emit_request_t sent = CANWRIGHT_ZERO;\n    return sent.emit_;\n}\n"
+    unit.write_text(f'{QT}#include "lamp/v1.hpp"\n{program}', "utf-8")
+    ZIG.check("c++17", "-x", "c++", f"-I{tmp_path}/include", "-c", "-o", tmp_path / "unit.o", unit)

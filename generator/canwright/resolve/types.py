@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeVar
@@ -307,9 +307,27 @@ def _number(value: int) -> Multiple:
 
 
 def _raw_of(span: Range | None, linear: Linear | None) -> Range | None:
-    """The raw integers of a range of values; a parameter that is a factor of scale and range cancels."""
+    """The raw integers of a range of values."""
     if span is None or linear is None or linear.scale == 0:
         return None
+    return whole_raws(in_raw(span, linear))
+
+
+def whole_raws(raw: Range) -> Range:
+    """The integers within a range; an end that depends on a parameter is not rounded."""
+    return Range(_rounded(raw.low, math.ceil), _rounded(raw.high, math.floor))
+
+
+def _rounded(end: Bound, to_integer: Callable[[Fraction], int]) -> Bound:
+    """An end of a range of raw integers, as an integer if it is constant."""
+    return Bound(Fraction(to_integer(end.constant))) if end.parameter is None else end
+
+
+def in_raw(span: Range, linear: Linear) -> Range:
+    """A range of values in multiples of a resolution above or below 0, not rounded.
+
+    A parameter that is a factor of scale and range cancels.
+    """
     if linear.times is not None:
         span = Range(Bound(span.low.coefficient), Bound(span.high.coefficient))
 
@@ -317,10 +335,4 @@ def _raw_of(span: Range | None, linear: Linear | None) -> Range | None:
         return Bound((bound.constant - linear.offset) / linear.scale, bound.coefficient / linear.scale, bound.parameter)
 
     low, high = raw(span.low), raw(span.high)
-    if linear.scale < 0:
-        low, high = high, low
-    if low.parameter is None:
-        low = Bound(Fraction(math.ceil(low.constant)))
-    if high.parameter is None:
-        high = Bound(Fraction(math.floor(high.constant)))
-    return Range(low, high)
+    return Range(low, high) if linear.scale > 0 else Range(high, low)

@@ -29,7 +29,8 @@ def raws(encoder: Encoder, field: Field, counterpart: Field) -> Iterator[int]:
     """Raw integers that a field can be sent with, ends of ranges and members in both editions among them."""
     required = counterpart.role.required_raw
     demanded = () if required is None else (required,)
-    for raw in dict.fromkeys((*_raws(field.type, counterpart.type, encoder.assignment), *demanded)):
+    ends = _float_ends(encoder, field, counterpart)
+    for raw in dict.fromkeys((*_raws(field.type, counterpart.type, encoder.assignment), *ends, *demanded)):
         if _allows(encoder, field, raw):
             yield raw
 
@@ -67,6 +68,17 @@ def _raws(source: Type, target: Type, assignment: Assignment) -> Iterator[int]:
         yield from (raw for no_value in type_.no_values for raw in (no_value.raws[0], no_value.raws[-1]))
         yield from (m.value for m in type_.enum)
         yield from (1 << m.value for m in type_.flags)
+
+
+def _float_ends(encoder: Encoder, field: Field, counterpart: Field) -> Iterator[int]:
+    """The bit patterns of both ends of the ranges of floats, and of the floats beside these."""
+    for type_ in (field.type, counterpart.type) if field.type.encoding is Encoding.FLOAT else ():
+        span = type_.raw_range.at(encoder.assignment) if type_.encoding is Encoding.FLOAT else None
+        for end in (span.low, span.high) if span else ():
+            at = end_of(end, encoder.assignment)
+            raw = None if at is None else encoder.nearest_raw(field, at)
+            if isinstance(raw, int):
+                yield from (raw, raw - 1, raw + 1)
 
 
 def _allows(encoder: Encoder, field: Field, raw: int) -> bool:

@@ -86,8 +86,10 @@ CXX_WORDS = (
     "try typeid typename using virtual wchar_t xor xor_eq"
 )
 LOWER_CASE_MACROS = (
-    "assert complex errno far i386 imaginary interface linux near offsetof small stderr stdin stdout unix"
+    "assert complex emit errno far foreach forever i386 imaginary interface linux near offsetof signals slots small "
+    "stderr stdin stdout unix"
 )
+"""Macros of the standard library, of compilers, of Windows, and of Qt."""
 TYPES_OF_MEMBERS = "int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t"
 """C++ forbids a member with the name of a type that the same struct uses."""
 RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS} {TYPES_OF_MEMBERS}".split())
