@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import yaml
 from canwright.diagnostics.diagnostic import Diagnostic, SpecError
 from canwright.model.edition import Edition
 from canwright.project.loader import spec_files, specification
@@ -38,6 +39,18 @@ commands:
 """
 
 
+NAMED = frozenset(
+    (
+        *("addresses", "parameters", "settings", "effects", "states", "modes", "types", "layouts", "tables", "entries"),
+        *("commands", "fields", "layout", "request", "reply", "enum", "flags", "no_value", "values"),
+        *("scale", "offset", "range", "raw_range"),
+    )
+)
+"""Keys of the language below which the keys are, or can be, names: the output is in their order."""
+MEANT_ORDER = frozenset(("addresses", "states", "modes", "no_value"))
+"""Those of which the first is the usual address or mode, the state after power-up, or what an encoder sends for no value."""
+
+
 def called(file: Path) -> str:
     """What a test calls a spec file."""
     return f"{file.parent.name}/{file.stem}"
@@ -67,3 +80,22 @@ def places(diagnostics: list[Diagnostic]) -> list[str]:
 def marked(diagnostics: list[Diagnostic]) -> list[str]:
     """Findings as `rule: what the caret underlines`."""
     return [f"{d.rule}: {d.position.text[d.position.column - 1 :][: d.position.length]}" for d in diagnostics]
+
+
+def reversed_keys(text: str, kept: frozenset[str]) -> str:
+    """A spec with the keys of all mappings in the opposite order, except of those below some keys."""
+    root = yaml.compose(text, yaml.CSafeLoader)
+    assert root is not None
+    _reverse(root, is_kept=False, kept=kept)
+    return yaml.serialize(root, width=60)
+
+
+def _reverse(node: yaml.Node, *, is_kept: bool, kept: frozenset[str]) -> None:
+    if isinstance(node, yaml.MappingNode):
+        for key, value in node.value:
+            _reverse(value, is_kept=key.value in kept, kept=kept)
+        if not is_kept:
+            node.value.reverse()
+    elif isinstance(node, yaml.SequenceNode):
+        for item in node.value:
+            _reverse(item, is_kept=False, kept=kept)

@@ -81,6 +81,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "BusSpec.dlc": {"bus.dlc": 7},
     "TypeSpec.padding": {"types.label.padding": 255},
     "BusSpec.frame_format": {"bus.frame_format": "fd_brs"},
+    "BusSpec.answers": {"bus.answers": None},
     "BusSpec.max_nodes": {"bus.max_nodes": 3},
     "BusSpec.reply_within_ms": {"bus.reply_within_ms": 2},
     "BusSpec.modes": {"bus.modes.more": {"bit_rates_kbps": [20]}},
@@ -109,6 +110,8 @@ CHANGES: dict[str, dict[str, Any]] = {
     "CommandSpec.further_replies": {"commands.parts.further_replies": ["colours"]},
     "CommandSpec.alternative_replies": {"commands.parts.alternative_replies": ["read"]},
     "CommandSpec.effects": {"commands.dim.effects": ["glows"]},
+    "CommandSpec.repeat": {"commands.dim.repeat": "never"},
+    "CommandSpec.ends_motion": {"commands.cut.ends_motion": "stop"},
     "CommandSpec.limited_by": {"commands.dim.limited_by": []},
     "CommandSpec.not_limited_by": {"commands.read.not_limited_by": []},
     "CommandSpec.notes": {"commands.dim.notes": [TEXT]},
@@ -116,6 +119,8 @@ CHANGES: dict[str, dict[str, Any]] = {
     "DeprecatedSpec.until": {"commands.dim.deprecated.until": "v4"},
     "EffectSpec.title": {"effects.glows.title": TEXT},
     "EffectSpec.about": {"effects.glows.about": TEXT},
+    "EffectSpec.consent": {"effects.glows.consent": "motion"},
+    "EffectSpec.repeat": {"effects.glows.repeat": "never"},
     "EffectSpec.level": {"effects.glows.level": "danger"},
     "EntrySpec.title": {"tables.store.entries.gain.title": TEXT},
     "EntrySpec.about": {"tables.store.entries.gain.about": TEXT},
@@ -244,7 +249,7 @@ def _keys() -> set[str]:
     return {f"{name}.{key}" for name, concept in concepts.items() for key in concept.get("properties", {})}
 
 
-def _edition(folder: Path, changes: dict[str, Any]) -> Edition:
+def edition_with(folder: Path, changes: dict[str, Any]) -> Edition:
     data = copy.deepcopy(_original())
     for path, value in changes.items():
         *steps, last = [int(step) if step.isdigit() and step != "14" else step for step in path.split(".")]
@@ -268,7 +273,7 @@ def _original() -> Any:
 
 @pytest.fixture(scope="module")
 def original(tmp_path_factory: pytest.TempPathFactory) -> Edition:
-    return _edition(tmp_path_factory.mktemp("original"), {})
+    return edition_with(tmp_path_factory.mktemp("original"), {})
 
 
 def test_every_key_is_known() -> None:
@@ -280,10 +285,10 @@ def test_every_key_is_known() -> None:
 @pytest.mark.parametrize(("key", "expected"), recorded(RECORDED).items(), ids=recorded(RECORDED))
 def test_a_change_of_a_key_is_found(key: str, expected: str, original: Edition, tmp_path: Path) -> None:
     assert expected != "none"
-    assert findings(compare(original, _edition(tmp_path, CHANGES[key]))) == expected
+    assert findings(compare(original, edition_with(tmp_path, CHANGES[key]))) == expected
 
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as made:
-        old = _edition(Path(made), {})
-        record(RECORDED, {key: findings(compare(old, _edition(Path(made), CHANGES[key]))) for key in CHANGES})
+        old = edition_with(Path(made), {})
+        record(RECORDED, {key: findings(compare(old, edition_with(Path(made), CHANGES[key]))) for key in CHANGES})

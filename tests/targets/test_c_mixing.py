@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -10,10 +11,11 @@ from canwright.project.loader import spec_files, specification
 from canwright.targets.c.target import CTarget
 
 from ..compilers import WARNINGS, ZIG, Compiler, each_compiler
-from ..spec_texts import ROOT
+from ..spec_texts import MEANT_ORDER, ROOT, reversed_keys
 from .test_c_compiles import everything, headers
 
 INCLUDE = ROOT / "generated/c/include"
+MAIN = ROOT / "spec/mwd_motor/v2.35.yaml"
 NAMES = headers([specification(file) for file in spec_files(ROOT / "spec")])
 OLD, NEW = "mwd_motor_v2_35", "mwd_motor_v2_35_2024_02"
 
@@ -71,15 +73,47 @@ def test_mixing_editions_up_does_not_compile(compiler: Compiler, source: str, st
             compiler.check(standard, *arguments)
 
 
-def test_headers_of_different_specs_do_not_compile_together(tmp_path: Path) -> None:
-    shutil.copytree(INCLUDE, tmp_path / "include")
-    changed = tmp_path / "v2.35.yaml"
-    changed.write_text((ROOT / "spec/mwd_motor/v2.35.yaml").read_text("utf-8") + "# changed\n", "utf-8")
+HEADERS = ("v2_35_float.h", "v2_35_print.h", "v2_35_selftest.h", "v2_35.hpp")
+"""The headers of an edition that include the first one."""
+
+
+def mixed(folder: Path, text: str) -> list[tuple[str | Path, ...]]:
+    """Arguments of compilers for each of these headers, with the first header of another text of the same edition."""
+    shutil.copytree(INCLUDE, folder / "include")
+    changed = folder / "v2.35.yaml"
+    changed.write_text(text, "utf-8")
     made = {output.path: output.text for output in CTarget().generate([specification(changed)], {})}
-    unit = tmp_path / "unit.c"
-    unit.write_text("#include <mwd_motor/v2_35_float.h>\n", "utf-8")
-    arguments = (f"-I{tmp_path / 'include'}", "-c", unit, "-o", tmp_path / "unit.o")
-    ZIG.check("c99", *arguments)
-    (tmp_path / "include/mwd_motor/v2_35.h").write_text(made["include/mwd_motor/v2_35.h"], "utf-8")
-    with pytest.raises(AssertionError, match=r"v2_35\.h and v2_35_float\.h were generated from different specs"):
-        ZIG.check("c99", *arguments)
+    (folder / "include/mwd_motor/v2_35.h").write_text(made["include/mwd_motor/v2_35.h"], "utf-8")
+    arguments: list[tuple[str | Path, ...]] = []
+    for name in HEADERS:
+        is_cxx = name.endswith(".hpp")
+        unit = folder / (f"{name}.cpp" if is_cxx else f"{name}.c")
+        unit.write_text(f"#include <mwd_motor/{name}>\n", "utf-8")
+        standard = "c++17" if is_cxx else "c99"
+        arguments.append((standard, *WARNINGS, f"-I{folder / 'include'}", "-c", unit, "-o", folder / "unit.o"))
+    return arguments
+
+
+def test_headers_from_before_and_after_a_comment_compile_together(tmp_path: Path) -> None:
+    for arguments in mixed(tmp_path, f"# changed\n{MAIN.read_text('utf-8')}"):
+        ZIG.check(*map(str, arguments))
+
+
+def test_headers_of_another_order_compile_together(tmp_path: Path) -> None:
+    """Except the self-test, whose tables are in the order of the members of structs."""
+    for name, arguments in zip(
+        HEADERS, mixed(tmp_path, reversed_keys(MAIN.read_text("utf-8"), MEANT_ORDER)), strict=True
+    ):
+        if name != "v2_35_selftest.h":
+            ZIG.check(*map(str, arguments))
+
+
+def test_headers_of_different_meanings_do_not_compile_together(tmp_path: Path) -> None:
+    text = MAIN.read_text("utf-8")
+    changed = text.replace("code: 0xA1", "code: 0xAF")
+    assert changed != text
+    for name, arguments in zip(HEADERS, mixed(tmp_path, changed), strict=True):
+        with pytest.raises(
+            AssertionError, match=rf"v2_35\.h and {re.escape(name)} were generated from different specs"
+        ):
+            ZIG.check(*map(str, arguments))

@@ -6,7 +6,6 @@ import copy
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -136,8 +135,8 @@ def _output(folder: Path, of_edition: Mapping[str, Any], of_frames: Mapping[str,
         loaded = load(folder / "spec.yaml", "spec.yaml", for_output=golden)
     except SpecError as error:
         return {"check": str(error)}
-    edition = replace(loaded.specification.edition, hash="0" * 64)
-    files = generate([loaded.specification._replace(edition=edition)], default_targets(), {}).files
+    vars(loaded.specification.edition)["hash"] = "0" * 64  # instead of what it computes
+    files = generate([loaded.specification], default_targets(), {}).files
     outputs = {"check": "\n".join(map(str, loaded.warnings))} if golden else {}
     return outputs | {path: content.decode("utf-8") for path, content in files.items()}
 

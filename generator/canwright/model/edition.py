@@ -8,6 +8,7 @@ from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
 from .layout import Layout
+from .meaning import meaning_hash
 from .message import Address, Command, Direction, IdRule, Message, Table
 from .metadata import Bus, Effect, Erratum, Setting, State
 from .types import Order, Parameter, Text, Type
@@ -15,7 +16,7 @@ from .types import Order, Parameter, Text, Type
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Edition:
-    """One edition of a protocol, resolved. `hash` is the SHA-256 of the spec's text, in hex."""
+    """One edition of a protocol, resolved."""
 
     family: str
     name: str
@@ -24,7 +25,6 @@ class Edition:
     title: Text
     about: Text
     manual: Text
-    hash: str
     order: Order
     bus: Bus
     parameters: tuple[Parameter, ...]
@@ -37,6 +37,11 @@ class Edition:
     tables: tuple[Table, ...]
     commands: tuple[Command, ...]
     errata: tuple[Erratum, ...]
+
+    @cached_property
+    def hash(self) -> str:
+        """The SHA-256 of its meaning, in hex. Texts, comments and the order of keys do not change it."""
+        return meaning_hash(self)
 
     @property
     def identifier(self) -> str:

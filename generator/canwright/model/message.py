@@ -11,7 +11,7 @@ from functools import cached_property
 from ..diagnostics.diagnostic import DocumentPath
 from .deprecation import Deprecation
 from .layout import Field, Layout, NodeRole, ParameterRole, Segment, Space
-from .metadata import Effect, Setting
+from .metadata import Effect, EndsMotion, Repeat, Setting
 from .sending import Sending
 from .types import Assignment, ImpliedTitle, Member, Order, Text, number_of
 
@@ -303,6 +303,9 @@ class Command:
     """Maximum time from request to reply, where that of the bus does not apply."""
     implemented: bool
     effects: tuple[Effect, ...]
+    repeat: Repeat | None
+    """What a second request does, if that does not follow from the effects."""
+    ends_motion: EndsMotion | None
     limited_by: tuple[Setting, ...]
     not_limited_by: tuple[Setting, ...]
     title: Text

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -42,10 +41,10 @@ def load(file: Path, name: str | None = None, *, for_output: bool = True) -> Loa
     the name of the file in findings; by default its path. Raises OSError, and SpecError with all findings of the first
     phase with an error: YAML, keys and values, references, edition, golden frames, rules.
     """
-    document, content = read_document(file, name)
+    document, _ = read_document(file, name)
     decoded = decode(document, EditionSpec)
     check_references(document, decoded.names)
-    edition = resolve(document, decoded.value, hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest())
+    edition = resolve(document, decoded.value)
     golden_frames, frames_document = _golden_frames(frames_file(file), edition) if for_output else (None, None)
     warnings = check(
         CheckInput(edition, decoded.value, golden_frames), document, frames_document, for_output=for_output

@@ -22,16 +22,16 @@ from .titles import titled
 from .types import deprecation, resolve_types
 
 
-def resolve(document: Document, spec: schema.EditionSpec, digest: str) -> Edition:
-    """The edition of a spec; `digest` is the hash of its text. Raises SpecError with all findings."""
+def resolve(document: Document, spec: schema.EditionSpec) -> Edition:
+    """The edition of a spec. Raises SpecError with all findings."""
     report = Report(document, spec.languages)
-    edition = _edition(report, spec, digest)
+    edition = _edition(report, spec)
     if report.number:
         raise SpecError(report.findings)
     return edition
 
 
-def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
+def _edition(report: Report, spec: schema.EditionSpec) -> Edition:
     parameters = resolve_parameters(spec.parameters, spec.languages)
     types = resolve_types(report, spec, parameters)
     addresses = {name: _address(report, name, written) for name, written in spec.addresses.items()}
@@ -48,6 +48,8 @@ def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
         name: Effect(
             name=name,
             level=written.level,
+            consent=written.consent,
+            repeat=written.repeat,
             title=titled(written.title, name),
             about=written.about,
         )
@@ -79,7 +81,6 @@ def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
         title=titled(spec.title, spec.family),
         about=spec.about,
         manual=spec.manual,
-        hash=digest,
         order=spec.byte_order,
         bus=Bus(
             host=spec.bus.host,
@@ -87,6 +88,7 @@ def _edition(report: Report, spec: schema.EditionSpec, digest: str) -> Edition:
             frame_format=spec.bus.frame_format,
             max_nodes=spec.bus.max_nodes,
             reply_within_ms=spec.bus.reply_within_ms,
+            answers_in_order=spec.bus.answers is not None,
             modes=tuple(modes.values()),
             manual=spec.bus.manual or "",
         ),
@@ -187,6 +189,8 @@ def _command(
         reply_within_ms=written.reply_within_ms,
         implemented=written.implemented,
         effects=tuple(command_effects),
+        repeat=written.repeat,
+        ends_motion=written.ends_motion,
         limited_by=tuple(settings[name] for name in written.limited_by),
         not_limited_by=tuple(settings[name] for name in written.not_limited_by),
         title=title,

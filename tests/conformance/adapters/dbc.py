@@ -69,6 +69,7 @@ class DbcAdapter(Adapter):
         "several_runs": "each run of bits of a field is a signal: they have no names, and programs divide the value",
         "no_value_numbers": "an encoder takes the number of a raw integer that has a name, also beyond the limits",
         "left_out": "an id that carries a field, a remote frame, and fixed bytes above fields have no form in a DBC",
+        "other_code": "a reader takes a frame for the message whose code the multiplexor contains",
         "confusion": "a file does not reject values with which a receiver identifies another message",
         "selectors_apart": "nested multiplexors break readers; selectors that stand apart cannot be read as one",
         "lengths": "all messages of one id have one length",

@@ -218,7 +218,9 @@ def _edition_doc(edition: Edition) -> list[str]:
 def _facts(names: Names, edition: Edition) -> Iterator[MacroView]:
     """What a device can report of the edition, and the time-out of replies."""
     yield MacroView(names.upper("edition"), literal(edition.name), "The name of the edition.")
-    yield MacroView(names.upper("spec_hash"), literal(edition.hash), "The SHA-256 of the spec, in hexadecimal.")
+    yield MacroView(
+        names.upper("spec_hash"), literal(edition.hash), "The SHA-256 of what the spec means, in hexadecimal."
+    )
     within = edition.bus.reply_within_ms
     if within is not None:
         rounded = "" if (within * 1000).denominator == 1 else ", rounded up"

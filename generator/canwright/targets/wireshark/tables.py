@@ -26,6 +26,7 @@ class LuaTables(EditionTables):
         """The argument of `codec.edition`."""
         return {
             "name": self.edition.name,
+            "hash": self.edition.hash,
             "reply_within": _nanoseconds(self.edition.bus.reply_within_ms),
             **self.tables(),
         }
