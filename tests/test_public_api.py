@@ -113,6 +113,15 @@ def test_names_are_encoded(lamp: canwright.Edition, values: dict[str, Any], expe
     assert (encoded.field if isinstance(encoded, canwright.Rejection) else encoded.data.hex()) == expected
 
 
+def test_a_request_that_the_node_lacks_is_rejected() -> None:
+    edition = canwright.load(ROOT / "spec/mwd_motor/v2.35.yaml").edition
+    request = edition.command("set_power").request
+    assert request is not None
+    rejected = canwright.Encoder(edition, {"series": "MF"}).encode_values(request, 1, {"power": 100})
+    assert isinstance(rejected, canwright.Rejection)
+    assert rejected.reason is canwright.Refusal.NOT_AVAILABLE
+
+
 ARM = ROOT / "tests/specs/arm/v1.yaml"
 """Its position has a scale that is a multiple of the parameter `p_max`; its current has one for each `winding`."""
 POSITION = canwright.CanFrame(0x101, bytes.fromhex("00 FF FF 00 00 00 00 00"))

@@ -1365,7 +1365,7 @@ local editions = {}
 
 editions[1] = codec.edition({
     name = "v2.35",
-    hash = "64f9f0e583d9870b25208f64fc0a1bb3e9f464fd93e531049032d00db9a19dec",
+    hash = "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444",
     reply_within = 250000.0,
     types = {
         {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
@@ -2636,7 +2636,7 @@ editions[1] = codec.edition({
 
 editions[2] = codec.edition({
     name = "v2.35-2024-02",
-    hash = "8f20155b0d66485f8953686b32d1ec9bf4740e70e743eb6469ea4a95a7e04dd9",
+    hash = "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -4032,7 +4032,7 @@ editions[2] = codec.edition({
 
 editions[3] = codec.edition({
     name = "v2.36-2024-11",
-    hash = "979857a9c7b61a9effdb1c66021c21b058603cdbaf055c07f40f0734f07d6891",
+    hash = "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -5707,7 +5707,7 @@ editions[3] = codec.edition({
 
 editions[4] = codec.edition({
     name = "v2.36-2025-03",
-    hash = "3d41b4707a3d1afb1a4bc0925a43b82a720f91d22ec2420a06cd212719372ae1",
+    hash = "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},

@@ -55,6 +55,15 @@ def test_generate_writes_only_the_selected_target(folder: Path) -> None:
     assert {p.name for p in (folder / "out").iterdir()} == {".canwright.json", "dbc"}
 
 
+@pytest.mark.parametrize(("options", "is_said"), [((), True), (("--nodes", "300"), False), (("--target", "c"), False)])
+def test_generate_says_which_nodes_the_files_do_not_list(folder: Path, options: tuple[str, ...], is_said: bool) -> None:
+    (folder / "my.yaml").write_text(MINIMAL.replace("nodes: 1..4}", "nodes: 1..700}"), "utf-8")
+    for _ in range(2):
+        result = run("generate", "--spec", "my.yaml", "--out", "out", *options)
+        text = "lamp v1: the DBC files list the nodes up to 256 of 700; select others with `--nodes 257..700`\n"
+        assert (text in result.stdout) is is_said
+
+
 def test_generate_writes_nothing_for_a_spec_with_an_error(folder: Path) -> None:
     (folder / "my.yaml").write_text(MINIMAL.replace("raw: u16", "raw: u99"), "utf-8")
     result = run("generate", "--spec", "my.yaml", "--out", "out")
@@ -103,6 +112,12 @@ def test_show_by_name_and_by_code() -> None:
     assert run("show", "0x11", "--spec", MIXER).output == shown
     for text in ("set_volume  0x11", "0x200 + node (1..20)", "DATA[4..5]", "33/2048 V (L)", "-1000..1000"):
         assert text in shown
+    lamp = run("show", "set_lamp", "--spec", MIXER).output
+    assert "The lamp blinks (not with lamp = off); consent: motion" in lamp
+    stop = run("show", "motor_stop", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml")).output
+    assert "ends the motion of a node: stop" in stop
+    turn = run("show", "turn_to_angle", "--spec", str(ROOT / "spec/mwd_motor/v2.35.yaml")).output
+    assert "repeated after a missing reply: never" in turn
     assert "设定音量" in run("show", "set_volume", "--lang", "zh", "--spec", MIXER).output
 
 

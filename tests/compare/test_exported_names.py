@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from canwright import DocumentPath, Edition
 from canwright.compare import compare
+from canwright.targets.base import EditionInput
+from canwright.targets.dbc.target import DbcTarget
 from canwright.targets.registry import targets
 
 from ..spec_texts import edition
@@ -103,6 +106,20 @@ def test_removals_explain_their_names(tmp_path: Path) -> None:
     )
     new = edition(tmp_path, _replaced(SPEC, dict.fromkeys((command, *types), "")))
     assert [change.rule.id for change in compare(old, new, targets())] == ["command-removed"]
+
+
+def test_long_names_of_dbc_are_those_of_its_files(tmp_path: Path) -> None:
+    """A longer name ends in a hash of it, here the first digits of `sha256sum`."""
+    state, name = "state: {at: 2, type: state}", "failure_cell_overvoltage_warning_index_0"
+    text = _replaced(SPEC, {state: f"{state}, {name}1: {{at: 5, raw: u8}}, {name}2: {{at: 6, raw: u8}}"})
+    old, new = edition(tmp_path, text), edition(tmp_path, _replaced(text, {f"{name}1": f"{name}0"}))
+    dbc = DbcTarget()
+    (change,) = compare(old, new, [dbc])
+    assert change.rule.id == "field-renamed"
+    assert "DBC `r11_failure_cell_overvolt_650d35` → `r11_failure_cell_overvolt_c3b5c1`" in change.says()
+    outputs = dbc.generate([EditionInput(old, None)], {})
+    signals = {signal for output in outputs for signal in re.findall(r" SG_ (\w+)", output.text)}
+    assert signals.issuperset(name for path, name in dbc.exported_names(old) if "fields" in path)
 
 
 def test_targets_of_other_packages(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from canwright.model.layout import Field
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import NO_PARAMETERS
+from canwright.semantics.confusion import is_confused
 from canwright.semantics.frame import CanFrame as CanFrame
 from canwright.targets.base import EditionInput, Output
 
@@ -112,6 +113,14 @@ class Adapter(ABC):
         message = self.edition.command(command).message(direction)
         assert message is not None, f"{command} has no {direction.value}"
         return message
+
+
+def means_another(message: Message, encoded: Encoded | Refused) -> bool:
+    """Whether a written frame is identified as another message."""
+    if isinstance(encoded, Refused):
+        return False
+    frame = CanFrame(encoded.id, encoded.data, encoded.extended, encoded.remote)
+    return any(is_confused(confusion, frame) for confusion in message.confusions)
 
 
 class DecodeOnlyAdapter(Adapter):

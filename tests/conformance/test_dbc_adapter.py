@@ -120,6 +120,14 @@ def test_unknown_nodes_and_missing_parameters_are_rejected() -> None:
             ),
         ),
         ("reply_limits", lambda: write_raw(Direction.REPLY, "gauge", {"dim": 1001}, {"size": "small"})),
+        (
+            "confusion",
+            lambda: DbcAdapter(specification(ROOT / "tests/specs/joint/v1.yaml")).encode_raw(
+                *(Direction.REPLY, "control", None),
+                {"fault": 0, "joint": 3, "position": 51, "speed": 0, "torque": 0, "temperature": 0},
+                {},
+            ),
+        ),
         ("lengths", lambda: write("short", {}, {})),
         ("left_out", lambda: adapter("packed").encode_raw(Direction.REQUEST, "read_precise", 1, {}, {})),
         (

@@ -21,7 +21,7 @@ from jsonschema import Draft202012Validator
 from ..own_targets import COMMAND
 from ..spec_texts import ROOT, SMALL
 
-FOREIGN = re.compile(r"motor(?!ola\b)|\biq\b|mwd|0x140|torque", re.IGNORECASE)
+FOREIGN = re.compile(r"motor(?!ola\b)|\biq\b|mwd|0x140|torque|\bseries\b|encoder_bits|\bM[FHG]\b", re.IGNORECASE)
 SPECS = spec_files(ROOT / "spec")
 MACHINE = re.compile(r"(^|[^A-Za-z0-9_.])/(home|root|work|tmp|Users)/")
 

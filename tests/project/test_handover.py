@@ -47,6 +47,25 @@ def test_there_is_a_document_for_each_edition_and_language(made: Path) -> None:
     assert names == {f"{stem}.{ending}" for stem in stems for ending in ("csv", "html", "xlsx")}
 
 
+@pytest.mark.parametrize(
+    ("spec", "direction", "command", "id_"),
+    [
+        ("chassis", "request", "steer", "0xA0"),
+        ("chassis", "request", "park", "0x1E0"),
+        ("cells", "request", "balance", "0x1900FF40 + (node << 16)"),
+    ],
+)
+def test_ids_are_those_on_the_bus(spec: str, direction: str, command: str, id_: str) -> None:
+    """With the code, and with the constant bits of an id, such as a priority."""
+    edition = specification(ROOT / f"tests/specs/{spec}/v1.yaml").edition
+    rows = [
+        row
+        for row in matrix.rows(edition, "en", LABELS["en"])
+        if (row.direction, row.command) == (LABELS["en"][direction], command)
+    ]
+    assert {row.id for row in rows} == {id_}
+
+
 def test_documents_need_no_network_and_their_links_lead_somewhere(made: Path) -> None:
     for file in made.glob("*.html"):
         text = file.read_text("utf-8")

@@ -17,6 +17,7 @@ from typing import NamedTuple
 from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Command, Direction, Message
+from canwright.model.refusal import Refusal
 from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.semantics.encoder import Encoder
 from canwright.semantics.frame import CanFrame, Raw
@@ -134,15 +135,17 @@ class Traffic:
         nodes = message.id.nodes
         to = (nodes[index % len(nodes)] if node is None else node) if nodes is not None else None
         about = message.node_bits
-        raws: dict[str, Raw] = {}
-        for name, field in (self._encoder.fields(message) or {}).items():
-            each = [self._raw(field) for _ in field.elements]
-            raws[name] = each if field.is_array else each[0]
-        if about is not None:
-            raws[about.name] = reported if node is None else node
-        frame = self._encoder.encode_raws(message, to, raws)
-        assert isinstance(frame, CanFrame), frame
-        return frame
+        while True:
+            raws: dict[str, Raw] = {}
+            for name, field in (self._encoder.fields(message) or {}).items():
+                each = [self._raw(field) for _ in field.elements]
+                raws[name] = each if field.is_array else each[0]
+            if about is not None:
+                raws[about.name] = reported if node is None else node
+            frame = self._encoder.encode_raws(message, to, raws)
+            if isinstance(frame, CanFrame):
+                return frame
+            assert frame.reason is Refusal.WRONG_MESSAGE, frame
 
     def _raw(self, field: Field) -> int:
         type_, chance = field.type, self._chance

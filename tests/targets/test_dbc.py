@@ -29,6 +29,7 @@ ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "dbc"
 MAIN = ROOT / "spec" / "mwd_motor" / "v2.35.yaml"
 SPECS = [MAIN, CASES / "tiny.yaml", CASES / "packed.yaml"]
+PAGES = CASES / "pages.yaml"
 
 SERIES = ("MS", "MF", "MH", "MG")
 
@@ -45,6 +46,7 @@ SECTIONS = [
     "BA_",
     "VAL_",
     "SIG_VALTYPE_",
+    "SG_MUL_VAL_",
 ]
 
 
@@ -56,7 +58,7 @@ def files(spec: Path, **set_parameters: str) -> dict[str, str]:
     return {path: text for path, text in made(spec, **set_parameters).items() if path.endswith(".dbc")}
 
 
-@pytest.fixture(scope="module", params=[*SPECS, *SMALL], ids=called)
+@pytest.fixture(scope="module", params=[*SPECS, PAGES, *SMALL], ids=called)
 def texts(request: pytest.FixtureRequest) -> Mapping[str, str]:
     return files(request.param)
 
@@ -76,7 +78,11 @@ def test_of_very_many_nodes_the_first_are_listed(tmp_path: Path) -> None:
     spec.write_text(MINIMAL.replace("nodes: 1..4}", "nodes: 1..65535, extended: true}"), "utf-8")
     written = made(spec)
     assert written["lamp-v1-command.dbc"].count("\nBO_ ") == 256
-    assert "the files list the nodes up to 256 of 65535" in written["README.md"]
+    sentence = "the DBC files list the nodes up to 256 of 65535; select others with `--nodes 257..65535`"
+    assert sentence in written["README.md"]
+    (further,) = DbcTarget().notices([specification(spec).edition], Options({}))
+    assert further == f"lamp v1: {sentence}"
+    assert not [*DbcTarget().notices([specification(spec).edition], Options({NODES: (300,)}))]
 
 
 def test_a_choice_among_names_splits_the_files() -> None:
@@ -270,6 +276,32 @@ def test_names_are_short_and_unique_in_their_message(texts: Mapping[str, str]) -
             assert all(re.fullmatch(r"[A-Za-z]\w{0,31}", name) for name in group)
 
 
+def test_long_names_do_not_depend_on_other_names(tmp_path: Path) -> None:
+    """A name of 42 characters ends in a hash of it, here that of `sha256sum`; the file has the whole name, too."""
+    name = "c10_failure_cell_overvoltage_warning_index"
+    spec, names = tmp_path / "v1.yaml", set()
+    for further in ("", "failure_cell_overvoltage_warning_index_0: {at: 1, raw: u8}, "):
+        fields = f"{{{further}failure_cell_overvoltage_warning_index: {{at: 2, raw: u16}}}}"
+        spec.write_text(MINIMAL.replace("request: {level: {at: 2, type: level}}", f"request: {fields}"), "utf-8")
+        text = files(spec)["lamp-v1-command.dbc"]
+        (short,) = {*re.findall(r"SG_ (\w+) m16 : 16\|16@", text)}
+        names.add(short)
+        assert 'BA_DEF_ SG_ "SystemSignalLongSymbol" STRING;\n' in text
+        assert 'BA_DEF_DEF_ "SystemSignalLongSymbol" "";\n' in text
+        assert f'BA_ "SystemSignalLongSymbol" SG_ 257 {short} "{name}";\n' in text
+    assert names == {"c10_failure_cell_overvolt_126859"}
+
+
+def test_the_second_of_two_equal_names_gets_a_number(tmp_path: Path) -> None:
+    (tmp_path / "v1.yaml").write_text(
+        MINIMAL.replace("{level: {at: 2, type: level}}", "{a_1: {at: 1, raw: u8}, a: {at: 2, raw: u8, array: 1..2}}"),
+        "utf-8",
+    )
+    text = files(tmp_path / "v1.yaml")["lamp-v1-command.dbc"]
+    signals = re.findall(r"SG_ (c10_\w+) m16 : (\d+)\|", text)
+    assert {*signals} == {("c10_a_1", "8"), ("c10_a_1_2", "16"), ("c10_a_2", "24")}
+
+
 def test_numbers_have_no_exponent(texts: Mapping[str, str]) -> None:
     for text in texts.values():
         for line in re.findall(r"^ SG_ .*", text, re.MULTILINE):
@@ -288,7 +320,9 @@ def test_every_code_has_a_signal(texts: Mapping[str, str]) -> None:
         for id_, selector, table in re.findall(r"^VAL_ (\d+) ([rc]_code) (.*) ;", text, re.MULTILINE):
             body = re.search(rf"^BO_ {id_} .*\n((?: SG_ .*\n)*)", text, re.MULTILINE)
             assert body and selector
-            assert set(re.findall(r"(\d+) \"", table)) == set(re.findall(r" m(\d+) :", body.group(1)))
+            codes = re.findall(r"(\d+) \"", table)
+            codes += re.findall(rf"^SG_MUL_VAL_ {id_} \w+ \w+ (\d+)-\d+, ", text, re.MULTILINE)
+            assert set(codes) == set(re.findall(r" m(\d+) :", body.group(1)))
 
 
 def test_ids_of_29_bits_are_marked() -> None:

@@ -29,7 +29,7 @@ from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
 from ..conformance.adapters.dbc import DbcAdapter
 from ..resolve.test_tables import TABLE
 from ..spec_texts import SMALL, called, edition
-from .test_dbc import CASES, SPECS, files
+from .test_dbc import CASES, PAGES, SPECS, files
 
 
 def loaded(text: str) -> Database:
@@ -48,7 +48,7 @@ def loaded_by_canmatrix(text: str) -> Any:
 
 
 @pytest.mark.interop("canmatrix")
-@pytest.mark.parametrize("spec", [*SPECS, *SMALL], ids=called)
+@pytest.mark.parametrize("spec", [*SPECS, PAGES, *SMALL], ids=called)
 def test_cantools_and_canmatrix_agree_on_every_signal(spec: Path) -> None:
     for path, text in files(spec).items():
         first, second = loaded(text), loaded_by_canmatrix(text)
@@ -184,6 +184,56 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
 @functools.cache
 def described_once(spec: Path) -> Edition:
     return specification(spec).edition
+
+
+@pytest.mark.parametrize("page", range(256))
+def test_a_message_without_a_code_has_the_other_values_of_the_selector(page: int) -> None:
+    frame = CanFrame(0x448, bytes([page, 0x05, 0x10, 0x20, 0x30, 0, 0, 0]))
+    named, values = {
+        0: ("summary", {"r00_voltage": 0x2010}),
+        8: ("limits", {"r08_current": 0x1005, "r08_maximum": 0x30}),
+    }.get(page, (page, {"r_cell": 0x2010, "r_state": 0x30}))
+    (text,) = files(PAGES).values()
+    assert loaded(text).decode_message(frame.id, frame.data) == {"r_code": named, **values}
+    if page not in (0, 8):
+        raw = {"page": page, "cell": 0x2010, "state": 0x30}
+        assert adapter(PAGES).decode(Direction.REPLY, frame, {}, None) == Decoded("cells", None, raw, raw)
+        sent = Encoded(0x448, bytes([page, 0, 0x10, 0x20, 0x30, 0, 0, 0]))
+        assert adapter(PAGES).encode_raw(Direction.REPLY, "cells", None, raw, {}) == sent
+
+
+@pytest.mark.interop("canmatrix")
+def test_canmatrix_reads_the_ranges_of_a_selector() -> None:
+    (text,) = files(PAGES).values()
+    frame = loaded_by_canmatrix(text).frame_by_name("Bms_reply")
+    for page, names in ((0, {"r00_voltage"}), (1, {"r_cell", "r_state"}), (9, {"r_cell", "r_state"})):
+        assert {*frame.decode(bytes([page, *range(7)]))} == {"r_code", *names}
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        "{at: 0.0, raw: u4}",
+        "{at: 0, raw: u16}",
+        "{at: 0, raw: i8}",
+        "{at: 0, type: half}",
+        "{at: 0, type: level}",
+    ],
+)
+def test_a_multiplexor_cannot_overlap_a_signal(page: str, tmp_path: Path) -> None:
+    """The file has the message without a code alone, and the guide says what it lacks."""
+    types = "types: {half: {raw: u8, scale: 0.5}, level: {raw: u8, enum: {low: 1, high: 2}}}\n"
+    text = types + PAGES.read_text("utf-8").replace("{at: 0, raw: u8}, cell", f"{page}, cell")
+    texts = {o.path: o.text for o in DbcTarget().generate([EditionInput(edition(tmp_path, text), None)], {})}
+    assert "m0" not in texts["pack-v1-reply.dbc"]
+    assert "- `summary` (reply): omitted: only the data at other positions" in texts["README.md"]
+
+
+def test_a_selector_of_more_than_8_bits_has_no_ranges(tmp_path: Path) -> None:
+    """cantools lists every value of a range."""
+    text = PAGES.read_text("utf-8").replace("{at: 0, raw: u8}", "{at: 0, raw: u16}").replace("{at: 1,", "{at: 2,")
+    (output, _) = DbcTarget().generate([EditionInput(edition(tmp_path, text), None)], {})
+    assert " SG_ r_page : 0|16@1+ " in output.text and "SG_MUL_VAL_" not in output.text
 
 
 def with_second_selector(at: int, constant: int | None = None) -> EditionInput:

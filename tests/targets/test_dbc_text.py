@@ -69,12 +69,9 @@ def test_english_replaces_texts_that_ascii_cannot_express() -> None:
 
 
 def test_names_fit_and_differ() -> None:
-    taken: list[str] = []
-    for _ in range(12):
-        taken.append(fitting("x" * 40, taken))
-    assert len(set(taken)) == 12
-    assert all(len(name) <= NAME_LENGTH for name in taken)
-    assert fitting("short", ["short"]) == "short_2"
-    assert fitting("BO_", ()) == "BO__2"
-    assert fitting("FLOAT", ()) == "FLOAT_2"
+    long_names = {fitting(f"{'x' * 40}_{i}") for i in range(12)}
+    assert len(long_names) == 12
+    assert {len(name) for name in long_names} == {NAME_LENGTH}
+    assert fitting("BO_") == "BO__2"
+    assert fitting("FLOAT") == "FLOAT_2"
     assert camel("left_arm") == "LeftArm"

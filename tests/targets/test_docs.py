@@ -174,7 +174,12 @@ def test_effects_are_warnings_and_examples_are_golden_frames(pages: dict[str, st
     text = pages["en/v2.35/commands/write_position_as_zero_rom.md"]
     assert "> [!WARNING]\n> - The zero of the angle changes\n" in text
     assert "> - Takes effect after a power cycle\n" in text
-    assert "> [!CAUTION]\n> The motor moves\n" in pages["en/v2.35/commands/set_torque.md"]
+    assert "> [!CAUTION]\n> The motor moves (consent: motion)\n" in pages["en/v2.35/commands/set_torque.md"]
+    lines = pages["en/v2.35/index.md"].splitlines()
+    assert "| never sent again |" in next(line for line in lines if line.startswith("| `adds_up` |"))
+    assert "Do not send this command again" in pages["en/v2.35/commands/turn_to_angle.md"]
+    assert "A client sends this command" in pages["en/v2.35/commands/motor_stop.md"]
+    assert "that of the requests" in pages["en/v2.35/bus.md"]
     assert "`141#A100000064000000`" in pages["en/v2.35/commands/set_torque.md"]
     assert "not implemented" in pages["en/v2.35/commands/clear_angle.md"]
 
@@ -182,7 +187,7 @@ def test_effects_are_warnings_and_examples_are_golden_frames(pages: dict[str, st
 def test_values_without_an_effect_are_beside_it() -> None:
     mixer = specification(ROOT / "tests/specs/mixer/v2-2024-02.yaml")
     made = {output.path: output.text for output in DocsTarget().generate([mixer], {})}
-    assert "The lamp blinks (not with `lamp` = `off`)" in made["en/v2-2024-02/commands/set_lamp.md"]
+    assert "The lamp blinks (not with `lamp` = `off`) (consent: motion)" in made["en/v2-2024-02/commands/set_lamp.md"]
     assert "指示灯闪烁（`lamp` = `off` 时除外）" in made["zh/v2-2024-02/commands/set_lamp.md"]
 
 
@@ -236,8 +241,8 @@ def test_an_id_that_contains_the_code_is_shown_as_it_is_on_the_bus(tmp_path: Pat
         "en/v1/commands/set.md"
     ]
     request, reply = text.split("## Reply")
-    assert "Id with the code" not in request, "a field varies it"
-    assert "| Id | Id with the code | Nodes |" in reply
+    assert "Id as sent" not in request, "a field varies it"
+    assert "| Id | Id as sent | Nodes |" in reply
     assert "| `node << 8` | `0x22 + (node << 8)` | `1..15` |" in reply
 
 

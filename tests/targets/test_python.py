@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -368,6 +369,46 @@ def test_facts_for_tools_stand_on_every_class(v2_35: ModuleType) -> None:
     assert v2_35.SetTorqueRequest.EFFECTS == ("moves",)
     for message in (v2_35.ReadEncoderRequest, v2_35.SetTorqueReply, v2_35.Message):
         assert (message.ONLY, message.EFFECTS) == ({}, ())
+
+
+def test_a_request_that_the_node_lacks_is_refused(v2_35: ModuleType) -> None:
+    """By every way to make one; a frame of another sender is decoded."""
+    lacking, unknown = v2_35.Parameters(series=v2_35.Series.MF), v2_35.Parameters(encoder_bits=18)
+    request, codec = v2_35.SetPowerRequest, v2_35.CodecError
+    decoded = v2_35.decode_request(0x141, bytes.fromhex("A0000000C8000000"), lacking)
+    ways: list[Callable[[], object]] = [
+        lambda: request(node=1, power=200, parameters=lacking),
+        lambda: request.from_raw(node=1, power=200, parameters=lacking),
+        lambda: request(node=1, power=200).replace(parameters=lacking),
+        lambda: request(node=99, power=200, parameters=lacking),  # the command is checked first, then the node
+        decoded.encode,
+        decoded.check,
+    ]
+    for way in ways:
+        with pytest.raises(codec, match=r"available with series=Series\.MS, not Series\.MF") as caught:
+            way()
+        assert caught.value.refusal is v2_35.Refusal.NOT_AVAILABLE
+    assert decoded.power == 200
+    assert decoded.encode_unchecked() == bytes.fromhex("A0000000C8000000")
+    assert request.from_raw(node=1, power=200, parameters=unknown).encode() == decoded.encode_unchecked()
+
+
+def test_a_request_without_fields_that_the_node_lacks_is_refused(tmp_path: Path) -> None:
+    text = MINIMAL.replace("types:", "parameters: {kind: {values: [a, b]}}\ntypes:")
+    spec = tmp_path / "lamp.yaml"
+    spec.write_text(text + '  stop: {code: 9, manual: "2", only: {kind: [a]}, request: {}, reply: none}\n', "utf-8")
+    lamp = load(write(tmp_path, spec), specification(spec).edition)
+    lacking = lamp.Parameters(kind=lamp.Kind.B)
+    ways: list[Callable[[], object]] = [
+        lambda: lamp.StopRequest(node=1, parameters=lacking),
+        lambda: lamp.StopRequest.from_raw(node=1, parameters=lacking),
+        lambda: lamp.StopRequest(node=1).replace(parameters=lacking),
+        lambda: lamp.decode_request(0x101, bytes((9, 0, 0, 0, 0, 0, 0, 0)), lacking).encode(),
+    ]
+    for way in ways:
+        with pytest.raises(lamp.CodecError, match=r"available with kind=Kind\.A, not Kind\.B"):
+            way()
+    assert lamp.StopRequest(node=1, parameters=lamp.Parameters(kind=lamp.Kind.A)).encode()[0] == 9
 
 
 def test_an_id_of_the_other_length_is_told(tmp_path: Path) -> None:

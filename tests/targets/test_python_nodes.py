@@ -89,7 +89,7 @@ def test_a_command_that_the_node_does_not_have_is_refused(nodes: Any, package: d
     first, _, _ = nodes
     with pytest.raises(codec.CodecError) as caught:
         first.make(old.SetPowerRequest, power=200)
-    assert str(caught.value) == ("SetPowerRequest is available with series=Series.MS; Node(v2.35, 1) has Series.MG")
+    assert str(caught.value) == ("SetPowerRequest is available with series=Series.MS, not Series.MG")
     assert caught.value.refusal is codec.Refusal.NOT_AVAILABLE
     # a bus can carry the frame nevertheless
     assert first.decode_request(0x141, bytes.fromhex("A0000000C8000000")).power == 200

@@ -27,7 +27,7 @@ family: lamp
 edition: v1
 date: "2023-03"
 languages: [en, zh]
-bus: {modes: {usual: {bit_rates_kbps: [500], default_kbps: 500}, broadcast: {bit_rates_kbps: [1000]}}, max_nodes: 4}
+bus: {modes: {usual: {bit_rates_kbps: [500], default_kbps: 500}, broadcast: {bit_rates_kbps: [1000]}}, max_nodes: 4, answers: in_order}
 addresses:
   lamp: {id: 0x100 + node, nodes: 1..4}
   all: {id: 0x200}
@@ -39,7 +39,7 @@ parameters:
   bits: {values: [14, 15]}
   host_id: {number: {max: 9}}
 settings: {limit: {only: {size: [small]}}}
-effects: {glows: {level: note}, heats: {level: warning}, burns: {level: danger}}
+effects: {glows: {level: note}, heats: {level: warning, repeat: never}, burns: {level: danger, consent: wear}}
 states: {bright: {entered_by: [dim]}, dark: {entered_by: [turn], prevents: [glows]}}
 types:
   level: {raw: u16, unit: "%", scale: {by: size, small: 0.1, big: none}, raw_range: 0..1000}
@@ -80,6 +80,7 @@ commands:
   beat: {code: 0x16, address: all, request: none, reply: {layout: status, every_ms: 100, timeout_ms: 500, sent: [cyclic, on_change]}}
   seal: {code: 0x1C, request: {count: {at: 1, raw: u4, counter: 0..14}, crc: {at: 5, raw: u8, checksum: {poly: 7, over: 0..4}}}, reply: none}
   parts: {code: 0x28, reply: {layout: {part: {at: 1, raw: u8}, serial: {at: 2, raw: u8, array: 1..4}}, frames: {part: 1..3}}, further_replies: [rest], alternative_replies: [refused]}
+  cut: {code: 0x2C, ends_motion: switch_off, repeat: same, reply: none}
   rest: {code: 0x29, request: none, reply: {rest: {at: 1, raw: u8}}}
   refused: {code: 0x2A, request: none, reply: {cause: {at: 1, raw: u8}}}
   greet: {code: 0x17, address: host, request: {host: {at: 1, raw: u8, constant: host_id}, level: {at: 2, type: level}, gain: {at: 4, entry: gain}}, reply: echo}

@@ -5,7 +5,7 @@ import { createEdition } from "../canwright-codec.js";
 const edition = /* @__PURE__ */ createEdition({
   family: "mwd_motor",
   edition: "v2.35",
-  hash: "64f9f0e583d9870b25208f64fc0a1bb3e9f464fd93e531049032d00db9a19dec",
+  hash: "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444",
   replyWithin: 0.25,
   parameters: {
     series: { values: ["MS", "MF", "MH", "MG"] },

@@ -5,7 +5,7 @@ import { createEdition } from "../canwright-codec.js";
 const edition = /* @__PURE__ */ createEdition({
   family: "mwd_motor",
   edition: "v2.35-2024-02",
-  hash: "8f20155b0d66485f8953686b32d1ec9bf4740e70e743eb6469ea4a95a7e04dd9",
+  hash: "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8",
   replyWithin: 0.25,
   parameters: {
     series: { values: ["MS", "MF", "MH", "MG"] },

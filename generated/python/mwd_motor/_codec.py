@@ -44,6 +44,7 @@ class Refusal(str, Enum):
     NOT_AVAILABLE = "not_available"
     WRONG_CHECKSUM = "wrong_checksum"
     NO_VALUE = "no_value"
+    WRONG_MESSAGE = "wrong_message"
 
 
 class CodecError(ValueError):
@@ -1002,6 +1003,19 @@ class Message:
             self.check()
         return self.encode_unchecked()
 
+    @classmethod
+    def _check_available(cls, parameters: Any) -> None:
+        """Raises CodecError (not_available) if nodes with these parameters do not have the command."""
+        for name, values in cls.ONLY.items():
+            value = getattr(parameters, name, None)
+            if value is not None and value not in values:
+                available = " or ".join(map(shown_choice, values))
+                text = f"{cls.__name__} is available with {name}={available}, not {shown_choice(value)}"
+                raise CodecError(Refusal.NOT_AVAILABLE, text)
+
+    def _check_meaning(self) -> None:
+        """Raises CodecError (wrong_message) if receivers identify this frame as another message."""
+
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field of a decoded frame as it was received.
 
@@ -1010,18 +1024,21 @@ class Message:
         raise TypeError(f"{type(self).__name__} is only a base class")
 
     def check(self) -> None:
-        """Raises CodecError if the node or a raw integer is out of range, or has no name in its enum or flags.
+        """Raises CodecError if nodes with these parameters do not have the command, if the node or a raw integer is out
+        of range, if a raw integer has no name in its enum or flags, or if the frame would be another message.
 
-        The node is checked first, then the fields in the order of the specification, as in every language.
+        They are checked in this order, and fields in the order of the specification, as in every language.
 
         Messages from constructors, `from_raw` and `replace` have been checked already; decoded ones have not.
         """
+        self._check_available(self._parameters)
         self._known_node(self._node)
         if self.ID_PARAMETER:
             self._id_offset()
         raws = self.raw()
         for name in self._in_order_of_checks():
             self.TYPES[name].check(raws[name], self._parameters, name)
+        self._check_meaning()
         self._checked = True
 
     @classmethod
@@ -1033,10 +1050,11 @@ class Message:
     def from_raw(cls, *, node: int | None = None, parameters: Any = None, **raw: Any) -> Self:
         """The message with these raw integers, by field.
 
-        Raises CodecError (a raw integer is out of range), FieldAbsent (a field does not exist under the parameters),
+        Raises CodecError as `check` does, FieldAbsent (a field does not exist under the parameters),
         TypeError (other names, or a field is missing).
         """
         self = new(cls)
+        cls._check_available(parameters)
         self._node = self._known_node(node)
         self._parameters = cls.DEFAULTS if parameters is None else parameters
         if cls.ID_PARAMETER:
@@ -1050,6 +1068,7 @@ class Message:
             raise TypeError(f"{cls.__name__}.from_raw takes {', '.join(names) or 'no field'}")
         checked: dict[str | None, Any] = {name: types[name].check(raw[name], self._parameters, name) for name in names}
         self._raws = tuple(map(checked.get, places))
+        self._check_meaning()
         self._checked = True
         return self
 
@@ -1060,6 +1079,7 @@ class Message:
         exist under the parameters, and TypeError for other names.
         """
         parameters = values.pop("parameters", self._parameters)
+        self._check_available(parameters)
         node = self._known_node(values.pop("node", self._node))
         raws = self.raw()
         for name, value in values.items():
@@ -1241,7 +1261,7 @@ class Bare(Message):
         self._node = node
         self._parameters = parameters
         self._raws = ()
-        self._checked = True
+        self._checked = not cls.ONLY
         return self
 
 
@@ -1250,9 +1270,10 @@ class ToNode(Bare):
 
     __slots__ = ()
 
-    def __init__(self, *, node: int) -> None:
+    def __init__(self, *, node: int, parameters: Any = None) -> None:
+        self._check_available(parameters)
         self._node = self._known_node(node)
-        self._parameters = None
+        self._parameters = parameters
         self._raws = ()
         self._checked = True
 
@@ -1262,9 +1283,10 @@ class ToAll(Bare):
 
     __slots__ = ()
 
-    def __init__(self) -> None:
+    def __init__(self, *, parameters: Any = None) -> None:
+        self._check_available(parameters)
         self._node = self._known_node(None)
-        self._parameters = None
+        self._parameters = parameters
         self._raws = ()
         self._checked = True
 
@@ -1273,6 +1295,14 @@ def constant(found: int, wanted: int, field: str) -> None:
     """Checks a field that always has the same value. Raises CodecError (wrong_constant)."""
     if found != wanted:
         raise CodecError(Refusal.WRONG_CONSTANT, f"{field} is 0x{found:X}, always 0x{wanted:X} in this frame", field)
+
+
+def wrong_message(message: Message, command: str, data: bytes) -> CodecError:
+    """The error of a frame that receivers identify as one of another command."""
+    text = (
+        f"{type(message).__name__} with these values is the {message.DIRECTION} of {command}: {data.hex(' ').upper()}"
+    )
+    return CodecError(Refusal.WRONG_MESSAGE, text)
 
 
 def checksum(found: int, computed: int, field: str) -> None:

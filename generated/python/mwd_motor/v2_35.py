@@ -137,7 +137,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35"
-SPEC_HASH = "64f9f0e583d9870b25208f64fc0a1bb3e9f464fd93e531049032d00db9a19dec"
+SPEC_HASH = "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444"
 
 
 class Series(str, Enum):
@@ -830,9 +830,11 @@ class SetPowerRequest(Request["SetPowerReply"]):
         *,
         node: int,
         power: Real,
+        parameters: Parameters = UNKNOWN,
     ) -> None:
+        self._check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
-        self._parameters = UNKNOWN
+        self._parameters = parameters
         self._raws = (POWER.raw(power, self._parameters, "power"),)
         self._checked = True
 
@@ -899,6 +901,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
+        self._check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)

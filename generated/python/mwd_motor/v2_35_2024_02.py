@@ -144,7 +144,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35-2024-02"
-SPEC_HASH = "8f20155b0d66485f8953686b32d1ec9bf4740e70e743eb6469ea4a95a7e04dd9"
+SPEC_HASH = "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8"
 
 
 class Series(str, Enum):
@@ -989,9 +989,11 @@ class SetPowerRequest(Request["SetPowerReply"]):
         *,
         node: int,
         power: Real,
+        parameters: Parameters = UNKNOWN,
     ) -> None:
+        self._check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
-        self._parameters = UNKNOWN
+        self._parameters = parameters
         self._raws = (POWER.raw(power, self._parameters, "power"),)
         self._checked = True
 
@@ -1058,6 +1060,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
+        self._check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)

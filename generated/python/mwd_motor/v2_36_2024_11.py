@@ -162,7 +162,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2024-11"
-SPEC_HASH = "979857a9c7b61a9effdb1c66021c21b058603cdbaf055c07f40f0734f07d6891"
+SPEC_HASH = "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446"
 
 
 class Series(str, Enum):
@@ -1139,9 +1139,11 @@ class SetPowerRequest(Request["SetPowerReply"]):
         *,
         node: int,
         power: Real,
+        parameters: Parameters = UNKNOWN,
     ) -> None:
+        self._check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
-        self._parameters = UNKNOWN
+        self._parameters = parameters
         self._raws = (POWER.raw(power, self._parameters, "power"),)
         self._checked = True
 
@@ -1208,6 +1210,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
+        self._check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)

@@ -229,7 +229,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2025-03"
-SPEC_HASH = "3d41b4707a3d1afb1a4bc0925a43b82a720f91d22ec2420a06cd212719372ae1"
+SPEC_HASH = "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1"
 
 
 class Series(str, Enum):
@@ -1695,9 +1695,11 @@ class SetPowerRequest(Request["SetPowerReply"]):
         *,
         node: int,
         power: Real,
+        parameters: Parameters = UNKNOWN,
     ) -> None:
+        self._check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
-        self._parameters = UNKNOWN
+        self._parameters = parameters
         self._raws = (POWER.raw(power, self._parameters, "power"),)
         self._checked = True
 
@@ -1764,6 +1766,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
+        self._check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)

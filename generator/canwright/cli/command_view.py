@@ -17,7 +17,7 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import ChecksumRole, CounterRole, Field, Layout, ReservedRole
 from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
-from ..model.metadata import FrameFormat, Level
+from ..model.metadata import Consent, FrameFormat, Level, Repeat
 from ..semantics.dispatch import node_of_id
 from ..targets.base import EditionInput
 
@@ -107,7 +107,14 @@ def _facts(command: Command, language: str) -> Iterator[RichText]:
     if not command.implemented:
         yield RichText("not implemented according to the manual", "yellow")
     for effect in command.effects:
-        yield RichText(formatting.effect(effect.title[language], command, effect), _STYLES[effect.level])
+        consent = "" if effect.consent is Consent.NONE else f"; consent: {effect.consent.value}"
+        repeat = "; never repeated" if effect.repeat is Repeat.NEVER else ""
+        text = formatting.effect(effect.title[language], command, effect)
+        yield RichText(f"{text}{consent}{repeat}", _STYLES[effect.level])
+    if command.repeat is not None:
+        yield RichText(f"repeated after a missing reply: {command.repeat.value}")
+    if command.ends_motion is not None:
+        yield RichText(f"ends the motion of a node: {command.ends_motion.value.replace('_', ' ')}")
     if command.limited_by:
         yield RichText("limited by " + ", ".join(s.title[language] for s in command.limited_by))
     if command.not_limited_by:

@@ -43,16 +43,17 @@ def generate(generation: Generation, out: Path, force: bool) -> None:
     if generation.printer == "text":
         for path in changes.removed:
             print_text(f"removed {out.as_posix()}/{path}\n")
-    show(_report(generation, _summary(content, changes, out)))
+    show(_report(generation, _summary(generation, content, changes, out)))
     unchanged = FileChanges((), (), len(content.files))
-    generation.save(out, content, _report(generation, _summary(content, unchanged, out)))
+    generation.save(out, content, _report(generation, _summary(generation, content, unchanged, out)))
 
 
-def _summary(content: Content, changes: FileChanges, out: Path) -> str:
-    return (
+def _summary(generation: Generation, content: Content, changes: FileChanges, out: Path) -> str:
+    counts = (
         f"{', '.join(content.editions)}: {len(changes.written)} files written, {changes.unchanged} unchanged, "
         f"{len(changes.removed)} removed in {out.as_posix()}/"
     )
+    return "\n".join([counts, *generation.notices()])
 
 
 @click.command(cls=GenerationCommand)

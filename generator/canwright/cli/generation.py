@@ -16,7 +16,7 @@ from ..output.writer import Content
 from ..project.pipeline import generate
 from ..targets.base import EditionInput
 from ..targets.options import OptionError, Options
-from ..targets.registry import TargetError, declared_options, default_targets, selected_options, target_names
+from ..targets.registry import TargetError, declared_options, default_targets, selected_options, target, target_names
 from .common import OfSpecs, format_option, load, spec_option, stop
 from .run_record import Printed, RunRecord
 from .settings import assignment
@@ -49,6 +49,11 @@ class Generation:
     def content(self) -> Content:
         """The files. Raises TargetError."""
         return generate(self.specifications, self.targets, self.set_parameters, self.options)
+
+    def notices(self) -> Sequence[str]:
+        """What the output of the targets lacks because of its size. Raises TargetError."""
+        editions = [item.edition for item in self.specifications]
+        return [text for name in self.targets for text in target(name).notices(editions, self.options[name])]
 
     def save(self, out: Path, content: Content, printed: Printed) -> None:
         """Records the run, unless the user does not want that."""

@@ -170,6 +170,23 @@ _VALUE = (
     ),
     ("parameter-bounds-changed", "A number has different bounds.", "the bounds of `{name}` are {new} (were {old})"),
     ("effects-changed", "A command has different effects.", "effects: {new}; were: {old}"),
+    (
+        "consent-changed",
+        "An effect needs a different consent of the program.",
+        "`{name}` needs the consent {new} (was {old})",
+    ),
+    (
+        "effect-repeat-changed",
+        "A command with an effect can be repeated, or no longer can.",
+        "a command with `{name}` is repeated: {new} (was {old})",
+    ),
+    ("repeat-changed", "A command can be repeated, or no longer can.", "the command is repeated: {new} (was {old})"),
+    (
+        "ends-motion-changed",
+        "A different command ends the motion of a node.",
+        "the command ends the motion: {new} (was {old})",
+    ),
+    ("answers-changed", "Nodes answer in a different order.", "the replies come {new} (was {old})"),
     ("state-entry-changed", "A state is entered by other commands.", "`{name}` is entered by {new} (was {old})"),
     ("state-effects-changed", "A state prevents other effects.", "`{name}` prevents {new} (was {old})"),
     ("limits-changed", "A command is limited by different settings.", "limited by: {new}; was: {old}"),
@@ -286,6 +303,11 @@ _DOC = (
 
 _WITHOUT_WITNESS = {
     "address-added": "frames",
+    "answers-changed": "timing",
+    "consent-changed": "effects",
+    "effect-repeat-changed": "effects",
+    "ends-motion-changed": "effects",
+    "repeat-changed": "effects",
     "effects-changed": "effects",
     "implemented-changed": "effects",
     "limits-changed": "effects",

@@ -9,7 +9,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
 from ..model.layout import Layout
 from ..model.message import Command, Direction, Entry, Message, OtherReply, Reply, SharedReply
-from ..model.metadata import Effect, Level
+from ..model.metadata import Effect, EndsMotion, Level, Repeat
 from . import discriminators, fields, forms, match
 from .change import Impact, Item, Keyword, SentenceArgument, Side
 from .collector import BOTH_SIDES, Attribute, Collector, Subject, given, listed, paths, scope
@@ -243,11 +243,24 @@ def _implemented(old: Command, new: Command) -> Impact:
     return Impact.SILENT if new.implemented else Impact.LOUD
 
 
+_ENDS_MOTION = {EndsMotion.STOP: "stop", EndsMotion.SWITCH_OFF: "switch off"}
 _OF_COMMAND = (
     Attribute[Command](
         "implemented-changed", "implemented", lambda c: Keyword("yes" if c.implemented else "no"), impact=_implemented
     ),
     Attribute[Command]("reply-time-changed", "reply_within_ms", lambda c: given(c.reply_within_ms)),
+    Attribute[Command](
+        "repeat-changed",
+        "repeat",
+        lambda c: Keyword(c.repeat.value) if c.repeat else Keyword("as the effects state"),
+        impact=lambda _, new: Impact.SILENT if new.repeat is Repeat.NEVER else Impact.SAFE,
+    ),
+    Attribute[Command](
+        "ends-motion-changed",
+        "ends_motion",
+        lambda c: Keyword(_ENDS_MOTION[c.ends_motion]) if c.ends_motion else Keyword("no"),
+        impact=Impact.SILENT,
+    ),
 )
 _MODE = Attribute[Command]("mode-of-command-changed", "mode", lambda c: c.mode or Keyword("none"), impact=Impact.LOUD)
 _LIMITS = Attribute[Command]("limits-changed", "limited_by", _limits, _limited_by, Impact.SILENT)

@@ -11,7 +11,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Address, Direction, IdRule
-from ..model.metadata import Bus, Effect, Erratum, Mode, Setting, State
+from ..model.metadata import Bus, Consent, Effect, Erratum, Mode, Repeat, Setting, State
 from ..model.types import Parameter, Text
 from .change import Impact, Item, Keyword, SentenceArgument, Side
 from .collector import (
@@ -72,8 +72,29 @@ _OF_BUS = (
     Attribute[Bus]("reply-time-changed", "reply_within_ms", lambda b: given(b.reply_within_ms)),
     Attribute[Bus]("max-nodes-changed", "max_nodes", lambda b: given(b.max_nodes)),
 )
+_ANSWERS = Attribute[Bus](
+    "answers-changed",
+    "answers",
+    lambda b: Keyword("in the order of the requests" if b.answers_in_order else "in an unknown order"),
+    impact=lambda _, new: Impact.SAFE if new.answers_in_order else Impact.SILENT,
+)
 _OF_MODE = (Attribute[Mode]("bit-rates-changed", "bit_rates_kbps", _rates, impact=_fewer_rates),)
+
+
+def _more_consent(_: Effect, new: Effect) -> Impact:
+    return Impact.SAFE if new.consent is Consent.NONE else Impact.SILENT
+
+
 _OF_EFFECT = (Attribute[Effect]("effect-level-changed", "level", lambda e: Keyword(e.level.value)),)
+_OF_SENDING_WITH_EFFECT = (
+    Attribute[Effect]("consent-changed", "consent", lambda e: Keyword(e.consent.value), impact=_more_consent),
+    Attribute[Effect](
+        "effect-repeat-changed",
+        "repeat",
+        lambda e: Keyword(e.repeat.value),
+        impact=lambda _, new: Impact.SILENT if new.repeat is Repeat.NEVER else Impact.SAFE,
+    ),
+)
 _OF_SETTING = (Attribute[Setting]("setting-scope-changed", "only", lambda s: scope(s.only)),)
 _OF_STATE = (
     Attribute[State]("state-entry-changed", "entered_by", _entered_by, impact=Impact.SILENT),
@@ -92,6 +113,10 @@ def compare(collector: Collector, old: Edition, new: Edition) -> None:
     _items(collector, "setting", ("settings",), by_name(old.settings, new.settings), _OF_SETTING)
     effects = by_name(old.effects, new.effects)  # others come and go with the commands that have them
     _items(collector, "effect", ("effects",), replace(effects, removed=(), added=()), _OF_EFFECT)
+    for earlier, later in effects.pairs:
+        path = ("effects", earlier.name)
+        sending = Subject(collector, Item("effect", earlier.name), (path, path), (Side.SENDING,))
+        sending.attributes(_OF_SENDING_WITH_EFFECT, earlier, later, name=earlier.name)
     _states(collector, old, new)
     _errata(collector, old, new)
     edition = Subject(collector, Item("edition", ""), ((), ()))
@@ -179,6 +204,7 @@ def _bus(collector: Collector, old: Bus, new: Bus) -> None:
     _items(collector, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, (BOTH_SIDES, Impact.LOUD))
     bus.used(*BOTH_SIDES).attributes([_FRAME_FORMAT], old, new)
     bus.attributes(_OF_BUS, old, new)
+    bus.used(Side.SENDING).attributes([_ANSWERS], old, new)
 
 
 def _parameters(collector: Collector, old: Sequence[Parameter], new: Sequence[Parameter]) -> None:

@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Case(Generic[T]):
-    """What two types have under some parameter values; `when` is empty, or ` [series A, B]`."""
+    """What two types have under some parameter values; `when` is empty, or ` [model A, B]`."""
 
     when: str
     assignments: tuple[Assignment, ...]

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 
 from ..model.layout import MAX_DATA_BYTES
 from ..model.message import Direction
-from ..model.metadata import FrameFormat, Level
+from ..model.metadata import Consent, FrameFormat, Level, Repeat
 from ..model.types import Order
 from .checksum import ChecksumSpec as ChecksumSpec
 from .concept import Concept as Concept, Defines, Doc, JsonSchema, Limits, Problem, Ref, keys as keys
@@ -139,6 +139,14 @@ class BusSpec(Concept):
     ] = FrameFormat.CLASSIC
     max_nodes: Annotated[int | None, Limits(ge=1), Doc("Maximum number of nodes on one bus.")] = None
     reply_within_ms: Annotated[Rational | None, Doc("Maximum time from request to reply.")] = None
+    answers: Annotated[
+        Literal["in_order"] | None,
+        Doc(
+            "`in_order` if a node answers requests in the order in which it receives them, as the manual states or an erratum "
+            "assumes. After a missing reply, a client then sends a read, whose reply shows that no older one is on its way. "
+            "Without this key, it waits."
+        ),
+    ] = None
     modes: Annotated[
         dict[Annotated[Name, Defines("mode")], ModeSpec], Doc("Modes of the bus; the first is the default.")
     ] = field(default_factory=dict)
@@ -202,6 +210,21 @@ class EffectSpec(Description):
     example = {"title": "Moves", "level": "warning"}
 
     level: Annotated[Level, Doc("Severity of the effect: note, warning, or danger.")] = Level.NOTE
+    consent: Annotated[
+        Consent,
+        Doc(
+            "What a program has to allow before a client sends a command with this effect: `motion` if something moves or is "
+            "free to move, `wear` if each time shortens the life of the node, `contact` if the node may then have another id, "
+            "bus or bit rate."
+        ),
+    ] = Consent.NONE
+    repeat: Annotated[
+        Repeat,
+        Doc(
+            "What a request does that is sent again because no reply came: the `same`; or another thing, or that is unknown. In "
+            "this case, a client `never` repeats a command with this effect."
+        ),
+    ] = Repeat.SAME
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from ..model.layout import MAX_DATA_BYTES, ROLE_KEYS, NodeRole, Space
 from ..model.message import Direction
+from ..model.metadata import EndsMotion, Repeat
 from ..model.sending import Occasion
 from ..model.types import Order
 from .checksum import ChecksumSpec
@@ -407,6 +408,19 @@ class CommandSpec(Description):
     ] = field(default_factory=list)
     alternative_replies: AlternativeReplies = field(default_factory=list)
     effects: Annotated[list[EffectName], Doc("Side effects; names of `effects`.")] = field(default_factory=list)
+    repeat: Annotated[
+        Repeat | None,
+        Doc(
+            "What a second request does, if that does not follow from the effects: the `same`, or `never` to be repeated."
+        ),
+    ] = None
+    ends_motion: Annotated[
+        EndsMotion | None,
+        Doc(
+            "`stop` if it stops a node, `switch_off` if the node is then without power. A client sends it, without consent, to "
+            "the nodes that a program moved when the program ends. Its request has no values, and an address has one of each."
+        ),
+    ] = None
     limited_by: Annotated[list[SettingName], Doc("Settings that limit it.")] = field(default_factory=list)
     not_limited_by: Annotated[list[SettingName], Doc("Settings that do not limit it, contrary to expectation.")] = (
         field(default_factory=list)

@@ -11,7 +11,7 @@ from functools import cached_property
 from ..diagnostics.diagnostic import DocumentPath
 from .deprecation import Deprecation
 from .layout import Field, Layout, NodeRole, ParameterRole, Segment, Space
-from .metadata import Effect, Setting
+from .metadata import Effect, EndsMotion, Repeat, Setting
 from .sending import Sending
 from .types import Assignment, ImpliedTitle, Member, Order, Text, number_of
 
@@ -109,6 +109,17 @@ class Key(BitRun):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Confusion:
+    """Values with which a frame of a message is identified as that of another command.
+
+    All `conditions` have to be met: bits of the frame with one of their values.
+    """
+
+    command: str
+    conditions: tuple[tuple[BitRun, tuple[int, ...]], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class FrameSequence:
     """A message in several frames, in any order: `field` contains the number of each, one of `numbers`."""
 
@@ -123,6 +134,8 @@ class Message:
     A frame with the values of all `keys` is this message; `accepted_codes` are further accepted values of `keys[0]`. `identifying_codes`
     are the values of `keys[0]` that identify this message without its request: where several messages accept one
     value, it identifies the message whose command has that code.
+
+    `confusions` are the values that cannot be sent, because receivers identify these frames as other messages.
 
     `only` maps a parameter to the values of nodes that accept a request; empty for a reply, which shows that the node has it.
 
@@ -140,6 +153,7 @@ class Message:
     keys: tuple[Key, ...]
     accepted_codes: tuple[int, ...]
     identifying_codes: tuple[int, ...]
+    confusions: tuple[Confusion, ...] = ()
     only: Mapping[str, tuple[str, ...]]
     dlc: int
     remote: bool
@@ -289,6 +303,9 @@ class Command:
     """Maximum time from request to reply, where that of the bus does not apply."""
     implemented: bool
     effects: tuple[Effect, ...]
+    repeat: Repeat | None
+    """What a second request does, if that does not follow from the effects."""
+    ends_motion: EndsMotion | None
     limited_by: tuple[Setting, ...]
     not_limited_by: tuple[Setting, ...]
     title: Text

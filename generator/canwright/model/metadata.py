@@ -18,6 +18,34 @@ class Level(str, Enum):
     DANGER = "danger"
 
 
+class Consent(str, Enum):
+    """What a program has to allow before it sends a command with an effect."""
+
+    NONE = "none"
+    MOTION = "motion"
+    """Something moves, or is free to move."""
+    WEAR = "wear"
+    """Each time shortens the life of the node."""
+    CONTACT = "contact"
+    """The node may no longer be reached the same way."""
+
+
+class Repeat(str, Enum):
+    """What happens if a request is sent again because no reply came."""
+
+    SAME = "same"
+    """The same as if it was sent once."""
+    NEVER = "never"
+    """Something else, or that is unknown."""
+
+
+class EndsMotion(str, Enum):
+    """How a command ends the motion of a node."""
+
+    STOP = "stop"
+    SWITCH_OFF = "switch_off"
+
+
 class FrameFormat(str, Enum):
     """The format of the frames that are sent on a bus: classic CAN, or CAN FD without or with bit rate switch."""
 
@@ -50,6 +78,8 @@ class Effect:
 
     name: str
     level: Level
+    consent: Consent
+    repeat: Repeat
     title: Text
     about: Text
 
@@ -97,6 +127,8 @@ class Bus:
     frame_format: FrameFormat
     max_nodes: int | None
     reply_within_ms: Fraction | None
+    answers_in_order: bool
+    """Whether a node answers requests in the order in which it receives them; False if that is unknown."""
     modes: tuple[Mode, ...]
     manual: str
 

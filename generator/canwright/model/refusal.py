@@ -34,3 +34,5 @@ class Refusal(str, Enum):
     """A checksum is not that of the frame."""
     NO_VALUE = "no_value"
     """The raw integer means that there is no value. No frame is rejected for this, only a conversion to a number."""
+    WRONG_MESSAGE = "wrong_message"
+    """Receivers identify a frame with these values as another message."""

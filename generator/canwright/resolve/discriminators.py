@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import combinations
 
 from ..model.layout import Field, Layout, Segment, Space, Variant, bits_of
-from ..model.message import Command, Direction, Key, KeyRole, Message
+from ..model.message import Command, Confusion, Direction, Key, KeyRole, Message
+from ..semantics.confusion import confusions
 
 FieldBits = tuple[Space, tuple[Segment, ...]]
 Constants = dict[FieldBits, Field]
@@ -27,10 +28,7 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
     """
     deciding: Deciding = {}
     for direction in Direction:
-        together: dict[object, list[Message]] = {}
-        for message in _distinct(commands, direction):
-            together.setdefault((message.id, message.remote), []).append(message)
-        for messages in together.values():
+        for messages in _by_route(commands, direction):
             groups: dict[frozenset[object], list[Message]] = {}
             for message in messages:
                 groups.setdefault(_selected(message), []).append(message)
@@ -162,3 +160,20 @@ def with_claims(commands: Sequence[Command]) -> tuple[Command, ...]:
                 codes.setdefault(message.name, []).append(value)
 
     return _with_messages(commands, lambda m: dataclasses.replace(m, identifying_codes=tuple(codes.get(m.name, ()))))
+
+
+def with_confusions(commands: Sequence[Command]) -> tuple[Command, ...]:
+    """The commands with `confusions`: the values with which a message is identified as another one."""
+    of_message: dict[str, tuple[Confusion, ...]] = {}
+    for direction in Direction:
+        for messages in _by_route(commands, direction):
+            of_message |= {message.name: values for message, values in confusions(messages).items()}
+    return _with_messages(commands, lambda m: dataclasses.replace(m, confusions=of_message.get(m.name, ())))
+
+
+def _by_route(commands: Sequence[Command], direction: Direction) -> Iterable[Sequence[Message]]:
+    """The messages of each id rule and kind of frame."""
+    together: dict[object, list[Message]] = {}
+    for message in _distinct(commands, direction):
+        together.setdefault((message.id, message.remote), []).append(message)
+    return together.values()

@@ -13,7 +13,7 @@ from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
 from ..model.metadata import Bus, Effect, Erratum, Mode, Setting, State
 from ..model.types import ImpliedTitle
-from .discriminators import keyed_by_constants, with_claims
+from .discriminators import keyed_by_constants, with_claims, with_confusions
 from .layouts import LayoutResolver
 from .messages import CommandForm, MessageResolver
 from .parameters import resolve_parameters, with_limits_of_ids
@@ -48,6 +48,8 @@ def _edition(report: Report, spec: schema.EditionSpec) -> Edition:
         name: Effect(
             name=name,
             level=written.level,
+            consent=written.consent,
+            repeat=written.repeat,
             title=titled(written.title, name),
             about=written.about,
         )
@@ -70,7 +72,7 @@ def _edition(report: Report, spec: schema.EditionSpec) -> Edition:
         for name, written in spec.commands.items()
         for form in messages.forms(name)
     ]
-    resolved = with_claims(keyed_by_constants(commands))
+    resolved = with_confusions(with_claims(keyed_by_constants(commands)))
     return Edition(
         family=spec.family,
         name=spec.edition,
@@ -86,6 +88,7 @@ def _edition(report: Report, spec: schema.EditionSpec) -> Edition:
             frame_format=spec.bus.frame_format,
             max_nodes=spec.bus.max_nodes,
             reply_within_ms=spec.bus.reply_within_ms,
+            answers_in_order=spec.bus.answers is not None,
             modes=tuple(modes.values()),
             manual=spec.bus.manual or "",
         ),
@@ -186,6 +189,8 @@ def _command(
         reply_within_ms=written.reply_within_ms,
         implemented=written.implemented,
         effects=tuple(command_effects),
+        repeat=written.repeat,
+        ends_motion=written.ends_motion,
         limited_by=tuple(settings[name] for name in written.limited_by),
         not_limited_by=tuple(settings[name] for name in written.not_limited_by),
         title=title,

@@ -21,6 +21,7 @@ from . import (
     differing_quantity,
     duplicate_code,
     duplicate_name,
+    ends_motion,
     exchange_contradiction,
     file_name,
     frame_contradiction,
@@ -45,6 +46,7 @@ from . import (
     unknown_node,
     unreviewed_frame,
     unused,
+    wrong_message,
     zero_scale,
 )
 from .reading_catalogue import LOAD_RULES
@@ -80,6 +82,7 @@ RULES: tuple[Rule, ...] = (
     _rule(id_collision, Phase.WHOLE),
     _rule(id_bits),
     _rule(unknown_node, Phase.WHOLE),
+    _rule(ends_motion),
     _rule(node_field),
     _rule(checksum_field),
     _rule(counter_field),
@@ -90,6 +93,7 @@ RULES: tuple[Rule, ...] = (
     _rule(exchange_contradiction, Phase.FRAMES),
     _rule(missing_frame, Phase.COVERAGE, severity=WARNING),
     _rule(unreviewed_frame, Phase.COVERAGE, severity=WARNING),
+    _rule(wrong_message, Phase.COVERAGE, severity=WARNING),
     _rule(missing_manual, severity=WARNING),
     _rule(differing_quantity, severity=WARNING),
     _rule(bit_number, severity=WARNING),

@@ -118,7 +118,7 @@ def dispatch_plan(edition: Edition, direction: Direction) -> DispatchPlan:
 def selection(message: Message) -> tuple[object, ...]:
     """All facts that the plan decides by: id rule, kind of frame, length and keys. They should identify one message."""
     length = None if message.remote else message.dlc
-    return message.id, message.remote, length, tuple((_bits(key), key.value) for key in message.keys)
+    return message.id, message.remote, length, tuple((bits_of_key(key), key.value) for key in message.keys)
 
 
 def node_of_id(rule: IdRule, id_: int, assignment: Assignment = NO_PARAMETERS) -> int | None:
@@ -168,7 +168,7 @@ def _candidates(messages: Sequence[Message]) -> list[_Candidate]:
         for conditions in _conditions(message):
             claims.setdefault(conditions, (order, {}))[1].setdefault(message.dlc, message)
     candidates = [_Candidate(order, keys, tuple(same.values())) for keys, (order, same) in claims.items()]
-    firsts = dict.fromkeys(_bits(message.keys[0]) for message in messages if message.keys)
+    firsts = dict.fromkeys(bits_of_key(message.keys[0]) for message in messages if message.keys)
     rank = {bits: number for number, bits in enumerate(firsts)}
     return sorted(
         candidates,
@@ -179,7 +179,7 @@ def _candidates(messages: Sequence[Message]) -> list[_Candidate]:
     )
 
 
-def _bits(key: Key) -> BitRun:
+def bits_of_key(key: Key) -> BitRun:
     """The bits of a key, without its name; the same bits of different messages are equal."""
     order = key.order if len(key.segments) > 1 else Order.LITTLE
     return BitRun(name="", space=key.space, order=order, width=key.width, segments=key.segments)
@@ -192,7 +192,7 @@ def _conditions(message: Message) -> Iterator[Conditions]:
         return
     first, *further = message.keys
     for value in message.identifying_codes:
-        yield ((_bits(first), value), *((_bits(key), key.value) for key in further))
+        yield ((bits_of_key(first), value), *((bits_of_key(key), key.value) for key in further))
 
 
 class _Tree:

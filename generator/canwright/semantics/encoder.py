@@ -19,11 +19,13 @@ from ..model.message import Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Bound, Encoding, Type, factors
 from .bits import placed
+from .confusion import is_confused
 from .decoder import Rejection, is_finite, linear_of, missing_parameter, value_of
 from .frame import CanFrame, Raw, checksum_of, parameter_raw
 from .plan import (
     CheckAvailable,
     CheckField,
+    CheckMeaning,
     CheckNode,
     ChooseFields,
     NeedParameter,
@@ -102,7 +104,7 @@ class Encoder:
         assert rule is not None  # decided by `rejects`, before the names of fields are known
         id_, data = rule.base + (node or 0) * rule.node_step, 0
         for step in message_plan(message).encoding:
-            if isinstance(step, (CheckAvailable, CheckNode, NeedParameter, ChooseFields)):
+            if isinstance(step, (CheckAvailable, CheckNode, NeedParameter, ChooseFields, CheckMeaning)):
                 continue
             if step.field is not None and not message.layout.has(step.field, self.assignment):
                 continue
@@ -127,7 +129,8 @@ class Encoder:
                     id_ |= bits
                 else:
                     data |= bits
-        return _frame(message, id_, data)
+        frame = _frame(message, id_, data)
+        return _confused(message, frame) or frame
 
     def rejects(self, message: Message, node: int | None) -> Rejection | None:
         """The reason why the message cannot be sent to or from a node; None without one."""
@@ -288,6 +291,18 @@ def exact_value(value: Value | Number | list[Number]) -> Value:
 
 def _exact(number: Number) -> Fraction | str:
     return Fraction(number) if math.isfinite(number) else str(float(number))
+
+
+def _confused(message: Message, frame: CanFrame) -> Rejection | None:
+    """The rejection of a frame that is identified as another message."""
+    for step in message_plan(message).encoding:
+        if isinstance(step, CheckMeaning) and is_confused(step.confusion, frame):
+            data = " ".join(f"{byte:02X}" for byte in frame.data)
+            text = (
+                f"{message.name} with these values is the {message.direction.value} of {step.confusion.command}: {data}"
+            )
+            return Rejection(Refusal.WRONG_MESSAGE, text)
+    return None
 
 
 def _check_names(message: Message, fields: Mapping[str, Field] | None, given: Mapping[str, object]) -> None:

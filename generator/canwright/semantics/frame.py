@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from ..model import formatting
 from ..model.layout import Field, NodeRole, ParameterRole, Segment, Space, Variant
-from ..model.message import BitRun, Message
+from ..model.message import BitRun, IdRule, Message
 from ..model.types import NO_PARAMETERS, Assignment, Encoding, Type, number_of
 from .bits import placed
 from .checksum import ChecksumPlan
@@ -171,6 +172,14 @@ def has_id_rule(message: Message, frame: CanFrame, assignment: Assignment = NO_P
     if (message.id.extended, message.remote) != (frame.extended, frame.remote):
         return False
     return has_rest(message.id, frame.id & ~message.id_mask, assignment)
+
+
+def sent_id_rule(message: Message) -> IdRule:
+    """The id rule of a message as it is sent: with its keys, and with the fields in the id that always have the same value."""
+    places = [(key.segments, key.value) for key in message.keys if key.space is Space.ID]
+    fields = ((f.elements[0].segments, f.role.sent_raw) for f in message.layout.fields if f.space is Space.ID)
+    places += [(segments, raw) for segments, raw in fields if raw is not None]
+    return replace(message.id, base=message.id.base | sum(placed(segments, raw) for segments, raw in places))
 
 
 def is_message(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> bool:

@@ -23,7 +23,7 @@ from ..model.layout import (
     Segment,
     Space,
 )
-from ..model.message import Direction, Key, Message
+from ..model.message import Confusion, Direction, Key, Message
 from .bits import data_bits, placed
 from .checksum import ChecksumPlan, checksum_plan
 
@@ -133,6 +133,13 @@ class WriteChecksum:
     checksum: ChecksumPlan
 
 
+@dataclass(frozen=True)
+class CheckMeaning:
+    """Reject (wrong_message) if the frame that is written is identified as another message."""
+
+    confusion: Confusion
+
+
 DecodingStep = CheckConstant | CheckChecksum | ChooseFields | CheckParameter | ReadField
 EncodingStep = (
     CheckAvailable
@@ -144,6 +151,7 @@ EncodingStep = (
     | WriteParameter
     | WriteField
     | WriteChecksum
+    | CheckMeaning
 )
 
 
@@ -261,6 +269,7 @@ def _encoding(message: Message) -> Iterator[EncodingStep]:
             yield WriteParameter(field, field.role.parameter)
     yield from map(WriteField, values)
     yield from (WriteChecksum(field, checksum_plan(message, field)) for field in _checksums(message))
+    yield from map(CheckMeaning, message.confusions)
 
 
 def _checksums(message: Message) -> Iterable[Field]:

@@ -136,6 +136,10 @@ class Target(ABC):
         """Names that two editions of one run share: the later edition, and a message."""
         yield from ()
 
+    def notices(self, editions: Sequence[Edition], options: Options) -> Iterator[str]:
+        """What the output lacks because of its size, and the option to get it; `canwright generate` prints them."""
+        yield from ()
+
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """Every name that users of the output write, with the path of its item in the spec; for `canwright diff`.
 

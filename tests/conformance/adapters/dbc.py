@@ -40,6 +40,7 @@ from ..adapter import (
     Raw,
     Refused,
     assignment,
+    means_another,
 )
 from .dbc_file import DbcFile
 
@@ -68,6 +69,8 @@ class DbcAdapter(Adapter):
         "several_runs": "each run of bits of a field is a signal: they have no names, and programs divide the value",
         "no_value_numbers": "an encoder takes the number of a raw integer that has a name, also beyond the limits",
         "left_out": "an id that carries a field, a remote frame, and fixed bytes above fields have no form in a DBC",
+        "other_code": "a reader takes a frame for the message whose code the multiplexor contains",
+        "confusion": "a file does not reject values with which a receiver identifies another message",
         "selectors_apart": "nested multiplexors break readers; selectors that stand apart cannot be read as one",
         "lengths": "all messages of one id have one length",
     }
@@ -257,6 +260,8 @@ class DbcAdapter(Adapter):
                 f.name for f in message.layout.fields if f.name in given and set(f.type.parameters) - set(parameters)
             )
             return Refused(Refusal.MISSING_PARAMETER, next(undecided, None))
+        if means_another(message, result):
+            raise Cannot("confusion")
         return result
 
 

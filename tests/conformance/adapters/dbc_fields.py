@@ -23,8 +23,6 @@ Place = tuple[Signal, int, str | None]
 """A signal, the raw bit it starts at, and the flag that it is, if any."""
 
 RAW_UNIT = "raw"
-NAME_LENGTH = 32
-"""Longer names are cut, since DBC readers take no more."""
 
 _FLOATS = {32: (">I", ">f"), 64: (">Q", ">d")}
 
@@ -155,6 +153,12 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     return result
 
 
+def cell_of_selector(selector: Signal, field: Field) -> list[Cell]:
+    """The place of a field in the bits of the selector; none where it has other bits."""
+    bits = tuple(range(selector.start, selector.start + selector.length))
+    return [Cell(field, ((selector, 0, None),))] if [e.bits for e in field.elements] == [bits] else []
+
+
 @functools.lru_cache(maxsize=1024)
 def _signals(message: Message) -> dict[str, Signal]:
     return {signal.name: signal for signal in message.signals}
@@ -173,9 +177,8 @@ def _parts(name: str, signals: Mapping[str, Signal]) -> list[Place]:
 def _flags(name: str, field: Field, signals: Mapping[str, Signal]) -> list[Place]:
     places: list[Place] = []
     for flag in field.type.flags:
-        cut = f"{name}_{flag.name}"[:NAME_LENGTH]
-        if cut in signals:
-            places.append((signals[cut], flag.value, flag.name))
+        if f"{name}_{flag.name}" in signals:
+            places.append((signals[f"{name}_{flag.name}"], flag.value, flag.name))
     for signal_name, signal in signals.items():
         if signal_name.startswith(f"{name}_bits_"):
             places.append((signal, int(signal_name.split("_bits_")[1].split("_")[0]), None))

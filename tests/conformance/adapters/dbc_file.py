@@ -21,14 +21,14 @@ from canwright.semantics.frame import has_id
 from canwright.targets.dbc.text import fitting
 
 from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, joined_value
-from .dbc_fields import Data, Number, cells, float_of, values_of
+from .dbc_fields import Data, Number, cell_of_selector, cells, float_of, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
 LETTER = {Direction.REQUEST: "c", Direction.REPLY: "r"}
 EXTENDED = 1 << 31
 """What a DBC adds to an id of 29 bits."""
 
-_ID = re.compile(r'(?:BO_|BO_TX_BU_|VAL_|SIG_VALTYPE_|CM_ (?:BO_|SG_)|BA_ "\w+" (?:BO_|SG_)) (\d+) ')
+_ID = re.compile(r'(?:BO_|BO_TX_BU_|VAL_|SIG_VALTYPE_|SG_MUL_VAL_|CM_ (?:BO_|SG_)|BA_ "\w+" (?:BO_|SG_)) (\d+) ')
 
 
 def load(text: str) -> Database:
@@ -48,8 +48,9 @@ class DbcMessages:
             match = _ID.match(line)
             owners.append(owners[-1] if line.startswith(" SG_ ") else int(match[1]) if match else None)
         self._lines = list(zip(owners, lines, strict=True))
+        long_names = dict(re.findall(r'^BA_ "SystemMessageLongSymbol" BO_ (\d+) "(\w+)";$', text, re.MULTILINE))
         self.names = {
-            line.split()[2].rstrip(":"): owner
+            long_names.get(str(owner), line.split()[2].rstrip(":")): owner
             for owner, line in self._lines
             if owner is not None and line.startswith("BO_ ")
         }
@@ -86,7 +87,7 @@ class DbcFile:
         if number not in self._numbers:
             return Refused(Refusal.UNKNOWN_ID)
         can_message = self._messages.message(number)
-        if (fitting(self._edition.bus.host, ()) in can_message.senders) is not (direction is Direction.REQUEST):
+        if (fitting(self._edition.bus.host) in can_message.senders) is not (direction is Direction.REQUEST):
             return Refused(Refusal.UNKNOWN_ID)
         try:
             numbers = _mapping(can_message.decode(frame.data, decode_choices=False, scaling=False, allow_excess=False))
@@ -102,11 +103,12 @@ class DbcFile:
             return Refused(Refusal.WRONG_LENGTH)
         selector = _selector(can_message)
         name = shown[selector.name] if selector else can_message.name.partition("_")[2]
-        command = None if isinstance(name, (int, float)) else self._command(str(name))
+        is_named = not isinstance(name, (int, float))
+        command = self._command(str(name)) if is_named else self._command_of_others(direction, frame, shown)
         if command is None:
             raise Cannot("selectors_apart")
         message = message_of(command, direction)
-        if not self._is_of_table and sum(key.space is Space.DATA for key in message.keys) > 1:
+        if not self._is_of_table and _data_keys(message) > 1:
             raise Cannot("selectors_apart")
         if message.dlc != can_message.length:
             raise Cannot("lengths")
@@ -124,7 +126,7 @@ class DbcFile:
         raw, values = {}, {}
         prefix = _prefix(message, numbers[selector.name] if selector else None)
         for field in message.layout.fields:
-            places = cells(can_message, prefix, field)
+            places = cells(can_message, prefix, field) or (cell_of_selector(selector, field) if selector else [])
             if isinstance(field.role, ChecksumRole) and rejects_checked(message, frame, {}):
                 raise Cannot("checksums")
             if places:
@@ -152,12 +154,27 @@ class DbcFile:
         known = {command.name: command for command in self._edition.commands}
         return known.get(name) or known.get(name.rpartition("_")[0])
 
-    def _code(self, message: Message, selector: Signal) -> int | None:
+    def _command_of_others(self, direction: Direction, frame: CanFrame, shown: Mapping[str, object]) -> Command | None:
+        """The command without a code whose signals, without a code in their names, follow the selector."""
+        if not any(name.startswith(f"{LETTER[direction]}_") for name in [*shown][1:]):
+            return None
+        alike = (m for m in self._edition.messages(direction) if has_id(m, frame) and not _data_keys(m))
+        return next((self._edition.command(message.command) for message in alike), None)
+
+    def _code(
+        self, message: Message, selector: Signal, given: Mapping[str, Raw] | Mapping[str, ExactValue]
+    ) -> int | None:
         """What the selector holds for a message; None when the file does not have it, or shows raw bits in its place."""
         choices = {int(value): str(text) for value, text in (selector.choices or {}).items()}
+        if not _data_keys(message):
+            value = next((given[f.name] for f in message.layout.fields if cell_of_selector(selector, f)), 0)
+            assert isinstance(value, (int, Fraction))
+            if value in choices:
+                raise Cannot("other_code")
+            return int(value)
         if self._is_of_table:
             return next((value for value, text in choices.items() if text == message.command), None)
-        is_only_key = sum(key.space is Space.DATA for key in message.keys) == 1
+        is_only_key = _data_keys(message) == 1
         return message.keys[0].value if is_only_key and message.keys[0].value in choices else None
 
     def write(
@@ -178,7 +195,7 @@ class DbcFile:
         number = next((named[ending] for ending in endings if ending in named), None)
         can_message = None if number is None else self._messages.message(number)
         selector = _selector(can_message) if can_message else None
-        code = self._code(message, selector) if selector else None
+        code = self._code(message, selector, given) if selector else None
         if can_message is None or (selector and code is None):
             return None
         if not of_node:
@@ -203,6 +220,10 @@ class DbcFile:
         if isinstance(checked, Encoded) and any(isinstance(f.role, ChecksumRole) for f in message.layout.fields):
             raise Cannot("checksums")
         return checked
+
+
+def _data_keys(message: Message) -> int:
+    return sum(key.space is Space.DATA for key in message.keys)
 
 
 def message_of(command: Command, direction: Direction) -> Message:

@@ -18,7 +18,19 @@ from canwright.model.types import NO_PARAMETERS
 from canwright.targets.base import EditionInput
 from canwright.targets.docs.target import DocsTarget
 
-from ..adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value
+from ..adapter import (
+    Adapter,
+    CanFrame,
+    Cannot,
+    Decoded,
+    Encoded,
+    ExactValue,
+    Parameters,
+    Raw,
+    Refused,
+    Value,
+    means_another,
+)
 from .docs_tables import FieldRow, MessagePage, Scale, forms, message, plain, tables
 
 
@@ -27,7 +39,8 @@ class DocsAdapter(Adapter):
 
     name = "docs"
     cannot: ClassVar[Mapping[str, str]] = {
-        "availability": "the nodes that have a command are in a sentence above its tables, not in a table"
+        "availability": "the nodes that have a command are in a sentence above its tables, not in a table",
+        "confusion": "the tables have the values of each message, not those with which a receiver identifies another one",
     }
 
     def __init__(self, edition: Edition, pages: Mapping[str, str]) -> None:
@@ -243,7 +256,10 @@ class DocsAdapter(Adapter):
             assert row.checksum
             word |= row.bits.write(row.checksum.of(can_id, page.extended, data, row.bits))
             data = word.to_bytes(page.dlc, "little")
-        return Encoded(can_id, data, page.extended, page.remote)
+        encoded = Encoded(can_id, data, page.extended, page.remote)
+        if means_another(self.message_of(direction, command), encoded):
+            raise Cannot("confusion")
+        return encoded
 
     def _allowed(self, row: FieldRow, raw: int, parameters: Parameters) -> bool:
         width = int(row.raw[1:].split()[0])

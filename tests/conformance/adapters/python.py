@@ -140,22 +140,9 @@ class PythonAdapter(Adapter):
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
     ) -> Encoded | Refused:
         try:
-            self._check_available(direction, command, parameters)
             return _encoded(self.message(direction, command, node, raw, parameters))
         except ValueError as error:
             return self._refused(error)
-
-    def _check_available(self, direction: Direction, command: str, parameters: Parameters) -> None:
-        """The check of `make`, which knows the node; a class alone makes a message for any node."""
-        if self._nodes is not None and direction is Direction.REQUEST and parameters:
-            node = self._nodes.Node(self._module, 0, self.parameters(parameters))
-            try:
-                node.make(self._class(direction, command))
-            except TypeError:
-                return  # the fields are missing
-            except ValueError as error:
-                if self._refused(error).says is Refusal.NOT_AVAILABLE:
-                    raise
 
     def message(
         self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
@@ -174,7 +161,6 @@ class PythonAdapter(Adapter):
         parameters: Parameters,
     ) -> Encoded | Refused:
         try:
-            self._check_available(direction, command, parameters)
             cls = self._class(direction, command)
             given = {attribute(n): self._given(cls, n, v) for n, v in values.items()}
             extra = {"parameters": self.parameters(parameters)} if self._takes_parameters(cls) else {}

@@ -23,7 +23,7 @@
 #endif
 
 /** The version of this file. Headers that need another version do not compile. */
-#define CANWRIGHT_H_VERSION 6
+#define CANWRIGHT_H_VERSION 7
 
 /** Marks a function whose result must be used; define it before, also as empty, to replace it. */
 #ifndef CANWRIGHT_CHECKED
@@ -125,7 +125,9 @@ typedef enum {
     /** The checksum is not that of the frame. */
     CANWRIGHT_WRONG_CHECKSUM,
     /** The raw integer means that there is no value, such as "not available"; `*_no_value` has its name. */
-    CANWRIGHT_NO_VALUE
+    CANWRIGHT_NO_VALUE,
+    /** Receivers identify a frame with these values as another message. */
+    CANWRIGHT_WRONG_MESSAGE
 } canwright_status_t;
 
 /** A number as a quotient, exact without floating point: 6 is {6, 1}. A denominator of 0 means unknown. */
@@ -168,6 +170,8 @@ static inline const char *canwright_status_name(canwright_status_t status)
         return "wrong_checksum";
     case CANWRIGHT_NO_VALUE:
         return "no_value";
+    case CANWRIGHT_WRONG_MESSAGE:
+        return "wrong_message";
     default:
         return "?";
     }

@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.36-2024-11",
-    hash: "979857a9c7b61a9effdb1c66021c21b058603cdbaf055c07f40f0734f07d6891",
+    hash: "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },

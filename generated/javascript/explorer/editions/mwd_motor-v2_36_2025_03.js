@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.36-2025-03",
-    hash: "3d41b4707a3d1afb1a4bc0925a43b82a720f91d22ec2420a06cd212719372ae1",
+    hash: "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },

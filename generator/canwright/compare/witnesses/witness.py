@@ -79,7 +79,7 @@ class Witness:
 
     @property
     def condition(self) -> str:
-        """The parameter values: `series MG; encoder_bits 18`; empty if the frame depends on none."""
+        """The parameter values: `model A; steps 18`; empty if the frame depends on none."""
         return formatting.condition(
             {name: (formatting.parameter_value(value),) for name, value in self.assignment.items()}
         )

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ...model.layout import ChecksumRole, Field, FixedRole, Segment, Space
-from ...model.message import BitRun, Key
+from ...model.message import BitRun, Confusion, Key
 from .expressions import Integer, integer, joined, operand, smallest, working
 
 
@@ -62,6 +62,21 @@ def constant_differs(field: Field, frame: str = "frame") -> str:
     kind = _shown(field.type.width, field.elements[0].segments)
     reads = (operand(_read(field.space, e.segments, field.type.width, frame)) for e in field.elements)
     return joined("||", [f"{read} != {kind.bits(value)}" for read in reads])
+
+
+def is_confused(confusions: Iterable[Confusion]) -> str:
+    """The condition for a frame that is identified as another message; empty if no frame is."""
+    every = [
+        joined(
+            "&&",
+            [
+                joined("||", [f"{operand(key_value(run))} == {value}" for value in labels(run, values)])
+                for run, values in confusion.conditions
+            ],
+        )
+        for confusion in confusions
+    ]
+    return joined("||", every) if every else ""
 
 
 def constant_read(field: Field) -> str:

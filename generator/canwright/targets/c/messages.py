@@ -202,7 +202,7 @@ class MessageView:
     `codes` are the values of its keys, then the same with each other accepted value of the first key. `node_in_data` is
     the expression of the node in a field; empty unless a field identifies the node. `other_constant` is the condition for
     a frame with another value in a constant field, `wrong_checksum` for one with another checksum. `struct` is empty without fields. `deprecated` is the end of a comment
-    on a deprecated message. `lacking` is the condition for a node that does not have the command of a request; empty
+    on a deprecated message. `confused` is the condition for a frame that is identified as another message; empty if no values lead to one. `lacking` is the condition for a node that does not have the command of a request; empty
     without parameters that decide it.
     """
 
@@ -220,6 +220,7 @@ class MessageView:
     own_layout: bool
     own_struct: bool
     deprecated: str
+    confused: str
     lacking: str
 
     @property
@@ -333,6 +334,7 @@ class Messages:
             own_layout=not message.layout.shared and self._edition.of_layout(message.layout)[0] is message,
             own_struct=own_struct,
             deprecated=with_deprecation("", command.deprecated),
+            confused=bits.is_confused(message.confusions),
             lacking=joined("||", lacking) if lacking else "",
         )
 

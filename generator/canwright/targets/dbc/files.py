@@ -61,8 +61,11 @@ def stems(edition: Edition) -> Iterator[str]:
 
 def node_name(address: str, node: int | None) -> str:
     """The name of a node: the name of its address and its number."""
-    number_ = "" if node is None else str(node)
-    return fitting(camel(address), (), room=len(number_)) + number_
+    return fitting(_whole_node_name(address, node))
+
+
+def _whole_node_name(address: str, node: int | None) -> str:
+    return camel(address) + ("" if node is None else str(node))
 
 
 class _Content(NamedTuple):
@@ -81,7 +84,7 @@ class _Files:
         self.assignments = list(_assignments(edition, set_parameters))
         """The combinations of parameter values that have files of their own."""
         self._edition = edition
-        self._host = fitting(edition.bus.host, ())
+        self._host = fitting(edition.bus.host)
         self._nodes = options[NODES]
         self._comments = Comments(options[COMMENTS])
         numbers = {p.name: number_of(set_parameters, p.name) for p in edition.parameters if not p.is_choice}
@@ -182,7 +185,7 @@ class _Files:
             is_request = direction is Direction.REQUEST
             yield Message(
                 id=id_,
-                name=f"{name}_{ending}",
+                name=f"{_whole_node_name(first.message.address, node)}_{ending}",
                 length=frame.length,
                 shortest=frame.shortest,
                 senders=(self._host,) if is_request else nodes,

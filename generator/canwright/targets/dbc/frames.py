@@ -7,12 +7,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model.edition import Edition
-from ...model.layout import Field, ParameterRole, Space
+from ...model.layout import Field, ParameterRole, Segment, Space
 from ...model.message import LISTED_NODES, Address, Command, Direction, IdRule, Key, Message
-from ...model.types import Assignment
+from ...model.types import Assignment, Encoding
 from ...semantics.bits import data_bits, placed
 from ...semantics.plan import CheckConstant, MaskedBits, message_plan
 from .view import EXTENDED
+
+MAX_RANGED_BITS = 8
+"""Readers list every value of a range, so that wider selectors have no ranges."""
 
 
 class Part:
@@ -80,6 +83,8 @@ class Part:
 class Frame(NamedTuple):
     """The messages of one id of each node; `rule` and `id_bits` define the id.
 
+    The last part has no selector if it has every value of the selector of the others that they do not have.
+
     `hidden` are messages that one multiplexor cannot distinguish from the others, each with the only difference.
     `shortest` is the length of the shortest message of the id, hidden ones included.
     """
@@ -101,6 +106,14 @@ class Frame(NamedTuple):
         for node in (None,) if nodes is None else nodes:
             id_ = self.rule.base + (node or 0) * self.rule.node_step + self.id_bits
             yield node, id_ | (EXTENDED if self.rule.extended else 0)
+
+
+def unlisted_nodes(frame: Frame) -> Iterator[str]:
+    """The sentence about nodes that files do not list unless they are selected; none if there are none."""
+    nodes = frame.rule.nodes or range(0)
+    if len(nodes) > LISTED_NODES:
+        last = nodes[LISTED_NODES - 1]
+        yield f"the DBC files list the nodes up to {last} of {nodes[-1]}; select others with `--nodes {last + 1}..{nodes[-1]}`"
 
 
 def listed_nodes(rule: IdRule, selected: Sequence[int]) -> Sequence[int] | None:
@@ -156,27 +169,56 @@ def _parts(edition: Edition, direction: Direction) -> Sequence[Part]:
 def _frame(rule: IdRule, id_bits: int, parts: Sequence[Part]) -> Frame:
     """The parts of an id that are shown: those without a selector, otherwise those with the same selector position.
 
-    Of parts with the same selector values, one with fields is shown, or the longest, or else the first.
+    Both are shown if the parts without a selector can have the other values of the selector. Of parts with the same
+    selector values, one with fields is shown, or the longest, or else the first.
     """
+    parts = sorted(parts, key=lambda part: not part.selectors)
     places = [part.selectors[0][0].segments if part.selectors else () for part in parts]
-    shown_place = () if () in places else places[0]
     alike: dict[tuple[tuple[Key, int], ...], list[Message]] = {}
     for part in parts:
         alike.setdefault(part.selectors, []).append(part.message)
     kept = {selectors: max(messages, key=_content) for selectors, messages in alike.items()}
+    without_selector = kept.get(())
+    has_ranges = without_selector is not None and _leaves_values(without_selector, [*kept])
+    shown_place = () if without_selector and not has_ranges else places[0]
     shown: list[Part] = []
     hidden: dict[str, str] = {}
     for part, place in zip(parts, places, strict=True):
         message = kept[part.selectors]
         if message.dlc != part.message.dlc:
             hidden[part.message.name] = "only its length"
-        elif place != shown_place:
+        elif place != shown_place and not (has_ranges and not place):
             hidden[part.message.name] = "only the data at other positions"
         elif message is not part.message:
             hidden[part.message.name] = "nothing"
         else:
             shown.append(part)
     return Frame(rule, id_bits, tuple(shown), hidden, min(part.message.dlc for part in parts))
+
+
+def _leaves_values(message: Message, selectors: Sequence[tuple[tuple[Key, int], ...]]) -> bool:
+    """Whether a message without a selector can have every value of the selector of the others that they do not have.
+
+    A multiplexor cannot overlap a signal, so a field in its bits has to be the number that the multiplexor shows.
+    """
+    keyed = [of_part for of_part in selectors if of_part]
+    keys = {(key.segments, key.width) for of_part in keyed for key, _ in of_part}
+    (segments, width), *further = keys or {((), 0)}
+    if further or len(segments) != 1 or width > MAX_RANGED_BITS or len(keyed) >= 1 << width:
+        return False
+    bits = data_bits([(Space.DATA, segments)])
+    return all(
+        is_shown_by(field, segments)
+        for field in message.layout.fields
+        if field.space is Space.DATA and data_bits((Space.DATA, e.segments) for e in field.elements) & bits
+    )
+
+
+def is_shown_by(field: Field, selector: Sequence[Segment]) -> bool:
+    """Whether a field is the number in the bits of a selector."""
+    type_ = field.type
+    is_plain = type_.is_plain and type_.encoding is Encoding.UNSIGNED and not type_.no_values and not type_.unit
+    return field.role.is_value and is_plain and [e.segments for e in field.elements] == [tuple(selector)]
 
 
 def _content(message: Message) -> tuple[bool, int]:

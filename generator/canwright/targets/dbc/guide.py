@@ -9,11 +9,11 @@ from typing import NamedTuple
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame
-from ...model.message import LISTED_NODES, Direction
+from ...model.message import Direction
 from ...model.types import Assignment, Parameter, number_of
 from ..base import EditionInput, header
 from .comments import ENGLISH, languages
-from .frames import Part, frames, obstacle
+from .frames import Part, frames, obstacle, unlisted_nodes
 from .signals import prefix
 from .text import number
 from .view import EXTENDED, KIND, File, Message, Signal
@@ -70,6 +70,7 @@ def guide(made: Sequence[Made]) -> Mapping[str, object]:
         "first": first,
         "first_needs_program": any(map(_is_rejected, first.messages)) if first else False,
         "is_fd": any(file.frame_format.is_fd for product in made for file in product.files),
+        "has_ranges": any(s.ranges for p in made for f in p.files for m in f.messages for s in m.signals),
         "reading": best,
         "sending": sending,
         "kinds": {file.kind for product in made for file in product.files},
@@ -152,14 +153,7 @@ def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
                 what = f"{hidden[message.name]} distinguishes it from the other messages of its id"
                 yield kind, message.command, f"omitted: {what}, which a multiplexor cannot express"
         for frame in listed:
-            nodes = frame.rule.nodes or range(0)
-            if len(nodes) > LISTED_NODES:
-                last = nodes[LISTED_NODES - 1]
-                yield (
-                    kind,
-                    frame.parts[0].command.name,
-                    f"the files list the nodes up to {last} of {nodes[-1]}",
-                )
+            yield from ((kind, frame.parts[0].command.name, text) for text in unlisted_nodes(frame))
             for part in frame.parts:
                 if len(part.selectors) > 1 and part.joined_span is None:
                     yield (
@@ -198,7 +192,7 @@ def _example(edition: Edition, file: File, view: Message, frame: GoldenFrame) ->
     if message is None:
         return None
     start = prefix(Part(command, message))
-    signals = {signal.name: signal for signal in view.signals}
+    signals = {signal.whole_name: signal for signal in view.signals}
     values = []
     for field, value in frame.values.items():
         signal = signals.get(f"{start}_{field}")
@@ -209,4 +203,4 @@ def _example(edition: Edition, file: File, view: Message, frame: GoldenFrame) ->
     selector = next((s for s in view.signals if s.mux == "M"), None)
     if not values or len(message.keys) > 1:
         return None
-    return Example(file, frame, view, (selector.name, frame.command) if selector else None, tuple(values))
+    return Example(file, frame, view, (selector.whole_name, frame.command) if selector else None, tuple(values))

@@ -20,15 +20,19 @@ BA_DEF_ BO_ "VFrameFormat" ENUM {frame_formats};
 BA_DEF_ BO_ "GenMsgSendType" ENUM {send_types};
 BA_DEF_ BO_ "GenMsgCycleTime" INT 0 0;
 BA_DEF_ SG_ "GenSigStartValue" INT 0 0;
-{fd_definition}BA_DEF_DEF_ "BusType" "CAN";
+{definitions}BA_DEF_DEF_ "BusType" "CAN";
 BA_DEF_DEF_ "DBName" "";
 BA_DEF_DEF_ "VFrameFormat" "StandardCAN";
-{fd_default}BA_DEF_DEF_ "GenMsgSendType" "Event";
+{defaults}BA_DEF_DEF_ "GenMsgSendType" "Event";
 BA_DEF_DEF_ "GenMsgCycleTime" 0;
 BA_DEF_DEF_ "GenSigStartValue" 0;
 BA_ "BusType" "{bus_type}";"""
 _FRAME_FORMATS = ("StandardCAN", "ExtendedCAN")
 _FD_FRAME_FORMATS = (*_FRAME_FORMATS, *("reserved",) * 12, "StandardCAN_FD", "ExtendedCAN_FD")
+
+
+_LONG_NAMES = {"BO_": "SystemMessageLongSymbol", "SG_": "SystemSignalLongSymbol"}
+"""The attributes with the whole names of messages and signals."""
 
 
 class _Texts(NamedTuple):
@@ -38,6 +42,7 @@ class _Texts(NamedTuple):
     start_value: str
     values: str
     float_kind: str
+    long_name: str
 
 
 def printed(file: File) -> str:
@@ -59,6 +64,7 @@ def _texts(signal: Signal) -> _Texts:
         start_value=f"{signal.name} {numbers.start_value}" if has_start else "",
         values=f"{signal.name} {values}" if values else "",
         float_kind=f"{signal.name} : {numbers.float_kind}" if numbers.float_kind else "",
+        long_name=f'{signal.name} "{signal.long_name}"' if signal.long_name else "",
     )
 
 
@@ -73,26 +79,7 @@ def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> 
         if len(message.senders) > 1:
             yield f"BO_TX_BU_ {message.id} : {','.join(message.senders)};"
     yield from _comments(file)
-    send_types = list(dict.fromkeys((*SEND_TYPES, *(m.send_type for m in file.messages if m.send_type))))
-    formats = _FD_FRAME_FORMATS if file.frame_format.is_fd else _FRAME_FORMATS
-    yield _ATTRIBUTES.format(
-        send_types=_listed(send_types),
-        frame_formats=_listed(formats),
-        bus_type="CAN FD" if file.frame_format.is_fd else "CAN",
-        fd_definition='BA_DEF_ BO_ "CANFD_BRS" ENUM "0","1";\n' if file.frame_format.is_fd else "",
-        fd_default=f'BA_DEF_DEF_ "CANFD_BRS" "{int(file.frame_format.switches_rate)}";\n'
-        if file.frame_format.is_fd
-        else "",
-    )
-    yield f'BA_ "DBName" "{text(file.name)}";'
-    for message in file.messages:
-        if message.extended or file.frame_format.is_fd:
-            yield f'BA_ "VFrameFormat" BO_ {message.id} {len(formats) - (1 if message.extended else 2)};'
-    for message in file.messages:
-        if message.send_type:
-            yield f'BA_ "GenMsgSendType" BO_ {message.id} {send_types.index(message.send_type)};'
-        if message.cycle_ms:
-            yield f'BA_ "GenMsgCycleTime" BO_ {message.id} {message.cycle_ms};'
+    yield from _attributes(file, messages)
     for message, signals in messages:
         yield from (
             f'BA_ "GenSigStartValue" SG_ {message.id} {texts.start_value};' for texts in signals if texts.start_value
@@ -101,6 +88,50 @@ def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> 
         yield from (f"VAL_ {message.id} {texts.values} ;" for texts in signals if texts.values)
     for message, signals in messages:
         yield from (f"SIG_VALTYPE_ {message.id} {texts.float_kind};" for texts in signals if texts.float_kind)
+    yield from _ranges(file.messages)
+
+
+def _ranges(messages: Sequence[Message]) -> Iterator[str]:
+    """The selector values of all signals of a message, if one of them has more than one."""
+    for message in messages:
+        if any(signal.ranges for signal in message.signals):
+            selector, *signals = message.signals
+            for signal in signals:
+                values = [f"{span[0]}-{span[-1]}" for span in signal.ranges] or [f"{signal.mux[1:]}-{signal.mux[1:]}"]
+                yield f"SG_MUL_VAL_ {message.id} {signal.name} {selector.name} {', '.join(values)};"
+
+
+def _attributes(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> Iterator[str]:
+    """The attributes with their definitions and defaults, but for start values."""
+    send_types = list(dict.fromkeys((*SEND_TYPES, *(m.send_type for m in file.messages if m.send_type))))
+    formats = _FD_FRAME_FORMATS if file.frame_format.is_fd else _FRAME_FORMATS
+    long_names = [
+        *(("BO_", f'{message.id} "{message.long_name}"') for message in file.messages if message.long_name),
+        *(("SG_", f"{m.id} {texts.long_name}") for m, signals in messages for texts in signals if texts.long_name),
+    ]
+    kinds = dict.fromkeys(kind for kind, _ in long_names)
+    definitions = [f'BA_DEF_ {kind} "{_LONG_NAMES[kind]}" STRING;\n' for kind in kinds]
+    defaults = [f'BA_DEF_DEF_ "{_LONG_NAMES[kind]}" "";\n' for kind in kinds]
+    if file.frame_format.is_fd:
+        definitions.append('BA_DEF_ BO_ "CANFD_BRS" ENUM "0","1";\n')
+        defaults.append(f'BA_DEF_DEF_ "CANFD_BRS" "{int(file.frame_format.switches_rate)}";\n')
+    yield _ATTRIBUTES.format(
+        send_types=_listed(send_types),
+        frame_formats=_listed(formats),
+        bus_type="CAN FD" if file.frame_format.is_fd else "CAN",
+        definitions="".join(definitions),
+        defaults="".join(defaults),
+    )
+    yield f'BA_ "DBName" "{text(file.name)}";'
+    for message in file.messages:
+        if message.extended or file.frame_format.is_fd:
+            yield f'BA_ "VFrameFormat" BO_ {message.id} {len(formats) - (1 if message.extended else 2)};'
+    yield from (f'BA_ "{_LONG_NAMES[kind]}" {kind} {name};' for kind, name in long_names)
+    for message in file.messages:
+        if message.send_type:
+            yield f'BA_ "GenMsgSendType" BO_ {message.id} {send_types.index(message.send_type)};'
+        if message.cycle_ms:
+            yield f'BA_ "GenMsgCycleTime" BO_ {message.id} {message.cycle_ms};'
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ from ...model.metadata import Effect, Level
 from ...model.types import IDENTITY, Assignment, Bound, Encoding, Linear, Order, Range, Type
 from ...semantics.valid_raws import FiniteFloats, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from .comments import Comments
-from .frames import Part
+from .frames import Part, is_shown_by
 from .text import any_text, number
 from .view import Numbers, Signal, fitted
 
@@ -87,18 +87,37 @@ class Signals:
                 yield from self._message(part, assignment, "")
             return
         by_value: dict[int, list[Part]] = {}
-        for part in parts:
+        keyless = [part for part in parts if not part.selectors]
+        for part in parts[: len(parts) - len(keyless)]:
             by_value.setdefault(part.selectors[0][1], []).append(part)
         key = parts[0].selectors[0][0]
         names = _names(
             (value, _shared_name(under), under[0].code.partition("_")[0]) for value, under in by_value.items()
         )
-        yield self._selector(f"{self._letter}_{key.name}", "M", key, names, "selector")
+        selector = self._selector(f"{self._letter}_{key.name}", "M", key, names, "selector")
+        about = (self._sharing(part, key) for part in keyless)
+        yield selector._replace(comment=self._comments.sentences([selector.comment, *about]))
         for value, under in by_value.items():
             if len(under[0].selectors) == 1:
                 yield from self._message(under[0], assignment, f"m{value}")
             else:
                 yield from self._undecided(under, f"m{value}")
+        for part in keyless:
+            yield from self._ranged(part, assignment, key, by_value)
+
+    def _sharing(self, part: Part, key: Key) -> str:
+        """The sentence about the message with all values of a selector that others leave."""
+        field = self._comments.listed(f.name for f in part.message.layout.fields if is_shown_by(f, key.segments))
+        name = "all_others_with_field" if field else "all_others"
+        return self._comments.fixed(name, command=part.command.name, field=field)
+
+    def _ranged(self, part: Part, assignment: Assignment, key: Key, taken: Collection[int]) -> Iterator[Signal]:
+        """The signals of a message with all values of a selector that are not taken."""
+        runs = _runs(value for value in range(1 << key.width) if value not in taken)
+        ranges = tuple(range(run[0], run[-1] + 1) for run in runs)
+        bits = bits_of(key.segments)
+        for signal in self._message(part, assignment, f"m{runs[0][0]}", range(bits[0], bits[-1] + 1)):
+            yield signal._replace(ranges=ranges)
 
     def _joined(self, parts: Sequence[Part], assignment: Assignment, span: range) -> Iterator[Signal]:
         by_value = {part.joined_value(span): part for part in parts}

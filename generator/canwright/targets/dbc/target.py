@@ -15,12 +15,12 @@ from ...templating.environment import environment
 from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
 from ..options import NO_OPTIONS, Options
 from .files import files, node_name, reply_file, stems
-from .frames import Part, frames
+from .frames import Part, frames, unlisted_nodes
 from .guide import Made, guide
 from .printer import printed
 from .selection import COMMENTS, NODES
 from .signals import signal_name
-from .text import NAME_LENGTH
+from .text import NAME_LENGTH, fitting
 from .view import KIND
 
 
@@ -52,7 +52,8 @@ class DbcTarget(Target):
                 if field.space is Space.DATA and len(name) > NAME_LENGTH and field.path not in seen:
                     seen.add(field.path)
                     text = f"the signal name `{name}` has {len(name)} characters; the maximum in a DBC is {NAME_LENGTH}"
-                    yield NameProblem(field.path, text, "use a shorter name; this one is truncated", Severity.WARNING)
+                    hint = f"use a shorter name; readers that ignore long names show `{fitting(name)}`"
+                    yield NameProblem(field.path, text, hint, Severity.WARNING)
 
     def collisions(self, editions: Sequence[Edition]) -> Iterator[tuple[Edition, str]]:
         owners: dict[str, Edition] = {}
@@ -63,6 +64,12 @@ class DbcTarget(Target):
                     yield edition, f"{owner.family} {owner.name} would also have the files `{name}-….dbc`"
                     break
 
+    def notices(self, editions: Sequence[Edition], options: Options) -> Iterator[str]:
+        for edition in editions if not options[NODES] else ():
+            listed = [frame for direction in KIND for frame in frames(edition, direction, {})]
+            for text in dict.fromkeys(text for frame in listed for text in unlisted_nodes(frame)):
+                yield f"{edition.family} {edition.name}: {text}"
+
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """The host, the first node of each address, signals, and names of values."""
         yield ("bus", "host"), edition.bus.host
@@ -70,12 +77,14 @@ class DbcTarget(Target):
         first = {part.message.address: part.message.id.nodes[0] for part in parts if part.message.id.nodes}
         yield from ((("addresses", address), node_name(address, node)) for address, node in first.items())
         made = files(edition, {}, Options({NODES: tuple(sorted(set(first.values())))}))
-        existing = {signal.name for file in made for message in file.messages for signal in message.signals}
+        existing = {
+            signal.whole_name: signal.name for file in made for message in file.messages for signal in message.signals
+        }
         for part in parts:
             for field in part.message.layout.fields:
                 for path, name in _signals(part, field):
-                    if name[:NAME_LENGTH] in existing:
-                        yield path, name
+                    if name in existing:
+                        yield path, existing[name]
                         yield from (((*field.type.path, "enum", m.name), m.name) for m in field.type.enum)
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import re
 import unicodedata
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
 
 from ...model import formatting
 
 NAME_LENGTH = 32
+"""A longer name is an error in some readers."""
+
+_HASH_DIGITS = 6
 
 _KEYWORD = re.compile(r"[A-Z_]+_|VERSION|FILTER|INT|HEX|FLOAT|STRING|ENUM")
 
@@ -61,12 +65,11 @@ def camel(name: str) -> str:
     return "".join(part.capitalize() for part in name.split("_"))
 
 
-def fitting(name: str, taken: Collection[str], room: int = 0) -> str:
-    """`name` cut to the limit of readers minus `room`, with a number appended if it is `taken` or a keyword."""
-    length = NAME_LENGTH - room
-    fitted, count = name[:length], 1
-    while fitted in taken or _KEYWORD.fullmatch(fitted):
-        count += 1
-        ending = f"_{count}"
-        fitted = name[: length - len(ending)] + ending
-    return fitted
+def fitting(name: str) -> str:
+    """A name that readers accept: a longer one ends in a hash of the whole name, so it does not depend on other names."""
+    if _KEYWORD.fullmatch(name):
+        return f"{name}_2"
+    if len(name) <= NAME_LENGTH:
+        return name
+    ending = "_" + hashlib.sha256(name.encode()).hexdigest()[:_HASH_DIGITS]
+    return name[: NAME_LENGTH - len(ending)] + ending

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from typing import NamedTuple, TypeVar
 
 from ...model.message import Direction
 from ...model.metadata import FrameFormat
 from ...model.types import Order
-from .text import fitting
+from .text import NAME_LENGTH, fitting
 
 KIND = {Direction.REPLY: "reply", Direction.REQUEST: "command"}
 """Direction as it appears in names of files and messages."""
@@ -34,7 +35,7 @@ class Numbers(NamedTuple):
 class Signal(NamedTuple):
     """An SG_ line with its comment, values and attributes.
 
-    `mux` is empty, `M`, or `m` and a selector value; `bits` are in the data, least significant bit first.
+    `mux` is empty, `M`, or `m` and a selector value, the first of all if it has `ranges`; `bits` are in the data, least significant bit first.
     """
 
     name: str
@@ -44,6 +45,15 @@ class Signal(NamedTuple):
     comment: str
     numbers: Numbers
     values: tuple[tuple[int, str], ...] = ()
+    ranges: tuple[range, ...] = ()
+    """The selector values, where a message has those that the others of its id leave; otherwise empty."""
+    long_name: str = ""
+    """The whole name, if `name` is a shorter one."""
+
+    @property
+    def whole_name(self) -> str:
+        """The name in readers that show long names."""
+        return self.long_name or self.name
 
     @property
     def start(self) -> int:
@@ -70,6 +80,13 @@ class Message(NamedTuple):
     """When the frame is sent; empty if that is not stated, or not the same for all messages of the id."""
     cycle_ms: int = 0
     """The period in whole milliseconds; 0 without one."""
+    long_name: str = ""
+    """The whole name, if `name` is a shorter one."""
+
+    @property
+    def whole_name(self) -> str:
+        """The name in readers that show long names."""
+        return self.long_name or self.name
 
     @property
     def extended(self) -> bool:
@@ -80,11 +97,17 @@ Named = TypeVar("Named", Signal, Message)
 
 
 def fitted(views: Iterable[Named]) -> tuple[Named, ...]:
-    """The signals of a message, or the messages of a file, with unique names that readers accept."""
+    """The signals of a message, or the messages of a file, with unique names that readers accept.
+
+    The second of two items with the same whole name gets a number.
+    """
     by_name: dict[str, Named] = {}
     for view in views:
-        name = fitting(view.name, by_name)
-        by_name[name] = view if name == view.name else view._replace(name=name)
+        numbered = (view.name if n == 1 else f"{view.name}_{n}" for n in itertools.count(1))
+        whole_name = next(name for name in numbered if fitting(name) not in by_name)
+        name = fitting(whole_name)
+        long_name = whole_name if len(whole_name) > NAME_LENGTH else ""
+        by_name[name] = view if name == view.name else view._replace(name=name, long_name=long_name)
     return tuple(by_name.values())
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.message import Address, Command, Direction
-from ...model.metadata import Effect, Erratum, Level, State
+from ...model.metadata import Consent, Effect, Erratum, Level, Repeat, State
 from ...model.types import ImpliedTitle
 from ...templating.markup import code, markdown
 from . import tables
@@ -70,6 +70,10 @@ class Pages:
         if command is not None and command.reply_within_ms is not None:
             time = f"{formatting.exact(command.reply_within_ms)} ms"
             texts["NOTE"].append(f"{self._labels['reply_within']}{self._labels['colon']}{time}")
+        if command is not None and command.ends_motion is not None:
+            texts["NOTE"].append(self._labels[f"ends_motion_{command.ends_motion.value}"])
+        if command is not None and command.repeat is Repeat.NEVER:
+            texts["WARNING"].append(self._labels["not_repeated"])
         texts["NOTE"] += [markdown(note[self._language]) for note in command.notes] if command else []
         return [Admonition(kind, listed) for kind, listed in texts.items() if listed]
 
@@ -78,7 +82,14 @@ class Pages:
         values = (value for form in forms for value in form.command.exemptions(effect))
         texts = dict.fromkeys(f"{code(field.name)} = {code(member.name)}" for field, member in values)
         listed = self._labels["listed"].join(texts)
-        return self.description(effect) + (self._labels["effect_except"].format(listed) if listed else "")
+        needs = "" if effect.consent is Consent.NONE else self._labels[f"consent_{effect.consent.value}"]
+        return "".join(
+            (
+                self.description(effect),
+                self._labels["effect_except"].format(listed) if listed else "",
+                self._labels["needs_consent"].format(needs) if needs else "",
+            )
+        )
 
     def _half(self, command: Command, direction: Direction, side: Side | None) -> Half:
         """One direction of a command; `side` is its content for every language."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from ...model import formatting
@@ -15,7 +14,6 @@ from ...model.message import (
     Command,
     Direction,
     EchoReply,
-    IdRule,
     KeyRole,
     Message,
     OtherReply,
@@ -23,7 +21,7 @@ from ...model.message import (
     SharedReply,
 )
 from ...model.types import Assignment, Encoding, Text, Type
-from ...semantics.bits import placed
+from ...semantics.frame import sent_id_rule
 from ...templating.markup import code, markdown
 from ..availability import is_available, values_of
 from .links import command_link
@@ -198,23 +196,13 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     return cases(ranges)
 
 
-def _id_with_code(message: Message) -> IdRule | None:
-    """The id on the bus if it contains a key; None if it contains no key, or a field with a variable value."""
-    keys = [placed(key.segments, key.value) for key in message.keys if key.space is Space.ID]
-    fields = [field for field in message.layout.fields if field.space is Space.ID]
-    if not keys or any(field.role.sent_raw is None for field in fields):
-        return None
-    fixed = (placed(field.elements[0].segments, field.role.sent_raw or 0) for field in fields)
-    return replace(message.id, base=message.id.base | sum(keys) + sum(fixed))
-
-
 def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:
     """Id, nodes and frame of a message."""
     nodes = message.id.nodes
     yield labels["id"], code(formatting.id_rule(message.id))
-    whole = _id_with_code(message)
-    if whole:
-        yield labels["id_with_code"], code(formatting.id_rule(whole))
+    varies = any(field.space is Space.ID and field.role.sent_raw is None for field in message.layout.fields)
+    if sent_id_rule(message) != message.id and not varies:
+        yield labels["sent_id"], code(formatting.id_rule(sent_id_rule(message)))
     if nodes is not None:
         yield labels["nodes"], code(f"{nodes[0]}..{nodes[-1]}")
     kind = labels["extended" if message.id.extended else "standard"]

@@ -13,6 +13,7 @@ from ...model.edition import Edition
 from ...model.layout import ChecksumRole, Field, FieldRole, FixedRole, Layout
 from ...model.message import Command, Direction, EchoReply, Key, KeyRole, Message, OtherReply
 from ...model.types import Bound, Encoding, Linear, Member, NoValue, Range, Type
+from ...semantics.frame import sent_id_rule
 from ..availability import is_available, values_of
 
 Cell = str | Fraction
@@ -167,7 +168,7 @@ class _Rows:
             code="" if command.code is None else formatting.constant(command.code),
             direction=self._labels[direction.value],
             answer=_answer(command, direction, self._labels),
-            id=formatting.id_rule(message.id),
+            id=formatting.id_rule(sent_id_rule(message)),
             nodes=formatting.numbers(nodes),
             frame=self._labels["semicolon"].join(
                 (

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ...model.message import Message
+from ...model.message import Confusion, Message
 from ...model.types import Bound, Linear, Parameter, Type
 from ...semantics.valid_raws import FiniteFloats, RawInterval, ValidRaws, valid_raws, width_limits
 from ..nested_source import Table, Value
-from ..tables import EditionTables
+from ..tables import EditionTables, segments
 from . import text
 
 
@@ -45,15 +45,26 @@ class JavaScriptTables(EditionTables):
         }
 
     def message(self, message: Message) -> dict[str, Value]:
-        sending = message.sending
+        sending, confusions = message.sending, list(map(self._confusion, message.confusions)) or None
         if sending is None:
-            return super().message(message)
+            return {**super().message(message), "confusions": confusions}
         times = {"everyMs": sending.every_ms, "timeoutMs": sending.timeout_ms}
         return {
             **super().message(message),
+            "confusions": confusions,
             "sent": [occasion.value for occasion in sending.occasions] or None,
             **{name: None if time is None else text.double(time) for name, time in times.items()},
         }
+
+    def _confusion(self, confusion: Confusion) -> Table:
+        conditions: list[Value] = [
+            {
+                "segments": segments(run.segments, run.space),
+                "values": [self.integer(value, run.width) for value in values],
+            }
+            for run, values in confusion.conditions
+        ]
+        return {"command": confusion.command, "conditions": conditions}
 
     def linear(self, linear: Linear) -> Value:
         factor, addend, divisor = linear.as_quotient

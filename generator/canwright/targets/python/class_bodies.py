@@ -185,8 +185,16 @@ class BodyView:
     """Whether the constructor rejects a message whose id contains an unknown parameter."""
     depends: code.Code | None
     """The names of the parameters on which the fields depend; None without any."""
-    is_always_valid: bool
-    """Whether every decoded message can be encoded again."""
+    has_only: bool
+    """Whether only some nodes have the command of one of the messages."""
+    is_confusable: bool
+    """Whether some values of one of the messages are refused, because its frame would be another message."""
+    checked_when_decoded: str
+    """The expression that is true if every decoded message can be encoded again."""
+
+    @property
+    def takes_parameters(self) -> bool:
+        return self.has_only or self.depends is not None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,9 +212,12 @@ class ClassBodies:
     packed: dict[str, str] = dataclasses.field(default_factory=dict)
     """Those that write data."""
 
-    def body(self, message: Message, nodes: Sequence[int]) -> BodyView:
-        """The body for the fields of a message and those with the same layout; `nodes` are those of elements of arrays."""
+    def body(self, messages: Sequence[Message], nodes: Sequence[int]) -> BodyView:
+        """The body for the fields of messages with the same layout; `nodes` are those of elements of arrays."""
+        message, has_only = messages[0], any(message.only for message in messages)
+        is_confusable = any(message.confusions for message in messages)
         layout, dlc = message.layout, message.dlc
+        is_always_valid = not is_confusable and all(field_.type.accepts_every_raw for field_ in storage(layout))
         stored = storage(layout)
         varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(message)]
         fields = tuple(
@@ -250,7 +261,9 @@ class ClassBodies:
             has_node=message.id.nodes is not None,
             needs_id=message.id.parameter is not None,
             depends=code.tuple_of(depends, "DEPENDS = ") if depends else None,
-            is_always_valid=all(field_.type.accepts_every_raw for field_ in stored),
+            has_only=has_only,
+            is_confusable=is_confusable,
+            checked_when_decoded="not cls.ONLY" if has_only and is_always_valid else str(is_always_valid),
         )
 
     def _counters(self, fields: Iterable[Field]) -> Iterator[code.Code]:

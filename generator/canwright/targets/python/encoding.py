@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model.layout import Space, Variant
 from ...model.message import Message
@@ -87,3 +88,27 @@ def id_terms(message: Message, imports: Imports) -> code.Code | None:
     fields = positions(message.layout.fields, storage(message.layout), imports)
     in_id = [term for _, p in fields if p.space is Space.ID for term in bits.terms(p, message.dlc)]
     return code.any_of("filled", in_id) if in_id else None
+
+
+class ConfusionView(NamedTuple):
+    """The condition for a frame that is identified as one of another command."""
+
+    condition: code.Code
+    command: str
+    uses_id: bool
+
+
+def confusion_views(message: Message) -> Iterator[ConfusionView]:
+    """The conditions on `can_id` and `data`, of which bytes beyond those of the message are 0."""
+    for confusion in message.confusions:
+        terms: list[code.Code] = []
+        for run, values in confusion.conditions:
+            shown = [f"0x{value:02X}" for value in values]
+            before, read = "and " if terms else "", bits.read_key(run, message.dlc)
+            terms.append(
+                f"{before}{read} == {shown[0]}"
+                if len(shown) == 1
+                else code.Items(f"{before}{read} in (", tuple(shown), ")")
+            )
+        uses_id = any(run.space is Space.ID for run, _ in confusion.conditions)
+        yield ConfusionView(code.Parts("if ", tuple(terms), ":", optional=True), confusion.command, uses_id)

@@ -26,7 +26,7 @@ _RUNTIME = {
         "OptionalNumber",
         "TextType",
         *("ToAll", "ToNode", "check_choice", "check_number", "checksum", "constant", "crc_of", "join"),
-        *("merge", "missing", "new", "sum_of", "whole", "xor_of"),
+        *("merge", "missing", "new", "sum_of", "whole", "wrong_message", "xor_of"),
     ),
     "_dispatch": ("Answer", "DataByte", "Dispatcher", "Route", "Select", "data_length"),
 }

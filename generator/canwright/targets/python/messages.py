@@ -46,6 +46,7 @@ class MessageView:
     id_terms: code.Code | None
     """The assignment of the bits that fields fill in the id; None without any."""
     encode: EncodeView | None
+    confusions: tuple[encoding.ConfusionView, ...]
     sent: code.Code
     """The assignment of the occasions on which it is sent."""
     metadata: tuple[code.Code, ...]
@@ -111,15 +112,15 @@ class MessageViews:
         shared = _shared(messages)
         self._bases = _bases(shared)
         self._encoding_bases = {group for group, same in shared.items() if _differ_in_code_only(same)}
-        self.layouts = tuple(self._layout(same[0]) for same in shared.values())
+        self.layouts = tuple(map(self._layout, shared.values()))
         self.messages = tuple(self._message(edition.command(m.command), m) for m in messages)
 
-    def _layout(self, message: Message) -> LayoutView:
-        group = _group(message)
+    def _layout(self, messages: Sequence[Message]) -> LayoutView:
+        message, group = messages[0], _group(messages[0])
         return LayoutView(
             name=self._bases[group],
             doc=docstrings.of_layout(message.layout),
-            body=self._body(message, ()),
+            body=self._bodies.body(messages, ()),
             encode=self._encode(message, "self.CODE") if group in self._encoding_bases else None,
         )
 
@@ -133,11 +134,12 @@ class MessageViews:
             header=code.call(f"class {name}", self._base_classes(command, message)),
             doc=docstrings.of_message(command, message),
             node_place=_place(message) if message.node_in_data else None,
-            body=self._body(message, command.from_each) if has_body and group not in self._bases else None,
+            body=self._bodies.body([message], command.from_each) if has_body and group not in self._bases else None,
             id=encoding.fixed_id(message),
             data="" if has_body else encoding.constant_data(message),
             id_terms=encoding.id_terms(message, self._bodies.imports),
             encode=self._encode(message) if has_body and group not in self._encoding_bases else None,
+            confusions=tuple(encoding.confusion_views(message)),
             sent=code.tuple_of((text.literal(o.value) for o in occasions), "SENT = "),
             metadata=tuple(_class_attributes(command, self._bodies.parameters)) if has_metadata else (),
         )
@@ -152,9 +154,6 @@ class MessageViews:
             return self._bodies.imports.use("ToNode" if message.id.nodes is not None else "ToAll"), role
         base = self._bases.get(_group(message))
         return (base, role) if base else (role,)
-
-    def _body(self, message: Message, nodes: Sequence[int]) -> BodyView:
-        return self._bodies.body(message, nodes)
 
     def _encode(self, message: Message, selector: str = "") -> EncodeView:
         return encoding.encode_view(message, self._bodies, selector)

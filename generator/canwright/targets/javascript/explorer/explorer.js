@@ -565,7 +565,7 @@
     return make("span", {}, input, result.unit ? ` ${result.unit}` : "");
   }
 
-  /** `MG: 2.5 A`: the result under some values of a parameter that is not given; without these if all have one result. */
+  /** `B: 2.5 A`: the result under some values of a parameter that is not given; without these if all have one result. */
   function caseLine({ values, value, reason, isOutside }, { unit, cases }) {
     const known = reason === null ? inUnit(value, unit) : say(reason);
     const result = isOutside ? `${known} (${say("out_of_range")})` : known;

@@ -28,7 +28,8 @@ export type Refusal =
   | "not_answer"
   | "not_available"
   | "wrong_checksum"
-  | "no_value";
+  | "no_value"
+  | "wrong_message";
 
 /** A frame or a value is rejected. The error of a received frame has no `stack`. */
 /** The value of a counter in the next frame; `counter` is the first and the last value, as `MESSAGES` has them. */

@@ -186,6 +186,7 @@ class Codec {
     }
     const raws = Object.fromEntries(fields.map((field) => [field.name, field.given(given[field.name], known, values !== undefined)]));
     const frame = message.write(node, raws, known);
+    message.checkMeaning(frame);
     return new MessageResult(this.tables, message, message.nodeOf(frame, known), frame, raws, known);
   }
 
@@ -605,6 +606,8 @@ class Message {
     this.length = table.length;
     this.only = Object.entries(table.only ?? NOTHING);
     this.keys = (table.keys ?? []).map(({ segments, values }) => ({ bits: new Bits(segments), values }));
+    const condition = ({ segments, values }) => ({ bits: new Bits(segments), values });
+    this.confusions = (table.confusions ?? []).map(({ command, conditions }) => ({ command, conditions: conditions.map(condition) }));
     this.mask = table.mask ?? 0;
     this.layout = layout;
     this.layoutNumber = table.layout;
@@ -654,6 +657,15 @@ class Message {
       if (value !== undefined && !values.includes(value)) {
         throw new CodecError("not_available", `${this.command} is available with ${name} ${values.join(" or ")}, not ${value}`);
       }
+    }
+  }
+
+  /** Throws CodecError if receivers identify a frame of this message as another one. */
+  checkMeaning(frame) {
+    const confusion = this.confusions.find(({ conditions }) => conditions.every(({ bits, values }) => values.includes(bits.read(frame))));
+    if (confusion) {
+      const data = Array.from(frame.data, (byte) => byte.toString(16).padStart(2, "0")).join(" ").toUpperCase();
+      throw new CodecError("wrong_message", `the ${this.direction} of ${this.command} with these values is that of ${confusion.command}: ${data}`);
     }
   }
 

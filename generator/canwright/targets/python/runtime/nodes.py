@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from ._codec import CodecError, Message, Refusal, shown_choice
+from ._codec import CodecError, Message, Refusal
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -70,8 +70,7 @@ class Node(Generic[Q, A]):
     def make(self, message: type[M], **values: Any) -> M:
         """A message to or from this node, of a class of its edition.
 
-        Raises CodecError, also where nodes with these parameters do not have the command (not_available), and
-        TypeError.
+        Raises CodecError, also where nodes with these parameters do not have the command (not_available), and TypeError.
         A message without a node, such as a broadcast, is for every node on the bus; only its values are computed with the
         parameters of this node. The field that contains the node is set, too.
         """
@@ -80,8 +79,6 @@ class Node(Generic[Q, A]):
         if "node" in values or "parameters" in values or message.NODE_FIELD in values:
             names = " and ".join(name for name in ("node", "parameters", message.NODE_FIELD) if name in values)
             raise TypeError(f"{self!r} sets {names} itself; leave it out")
-        if message.ONLY:
-            self._check_available(message)
         taken = message.__init__.__annotations__
         if "node" in taken:
             values["node"] = self.node
@@ -91,15 +88,6 @@ class Node(Generic[Q, A]):
             values[message.NODE_FIELD] = self.node & message.NODE_MASK
         build: Callable[..., M] = message
         return build(**values)
-
-    def _check_available(self, message: type[Message]) -> None:
-        """Checks that a node with these parameters has a command. Raises CodecError (not_available)."""
-        for name, values in message.ONLY.items():
-            value = getattr(self.parameters, name)
-            if value is not None and value not in values:
-                available = " or ".join(map(shown_choice, values))
-                text = f"{message.__name__} is available with {name}={available}; {self!r} has {shown_choice(value)}"
-                raise CodecError(Refusal.NOT_AVAILABLE, text)
 
     def ids_of(self, direction: str) -> Iterable[tuple[int, int, bool, bool]]:
         """The ids of this node, as a `request` or a `reply`; see the function of the edition."""
