@@ -76,9 +76,9 @@ class Node(Generic[Q, A]):
         """
         if message.__module__ != getattr(self.edition, "__name__", None):
             raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
-        for name in ("node", "parameters", message.NODE_FIELD):
-            if name in values:
-                raise TypeError(f"{self!r} sets {name} itself; leave it out")
+        if "node" in values or "parameters" in values or message.NODE_FIELD in values:
+            names = " and ".join(name for name in ("node", "parameters", message.NODE_FIELD) if name in values)
+            raise TypeError(f"{self!r} sets {names} itself; leave it out")
         taken = message.__init__.__annotations__
         if "node" in taken:
             values["node"] = self.node
