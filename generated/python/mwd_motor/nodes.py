@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from ._codec import CodecError, Message, Refusal, shown_choice
+from ._codec import ClientFacts, CodecError, Message, Refusal, shown_choice
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -22,6 +22,17 @@ class Edition(Protocol[Q, A]):
 
     @property
     def EDITION(self) -> str: ...  # noqa: N802
+
+    @property
+    def REPLY_WITHIN_MS(self) -> float | None: ...  # noqa: N802
+
+    @property
+    def client_facts(self) -> ClientFacts: ...
+
+    @property
+    def decode_answer(self) -> Any: ...
+
+    def share_a_reply(self, one: type[Message], other: type[Message]) -> bool: ...
 
     @property
     def UNKNOWN(self) -> Any: ...  # noqa: N802
@@ -82,7 +93,7 @@ class Node(Generic[Q, A]):
             if name in values:
                 raise TypeError(f"{self!r} sets {name} itself; leave it out")
         if message.ONLY:
-            self._check_available(message)
+            self.check_available(message)
         taken = message.__init__.__annotations__
         if "node" in taken:
             values["node"] = self.node
@@ -93,7 +104,7 @@ class Node(Generic[Q, A]):
         build: Callable[..., M] = message
         return build(**values)
 
-    def _check_available(self, message: type[Message]) -> None:
+    def check_available(self, message: type[Message]) -> None:
         """Checks that a node with these parameters has a command. Raises CodecError (not_available)."""
         for name, values in message.ONLY.items():
             value = getattr(self.parameters, name)
