@@ -13,6 +13,7 @@ _RUNTIME = {
         *(
             "ArrayType",
             "Bound",
+            "ClientFacts",
             "Counter",
             "DigitsType",
             "EnumType",
