@@ -651,7 +651,7 @@ class OptionalNumber(FieldType):
         """The name for which a raw integer has no value; None for a number."""
         return next((name for name, (first, last) in self.no_values.items() if first <= raw <= last), None)
 
-    def value(self, raw: int, parameters: object, field: str) -> Any:
+    def value(self, raw: int, parameters: object, field: str) -> float | None:
         """The value of a raw integer; None without one. Raises CodecError as that of the number does."""
         return self.number.value(raw, parameters, field) if self.no_value(raw) is None else None
 
@@ -675,6 +675,16 @@ class OptionalNumber(FieldType):
     def raw_range(self, parameters: object) -> tuple[int, int]:
         """The range of raw integers with a value."""
         return self.number.raw_range(parameters)
+
+
+class OptionalInteger(OptionalNumber):
+    """The same of an integer, whose value is its raw integer."""
+
+    __slots__ = ()
+
+    def value(self, raw: int, parameters: object, field: str) -> int | None:
+        """The raw integer itself; None without a value."""
+        return raw if self.no_value(raw) is None else None
 
 
 class Counter(NamedTuple):
