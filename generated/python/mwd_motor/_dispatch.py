@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union, cast
 
 from ._codec import CodecError, Message, Refusal, Request, id_node, missing
 
@@ -491,8 +491,7 @@ class Dispatcher(Generic[P, Q, M]):
             answer.check_source(sent, to, -1, node, can_id, data)
         if reply is None:
             reply = answer.reply.unpack(node, can_id, data, self._unknown if parameters is None else parameters)
-        decoded: R = reply
-        return decoded
+        return cast("R", reply)
 
     def share_a_reply(self, one: type[Message], other: type[Message]) -> bool:
         """Whether one frame can answer requests of both classes."""
