@@ -118,7 +118,7 @@ def test_type_checkers_find_a_missing_case_and_nothing_else(command: tuple[str, 
     (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
     result = subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, capture_output=True, text=True, check=False)
     errors = [line for line in result.stdout.splitlines() if " error: " in line]
-    misuses = [line for line in errors if "wrong.py:12" in line]
+    misuses = [line for line in errors if "wrong.py:11" in line]
     errors = [line for line in errors if line not in misuses]
     assert len(errors) == 1, result.stdout + result.stderr
     assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and names[0] in result.stdout

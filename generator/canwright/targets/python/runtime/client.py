@@ -315,7 +315,7 @@ class ClientCore:
                 f'{request} was not sent. {title}. To allow this, write {where}request(..., allow="{consent}")'
             )
         if request.ONLY:
-            request._check_available(node.parameters)
+            request.replace(parameters=node.parameters)  # rejected where the node lacks the command
 
     def _moves(self, node: Node[Any, Any], request: Message) -> bool:
         effects = node.edition.client_facts.effects
