@@ -23,7 +23,7 @@
 #endif
 
 /** The version of this file. Headers that need another version do not compile. */
-#define CANWRIGHT_H_VERSION 7
+#define CANWRIGHT_H_VERSION 8
 
 /** Marks a function whose result must be used; define it before, also as empty, to replace it. */
 #ifndef CANWRIGHT_CHECKED
@@ -137,6 +137,18 @@ typedef struct {
     /** 0 for an unknown number. */
     uint32_t denominator;
 } canwright_ratio_t;
+
+/** A 32-bit IEEE 754 number as its bits. It is a struct, so that no number converts to it: a conversion of its type sets it. */
+typedef struct {
+    /** The bits on the wire. */
+    uint32_t bits;
+} canwright_float32_t;
+
+/** A 64-bit IEEE 754 number as its bits. */
+typedef struct {
+    /** The bits on the wire. */
+    uint64_t bits;
+} canwright_float64_t;
 
 /** The name of a status. */
 static inline const char *canwright_status_name(canwright_status_t status)
