@@ -16,6 +16,7 @@ PACKAGES: Mapping[str, str] = {
     "clang-tidy": "clang-tidy",
     "cppcheck": "cppcheck",
     "frama-c": "frama-c-base",
+    "g++": "g++",
     "gcc": "gcc",
     "java": "default-jre-headless",
     "npm": "npm",

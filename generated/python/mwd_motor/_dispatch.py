@@ -227,15 +227,17 @@ class Router(Generic[P, M]):
         if parameters is None:
             parameters = self._unknown
         by_id = self._by_kind[extended, remote] if extended or remote else self._by_id
-        known = by_id.get(can_id)
-        table = known[1].get(len(data)) if known is not None else None
         message: M
-        if known is not None and table is not None:
-            position, cases = table
-            message = cases[data[position]](known[0], can_id, data, parameters)
-        else:
-            route, node = self.find(can_id, extended, remote, parameters)
-            message = route.unpack(node, can_id, data, parameters)
+        listed = by_id.get(can_id)
+        if listed is not None:
+            node, tables = listed
+            table = tables.get(len(data))
+            if table is not None:
+                position, cases = table
+                message = cases[data[position]](node, can_id, data, parameters)
+                return message
+        route, node = self.find(can_id, extended, remote, parameters)
+        message = route.unpack(node, can_id, data, parameters)
         return message
 
     def find(self, can_id: int, extended: bool, remote: bool, parameters: Any = None) -> tuple[Route, int | None]:
@@ -464,8 +466,9 @@ class Dispatcher(Generic[P, Q, M]):
         """
         if type(data) is not bytes:
             data = bytes(memoryview(data))
-        message = None if isinstance(request, type) else request
-        sent: type[Message] = request if isinstance(request, type) else type(request)
+        message: Message | None
+        sent: type[Message]
+        message, sent = (None, request) if isinstance(request, type) else (request, type(request))
         answer = self._answers.get(sent) or self._answer(sent)
         if answer.further:
             answer = self._fitting(answer, request, can_id, data, (extended, remote), parameters)
@@ -481,15 +484,21 @@ class Dispatcher(Generic[P, Q, M]):
             reply = None
             kind = extended, remote
             node = self._node_of_answer(answer, None if message is None else sent, can_id, data, kind, parameters)
-        if message is None:
-            answer.check_source(sent, None, -1, node, can_id, data)
-        elif answer.echo or answer.request_node:
+        to = None if message is None else id_node(message)
+        if message is not None and (answer.echo or answer.request_node):
             answer.check(sent, message.node, message.can_id, message.encode(), node, can_id, data)
-        else:
-            answer.check_source(sent, id_node(message), -1, node, can_id, data)
+        elif node != to or answer.nodes or answer.reply_node:
+            answer.check_source(sent, to, -1, node, can_id, data)
         if reply is None:
             reply = answer.reply.unpack(node, can_id, data, self._unknown if parameters is None else parameters)
-        return cast(R, reply)
+        return cast("R", reply)
+
+    def share_a_reply(self, one: type[Message], other: type[Message]) -> bool:
+        """Whether one frame can answer requests of both classes."""
+        ours, theirs = (self._answers.get(request) for request in (one, other))
+        if ours is None or theirs is None:
+            return False
+        return any(_overlap(a, b) for a in (ours, *ours.further) for b in (theirs, *theirs.further))
 
     def _fitting(
         self,
@@ -591,6 +600,12 @@ class Dispatcher(Generic[P, Q, M]):
             if read(can_id, data) not in codes:
                 raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {reply.__name__}")
         return node
+
+
+def _overlap(one: Answer, other: Answer) -> bool:
+    """Whether a frame can be both replies."""
+    pairs = [(a, b) for read, a in one.selectors for also, b in other.selectors if read is also]
+    return one.reply.DLC == other.reply.DLC and all(set(a) & set(b) for a, b in pairs)
 
 
 def not_answer(text: str) -> CodecError:

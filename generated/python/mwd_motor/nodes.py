@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from ._codec import CodecError, Message, Refusal
+from ._codec import ClientFacts, CodecError, Message, Refusal
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -22,6 +22,17 @@ class Edition(Protocol[Q, A]):
 
     @property
     def EDITION(self) -> str: ...  # noqa: N802
+
+    @property
+    def REPLY_WITHIN_MS(self) -> float | None: ...  # noqa: N802
+
+    @property
+    def client_facts(self) -> ClientFacts: ...
+
+    @property
+    def decode_answer(self) -> Any: ...
+
+    def share_a_reply(self, one: type[Message], other: type[Message]) -> bool: ...
 
     @property
     def UNKNOWN(self) -> Any: ...  # noqa: N802
@@ -77,9 +88,9 @@ class Node(Generic[Q, A]):
         """
         if message.__module__ != getattr(self.edition, "__name__", None):
             raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
-        for name in ("node", "parameters", message.NODE_FIELD):
-            if name in values:
-                raise TypeError(f"{self!r} sets {name} itself; leave it out")
+        if "node" in values or "parameters" in values or message.NODE_FIELD in values:
+            names = " and ".join(name for name in ("node", "parameters", message.NODE_FIELD) if name in values)
+            raise TypeError(f"{self!r} sets {names} itself; leave it out")
         taken = message.__init__.__annotations__
         if "node" in taken:
             values["node"] = self.node
