@@ -24,7 +24,7 @@ COMMANDS = {
     "decode": ("decode", "Decode a log, or explain one frame."),
     "diff": ("diff", "Show what changed from OLD to NEW, and who is affected."),
     "editions": ("diff", "List the editions: family, name, date, commands, title."),
-    "encode": ("encode", "Print the frame of a COMMAND, ready to send, and what it means."),
+    "encode": ("encode", "Print the frame of a COMMAND, ready for cansend, and what it means."),
     "explain": ("explain", "Explain a RULE by example, or the meaning of a KEY."),
     "frames": ("frames", "Print an entry for each request and reply of SPEC without a golden frame."),
     "generate": ("generate", "Write the bindings and documents of the specs."),

@@ -65,7 +65,7 @@ def encode(
 
     \b
       canwright encode dim level=50 --node 1
-      canwright encode set_torque iq=2.5 --node 1 --set series=MG
+      canwright encode dim level=raw:500 --node 1 --set size=12
 
     Exit status: 0 if every edition encodes the frame, 1 if one refuses it, 2 if the command could not run.
     """
