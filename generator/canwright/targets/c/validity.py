@@ -49,7 +49,9 @@ def _condition(type_: Type, raws: ValidRaws | None) -> Condition:
     every = list(_conditions(type_, raws))
     if not every:
         return ALWAYS
-    return Condition(joined("&&", [joined("||", some) for some in every]), depends)
+    condition = joined("&&", [joined("||", some) for some in every])
+    nan = [is_nan(type_, "raw")] if type_.no_values else []
+    return Condition(joined("||", [condition, *nan]), depends)
 
 
 def _with_names(type_: Type, raws: RawInterval, depends: bool) -> Condition:
@@ -79,8 +81,16 @@ def _merged(runs: Iterable[range]) -> list[range]:
 def has_value(type_: Type) -> str:
     """The condition for a raw integer that is a number, whatever its range; empty if all are."""
     kind = integer(type_)
+    if type_.no_values and type_.encoding is Encoding.FLOAT:
+        return f"!({is_nan(type_, 'raw')})"
     named = [joined("&&", _between(kind, run[0], run[-1])) for run in _merged(n.raws for n in type_.no_values)]
     return f"!({joined('||', named)})" if named else ""
+
+
+def is_nan(type_: Type, subject: str) -> str:
+    """The condition for the bits of NaN."""
+    kind, bits = integer(type_), type_.no_values[0].raws
+    return f"({subject} & {kind.bits(bits[-1])}) >= {kind.bits(bits[0])}"
 
 
 Alternatives = tuple[str, ...]
