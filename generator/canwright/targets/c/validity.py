@@ -14,7 +14,7 @@ from ...model.types import Assignment, Bound, ByParameter, Encoding, Range, Type
 from ...semantics.valid_raws import FiniteFloats, FlagBits, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
-from .expressions import INT64, UINT64, Integer, integer, joined
+from .expressions import INT64, UINT64, Integer, integer, joined, raw_of
 from .names import Names
 
 RATIO_LIMIT = 1 << 30
@@ -88,9 +88,9 @@ def has_value(type_: Type) -> str:
 
 
 def is_nan(type_: Type, subject: str) -> str:
-    """The condition for the bits of NaN."""
+    """The condition for NaN in a member or an argument."""
     kind, bits = integer(type_), type_.no_values[0].raws
-    return f"({subject} & {kind.bits(bits[-1])}) >= {kind.bits(bits[0])}"
+    return f"({raw_of(type_, subject)} & {kind.bits(bits[-1])}) >= {kind.bits(bits[0])}"
 
 
 Alternatives = tuple[str, ...]
@@ -114,7 +114,7 @@ def _conditions(type_: Type, raws: ValidRaws | None) -> Iterator[Alternatives]:
         ends = ((raws.scaled.low, ">=", True), (raws.scaled.high, "<=", False))
         for bound, sign, is_low in ends:
             order = kind.bits(_order(type_.width, bound.constant, up=is_low))
-            yield (f"canwright_order{type_.width}(raw) {sign} {order}",)
+            yield (f"canwright_order{type_.width}(raw.bits) {sign} {order}",)
 
 
 def constant_limits(type_: Type) -> tuple[int, int]:
