@@ -546,3 +546,14 @@ commands:
     (change,) = compare(edition(tmp_path, old), edition(tmp_path, new))
     assert (change.rule.id, change.impact) == ("request-changed", Impact.SILENT)
     assert change.witnesses[0].sent.startswith("00000101#")
+
+
+def test_a_name_for_nan_is_silent_for_receivers_and_its_witness_has_nan(tmp_path: Path) -> None:
+    floats = MINIMAL.replace("raw: u16", "raw: f32").replace(", raw_range: 0..1000", "")
+    changes = found(tmp_path, floats, ("scale: 0.1", "scale: 0.1, no_value: {absent: nan}"))
+    (change,) = (change for change in changes if change.rule.id == "member-added")
+    assert change.impact is Impact.SILENT
+    assert change.facts["value"] == "NaN"
+    assert change.witnesses[0].says() == (
+        "101#1000FFFFFFFF0000: the new node sends `dim`: `level = absent`; the old host reads `level = not finite`"
+    )

@@ -204,5 +204,5 @@ def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
         return "counter", f"{field.role.first}..{field.role.last}"
     scale = "\n".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_, among))
     limits = [f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_)]
-    limits += [f"{formatting.raws(no_value.raws)} {no_value.name}" for no_value in type_.no_values]
+    limits += [f"{formatting.no_value(no_value)} {no_value.name}" for no_value in type_.no_values]
     return scale, "\n".join(limits)

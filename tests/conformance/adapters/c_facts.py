@@ -336,7 +336,7 @@ class Facts:
             return
         if kind in ("no_value", "has_value"):
             for raw in self._raws(Encoder({}), type_):
-                named = next((n.name for n in type_.no_values if n.raws[0] <= raw <= n.raws[-1]), "NULL")
+                named = next((n.name for n in type_.no_values if n.has(raw)), "NULL")
                 yield Fact(kind, stem, {}, (str(raw),), named if kind == "no_value" else str(int(named == "NULL")))
             return
         for parameters in self.assignments(*type_.parameters, *type_.numbers):

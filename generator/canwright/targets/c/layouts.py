@@ -16,10 +16,11 @@ from ...semantics.plan import CheckConstant, CheckField, DecodingStep, EncodingS
 from . import bits
 from .checksums import checksum_view
 from .choices import Branch, Whole, parameter_access, whole
-from .expressions import integer, raw_of, stored_literal
+from .expressions import integer, joined, raw_of, stored_literal
 from .names import Names, member
 from .text import errata, field_facts, literal, with_deprecation
 from .types import TypeView
+from .validity import is_nan
 
 T = TypeVar("T")
 Types = Mapping[str, TypeView]
@@ -248,7 +249,9 @@ def _checks(names: Names, steps: Sequence[EncodingStep], variant: Variant, types
             yield _check(names, field, f"{raw} != 0", "OUT_OF_RANGE")
             continue
         if field.type.encoding is Encoding.FLOAT:
-            yield _check(names, field, f"!canwright_is_finite{field.type.width}({raw})", "NOT_FINITE")
+            refused = [f"!canwright_is_finite{field.type.width}({raw})"]
+            refused += [f"!({is_nan(field.type, item)})"] if field.type.no_values else []
+            yield _check(names, field, joined("&&", refused), "NOT_FINITE")
         type_ = types[names.lower(names.type_stem(field.type))]
         if type_.valid is not None:
             known = type_.valid.uses_parameters

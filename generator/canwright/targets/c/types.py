@@ -15,7 +15,7 @@ from .expressions import INT64, Integer, integer, raw_of, stored
 from .floating import DOUBLE, SINGLE, floating, has_floating, initializer, is_wide, raw_kind
 from .names import FIRST, SCALE_MACROS, Names, layouts
 from .text import MacroView, errata, literal, type_facts, with_deprecation
-from .validity import has_value, valid, within_run
+from .validity import has_value, is_nan, valid, within_run
 
 FEWEST, MOST = 3, 9
 """The limits of the number of decimals of a scale that is no decimal fraction."""
@@ -203,7 +203,7 @@ def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
         doc = with_deprecation(english(m.title), m.deprecated)
         yield MacroView(names.upper(names.type_stem(type_), m.name), _parenthesised(kind.literal(m.value)), doc)
     for n in type_.no_values:
-        several = len(n.raws) > 1
+        several = len(n.raws) > 1 and not n.is_nan
         doc = f"No value: {with_deprecation(english(n.title), n.deprecated)}{'; the last raw value' if several else ''}"
         yield MacroView(names.upper(names.type_stem(type_), n.name), _parenthesised(kind.literal(n.raws[-1])), doc)
         if several:
@@ -224,7 +224,8 @@ class NoValueView(NamedTuple):
 def _no_values(names: Names, type_: Type) -> Iterator[NoValueView]:
     for n in type_.no_values:
         macro = names.upper(names.type_stem(type_), n.name)
-        yield NoValueView(n.name, f"raw == {macro}" if len(n.raws) == 1 else within_run(integer(type_), n.raws))
+        several = is_nan(type_, "raw") if n.is_nan else within_run(integer(type_), n.raws)
+        yield NoValueView(n.name, f"raw == {macro}" if len(n.raws) == 1 else several)
 
 
 def _parenthesised(literal: str) -> str:
