@@ -6,12 +6,14 @@ the other edition is also tried with the correct id, and fields are compared as 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.message import Command, Direction, IdRule, Message
+from ...model.refusal import Refusal
 from ...model.types import Assignment
 from ...semantics.decoder import Decoder, Identified, Rejection, rejects_checked
 from ...semantics.encoder import Encoder
@@ -129,12 +131,27 @@ class ExchangeSimulation:
                 yield from self._of_other_form(case, new.reply, old.reply)
                 return
             yield from self._identified(case, new.reply, old.reply)
+            yield from self._no_longer_accepted(case, old.reply, new.reply)
             if old.request is not None and new.request is not None:
                 yield from self._answers(case, old.request, old.reply, new.reply)
                 yield from self._others(case, old, new)
             is_echoed = old.is_echoed and new.is_echoed  # then it has the constants of the old host
             read = self._read(case, new.reply, old.reply)
             yield from (witness for witness in read if not (is_echoed and witness.impact is Impact.LOUD))
+
+    def _no_longer_accepted(self, case: _Case, old: Message, new: Message) -> Iterator[Witness]:
+        """A reply with a further code that hosts of the new edition reject."""
+        encoder, host = self._assignments.encoder(), self._decoders[Side.RECEIVING][0]
+        node = self._common_node(old, new)
+        frames = itertools.islice(Sender(encoder, old, node).samples(), 1)
+        for reply in (candidates.with_first_key(old, frame, code) for frame in frames for code in old.accepted_codes):
+            placed = _moved(reply, old.id, new.id, node)
+            judged = None if placed is None else host.decode_as(new, placed, encoder.assignment)
+            if isinstance(judged, Rejection) and judged.reason is Refusal.UNKNOWN_CODE:
+                facts = {"sent": f"`{old.command}`", "reason": _reason(judged.reason.value)}
+                of_identity = (*paths.of_identity(case.both[0], old), *paths.of_identity(case.both[1], new))
+                yield self._made(case, "received-dropped", reply, facts, concerned=of_identity, exists=placed == reply)
+                return
 
     def _others(self, case: _Case, old: Command, new: Command) -> Iterator[Witness]:
         """The replies besides the first that the old host does not know, and those for which it waits in vain."""
@@ -318,7 +335,7 @@ class ExchangeSimulation:
                     continue
                 if sender.sends(decoder, original):
                     yield _Trial(common, candidate, exists=candidate == original)
-                    for code in () if transfer.is_request else sent.accepted_codes:
+                    for code in sent.accepted_codes:
                         accepted = candidates.with_first_key(sent, candidate, code)
                         yield _Trial(common, accepted, exists=candidate == original)
         if read is not None and read.id != sent.id:
