@@ -11,7 +11,7 @@ from ...model.joined import JoinedText
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
 from .conversions import ConversionView, Formula, factor, milli, ratio
-from .expressions import INT64, Integer, integer
+from .expressions import INT64, Integer, integer, raw_of, stored
 from .floating import DOUBLE, SINGLE, floating, has_floating, initializer, is_wide, raw_kind
 from .names import FIRST, SCALE_MACROS, Names, layouts
 from .text import MacroView, errata, literal, type_facts, with_deprecation
@@ -36,7 +36,8 @@ class ShowView(NamedTuple):
 
 def show(names: Names, type_: Type) -> ShowView:
     kind = raw_kind(type_)
-    plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, raw);"
+    item = raw_of(type_, "raw")
+    plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, {item});"
 
     def formula(linear: Linear | None) -> Formula:
         if linear is None:
@@ -46,7 +47,7 @@ def show(names: Names, type_: Type) -> ShowView:
         numbers = initializer(linear, type_)
         if not numbers:
             return RAW
-        call = f"canwright_print_value_{kind}(printer, raw, &linear, {decimals(type_, linear)}u);"
+        call = f"canwright_print_value_{kind}(printer, {item}, &linear, {decimals(type_, linear)}u);"
         return Formula(number=call, linear=numbers, ratio=ratio(linear), factor=factor(linear))
 
     formulas = choose(names, type_.linear, formula, RAW)
@@ -95,7 +96,9 @@ class TypeView:
         stem, kind = names.type_stem(type_), integer(type_)
         unit = type_.unit.dbc if type_.unit else ""
         self.name = names.lower(stem)
-        self.kind = kind.name
+        self.kind = stored(type_)
+        """The C type of a member, and of a raw integer in functions."""
+        self.is_float = type_.encoding is Encoding.FLOAT
         self.unit = unit
         self.heading = f"{stem}: {english(type_.title) or type_.name}" + (f", {unit}" if unit else "")
         self.valid = valid(names, type_)
@@ -107,7 +110,7 @@ class TypeView:
         """Conversions by the ending of their names."""
         self.joined = joined(type_)
         self.show = show(names, type_)
-        self.use = f"Raw integer, type {stem}{_functions(type_, stem, self.milli or self.double)}."
+        self.use = f"Raw {'bits' if self.is_float else 'integer'}, type {stem}{_functions(type_, stem, self.milli or self.double)}."
         """A sentence with the type and its functions, for comments of fields."""
         lacking = list(_lacking(type_, self.milli))
         self.has_notes = bool(lacking)

@@ -104,7 +104,7 @@ def _conditions(type_: Type, raws: ValidRaws | None) -> Iterator[Alternatives]:
         ends = ((raws.scaled.low, ">=", True), (raws.scaled.high, "<=", False))
         for bound, sign, is_low in ends:
             order = kind.bits(_order(type_.width, bound.constant, up=is_low))
-            yield (f"canwright_order{type_.width}(raw) {sign} {order}",)
+            yield (f"canwright_order{type_.width}(raw.bits) {sign} {order}",)
 
 
 def constant_limits(type_: Type) -> tuple[int, int]:
