@@ -62,7 +62,11 @@ RawIntegers = Annotated[
         notation.raw_integers,
         "0xFF or 0xFF00..0xFFFF",
         {
-            "anyOf": [{"type": "integer"}, {"type": "string", "pattern": notation.RAW_INTEGERS_PATTERN}],
+            "anyOf": [
+                {"type": "integer"},
+                {"type": "string", "pattern": notation.RAW_INTEGERS_PATTERN},
+                {"const": "nan"},
+            ],
             "examples": [255, "0xFF00..0xFFFF", -32768, "nan"],
         },
     ),
