@@ -50,6 +50,8 @@ _LONG = re.compile(
 _XL = re.compile(r"(?:\S+\s+)*?[0-9A-Fa-f]+#[0-9A-Fa-f]{2}:[0-9A-Fa-f]{2}:.*")
 _COLOUR = re.compile(r"\x1b\[[\d;]*m")
 _COMMENTS = ("#", ";", "//")
+MAX_ID = {False: 0x7FF, True: 0x1FFFFFFF}
+"""The greatest id, by whether it is one of 29 bits."""
 _ERROR_BIT = 0x20000000
 """Set in the id of an error that the controller reports, which is not a frame."""
 _MAX_DATA_BYTES = 64
@@ -72,13 +74,14 @@ def read_line(line: str) -> RecordedFrame | SkippedPart:
     id_, data, remote = int(match["id"], 16), b"", match["data"].startswith(("R", "r"))
     if not remote:
         data = bytes.fromhex(match["data"].replace(".", " "))
-    if id_ & _ERROR_BIT:
+    extended = len(match["id"]) == 8
+    if extended and _ERROR_BIT <= id_ < 2 * _ERROR_BIT:
         return SkippedPart.ERROR
     if len(data) > _MAX_DATA_BYTES:
         return SkippedPart.XL
-    if _is_cut_off(match, data, remote, line):
+    if id_ > MAX_ID[extended] or _is_cut_off(match, data, remote, line):
         return SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED
-    extended, is_sent = len(match["id"]) == 8, _IS_SENT[match["mark"]]
+    is_sent = _IS_SENT[match["mark"]]
     return RecordedFrame(_nanoseconds(match["time"]), match["bus"] or "", id_, data, extended, remote, is_sent)
 
 

@@ -7,11 +7,19 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
+from ..model.layout import MAX_DATA_BYTES
 from ..semantics.frame import CanFrame
-from ..targets.columns.runtime._candump import SkippedPart as SkippedPart
+from ..targets.columns.runtime._candump import MAX_ID, MAX_SECONDS, SkippedPart as SkippedPart
 
 new_tuple = tuple.__new__
 """Makes a NamedTuple in half of the time."""
+
+
+_MAX_TIME = (MAX_SECONDS + 1) * 1_000_000_000
+
+
+class LogError(Exception):
+    """A log that cannot be read; the message states why and what to do."""
 
 
 class Mark(str, Enum):
@@ -28,6 +36,17 @@ class LogFrame(NamedTuple):
     bus: str
     frame: CanFrame
     mark: Mark | None
+
+
+def log_frame(
+    time: int, bus: str, id_: int, data: bytes, mark: Mark | None, *, extended: bool, remote: bool = False
+) -> LogFrame | SkippedPart:
+    """A frame whose id, length and time a log can have; a time of more than 64 bits is unknown."""
+    if not 0 <= id_ <= MAX_ID[extended]:
+        return SkippedPart.MALFORMED
+    if len(data) > MAX_DATA_BYTES:
+        return SkippedPart.XL
+    return LogFrame(time if abs(time) < _MAX_TIME else None, bus, CanFrame(id_, data, extended, remote), mark)
 
 
 OVERLONG = "\ufffd"

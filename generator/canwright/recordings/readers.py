@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
-from . import by_python_can, candump, savvycan
-from .log_frame import OVERLONG, Counts, LogFrame, SkippedPart
+from . import asc, by_python_can, candump, csv_table, savvycan, trc
+from .log_frame import OVERLONG, Counts, LogError as LogError, LogFrame, SkippedPart
 from .packages import MissingPackageError
 
 STANDARD_INPUT = "-"
@@ -26,13 +26,18 @@ _SKIPPED = 1 << 16
 _SHOWN = 80
 _COMPRESSED: dict[bytes, Callable[[BinaryIO], object]] = {b"\x1f\x8b": gzip.open, b"\xfd7zXZ\x00": lzma.open}
 _BINARY = {b"LOGG": "blf", b"MDF ": "mf4", b"UnFinMF ": "mf4"}
+_SEEKING = (b"MDF ", b"UnFinMF ")
+"""What is read at many places, so that it cannot be a stream."""
 _MARKED = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
 _ASC = ("date ", "base ", "// version", "begin triggerblock")
 _TRC = (";$", ";##")
-
-
-class LogError(Exception):
-    """A log that cannot be read; the message states why and what to do."""
+_TEXTS = {
+    "asc": asc.read,
+    "candump": candump.read,
+    "csv": csv_table.read,
+    "savvycan": savvycan.read,
+    "trc": trc.read,
+}
 
 
 class Log:
@@ -118,20 +123,27 @@ def _buffered(source: BinaryIO) -> io.BufferedReader:
 
 
 def _read(source: io.BufferedReader, counts: Counts) -> Iterator[LogFrame]:
-    """The frames of a log in the format that its first bytes have."""
+    """The frames of a log in the format that its first bytes have, or those of the log that is compressed in it."""
     start = source.peek(_PEEKED)[:_PEEKED]
-    for magic, opened in _COMPRESSED.items():
-        if start.startswith(magic):
-            return _read(_buffered(cast("BinaryIO", opened(source))), counts)
+    opened = next((opened for magic, opened in _COMPRESSED.items() if start.startswith(magic)), None)
+    if opened is None:
+        return _frames(source, start, counts)
+    unpacked = _buffered(cast("BinaryIO", opened(source)))
+    start = unpacked.peek(_PEEKED)[:_PEEKED]
+    if start.startswith((*_COMPRESSED, *_SEEKING)):
+        raise LogError("a compressed log contains another compressed file, or MF4; decompress it first")
+    return _frames(unpacked, start, counts)
+
+
+def _frames(source: io.BufferedReader, start: bytes, counts: Counts) -> Iterator[LogFrame]:
     for magic, form in _BINARY.items():
         if start.startswith(magic):
+            if magic in _SEEKING and not source.seekable():
+                raise LogError("MF4 cannot be read from a stream; give the name of the file")
             return by_python_can.read_bytes(form, source, counts)
     encoding = next((name for mark, name in _MARKED.items() if start.startswith(mark)), _unmarked(start))
     lines = _lines(io.TextIOWrapper(source, encoding, errors="replace"))
-    form = _form(start.decode(encoding, "replace").lstrip("\ufeff"))
-    if form == "savvycan":
-        return savvycan.read(lines, counts)
-    return candump.read(lines, counts) if form == "candump" else by_python_can.read_lines(form, lines, counts)
+    return _TEXTS[_form(start.decode(encoding, "replace").lstrip("\ufeff"))](lines, counts)
 
 
 def _lines(text: io.TextIOWrapper) -> Iterator[str]:
@@ -153,7 +165,7 @@ def _unmarked(start: bytes) -> str:
 def _form(start: str) -> str:
     if start.startswith(savvycan.START):
         return "savvycan"
-    if start.startswith(by_python_can.CSV_START):
+    if start.startswith(csv_table.START):
         return "csv"
     lowered = start.lstrip().lower()
     if lowered.startswith(_ASC):
